@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+// Every parameter of planning, with its unit in its name, its default (the Clearpath Warthog) and,
+// in config/parameter_tables.h, its range. A parameter is checked against that one table wherever
+// it comes from. Sources: [OS] is Overbye and Saripalli; what is not in the paper is our choice,
+// explained in docs/parameters.md.
+
+namespace hardpack {
+
+// The vehicle's shape and what it can do.
+struct VehicleParams {
+  float length_m = 1.52f;                 // overall
+  float width_m = 1.38f;                  // overall
+  float footprint_disc_radius_m = 0.79f;  // two discs cover the footprint ...
+  float footprint_disc_offset_m = 0.38f;  // ... at +- this along the body's x axis
+  float pivot_radius_m = 1.03f;           // circle swept when turning on the spot
+  float wheel_radius_m = 0.30f;
+  float skid_baseline_m = 1.87f;  // effective distance of the wheels of a skid-steer turn
+  float max_wheel_speed_radps = 17.5f;
+};
+
+// Which returns become obstacles ([OS] Cost Map Creation).
+enum class ObstacleRule : int32_t {
+  kInCell = 0,       // the paper: highest hard return above the lowest return of the same cell
+  kLocalGround = 1,  // default: height above the local ground surface
+};
+
+struct CostmapParams {
+  ObstacleRule obstacle_rule = ObstacleRule::kLocalGround;
+  float obstacle_height_m = 0.5f;    // higher than this is an obstacle
+  float clearance_height_m = 2.0f;   // returns above this do not count
+  int32_t ground_window_cells = 15;  // side of the neighbourhood whose lowest return is the ground
+  float planning_radius_m = 1.08f;   // dilation: half width + cell diagonal + tracking allowance
+  float halo_m = 2.0f;               // width of the repulsive halo around the dilated region
+  float hard_edge_cost = 6.0f;       // hard layer: cost at the region's edge ...
+  float hard_slope_per_m = 12.0f;    // ... and its growth with the depth inside
+  float soft_edge_cost = 1.5f;       // soft layer: the same
+  float soft_slope_per_m = 3.0f;
+};
+
+struct AstarParams {
+  int32_t max_expansions = 262144;
+  int32_t move_goal_out_of_obstacle = 1;  // 0: refuse a goal inside a hard obstacle
+};
+
+struct PathParams {
+  float step_m = 0.275f;                 // resampling step of the base path
+  float max_join_heading_rad = 1.0472f;  // larger start heading errors begin with a pivot
+  float pivot_margin_m = 0.15f;          // free distance around the pivot circle
+};
+
+// Cost weights and limits of [OS] Cost Function Formulation, per metre of path.
+struct OptimizerParams {
+  float max_curvature_per_m = 0.5f;
+  float max_curvature_rate_per_m2 = 0.5f;
+  float curvature_alpha = 0.2f;       // in-bounds weight of |curvature|
+  float curvature_beta = 40.0f;       // out-of-bounds weight
+  float curvature_rate_alpha = 0.2f;  // in-bounds weight of |curvature rate|
+  float curvature_rate_beta = 20.0f;  // out-of-bounds weight
+  float perturbation_rad = 0.02f;     // the unit step delta of Algorithm 1
+  float max_perturbation_rad = 0.2f;  // clamp of the scaled step
+  float perturbation_scale = 1.0f;    // scaled step = unit step * scale * decrease of cost
+  int32_t window_steps = 25;          // N, the damping length
+  int32_t max_sweeps = 60;
+  float min_relative_decrease = 1.0e-4f;  // a sweep that lowers F by less ends the descent
+};
+
+// [OS] Speed Control; values below the blank line are ours.
+struct SpeedParams {
+  float max_speed_mps = 5.0f;
+  float min_speed_mps = 2.0f;
+  float gamma_per_m = 0.5f;  // curvature at which min_speed_mps is asked for
+
+  float max_acceleration_mps2 = 2.0f;
+  float max_deceleration_mps2 = 2.0f;
+  float max_lateral_acceleration_mps2 = 2.0f;
+  float max_yaw_rate_radps = 2.2f;
+  float max_wheel_speed_share = 0.9f;
+  float max_curvature_rate_per_ms = 2.5f;  // v^2 * |dkappa/ds| is at most this
+  float obstacle_start_speed_mps = 0.5f;   // while leaving a hard obstacle at the start
+  float reaction_time_s = 0.3f;            // from a return's stamp to the first command
+  float stopping_dead_time_s = 0.2f;       // of the drives
+  float stopping_lag_s = 0.5f;             // first-order lag of the drives
+  float person_speed_mps = 2.0f;           // how fast a person may walk into the way
+  float person_margin_m = 0.5f;
+};
+
+// Where the lidar sits on the vehicle, and which returns are the vehicle itself.
+struct LidarMountParams {
+  float x_m = 0.0f;
+  float y_m = 0.0f;
+  float z_m = 1.284f;  // height of the sensor frame above the ground
+  float roll_rad = 0.0f;
+  float pitch_rad = 0.0f;
+  float yaw_rad = 3.14159265f;  // the Warthog's forward is the os1 frame's -x
+  // Self filter: returns inside this box of the body frame are the vehicle itself.
+  float self_min_x_m = -2.7f;
+  float self_max_x_m = 0.95f;
+  float self_max_abs_y_m = 0.85f;
+  float self_max_z_m = 2.2f;
+  float min_range_m = 0.5f;
+  float max_range_m = 120.0f;
+};
+
+struct PlannerParams {
+  VehicleParams vehicle;
+  CostmapParams costmap;
+  AstarParams astar;
+  PathParams path;
+  OptimizerParams optimizer;
+  SpeedParams speed;
+};
+
+}  // namespace hardpack

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace hardpack {
+
+// 64-bit FNV-1a over decisions, equal on every processor: numbers go in little-endian byte order,
+// field by field, never as memory. -0 is hashed as +0; a NaN is a programmer's error.
+class DecisionHash {
+ public:
+  void AddU8(uint8_t value);
+  void AddU32(uint32_t value);
+  void AddI32(int32_t value) { AddU32(static_cast<uint32_t>(value)); }
+  void AddU64(uint64_t value);
+  void AddFloat(float value);
+  uint64_t value() const { return hash_; }
+
+ private:
+  uint64_t hash_ = 0xcbf29ce484222325u;
+};
+
+}  // namespace hardpack

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// HP_LOOP_BOUND(n) stands immediately before every loop of core and hal, on a line of its own and
+// without a semicolon. n is a compile-time constant: the largest number of times the loop's body
+// can run each time the loop is entered.
+//
+//   HP_LOOP_BOUND(kMapRows)
+//   for (int row = 0; row < rows; ++row) { ... }
+//
+// In a normal build it writes one record (address of the loop's entry, n) into the non-loaded
+// section .note.hardpack.loops of the object file and no instruction at all; a static timing
+// analyser reads the records from the linked image, in which every inlined copy has its own.
+// In a counting build (test/loop_count) the same words count the iterations instead and stop the
+// test when a loop runs more often than it says. A loop without the macro does not compile there.
+//
+// During constant evaluation neither happens.
+
+#if defined(HP_COUNT_LOOPS)
+
+namespace hardpack {
+
+// Counts one loop's iterations during one entry. Defined by the counting build's tests.
+class LoopCounter {
+ public:
+  LoopCounter(unsigned long long bound, const char* file, int line);
+  ~LoopCounter();
+  LoopCounter(const LoopCounter&) = delete;
+  LoopCounter& operator=(const LoopCounter&) = delete;
+  bool Tick();  // Returns true, so that it can stand in a condition.
+
+ private:
+  unsigned long long bound_;
+  unsigned long long count_ = 0;
+  const char* file_;
+  int line_;
+};
+
+}  // namespace hardpack
+
+#define HP_LOOP_BOUND(n) if (::hardpack::LoopCounter hp_loop{(n), __FILE__, __LINE__}; true)
+
+#else
+
+#if __SIZEOF_POINTER__ == 8
+#define HP_LOOP_BOUND_WORD ".quad"
+#else
+#define HP_LOOP_BOUND_WORD ".long"
+#endif
+
+#define HP_LOOP_BOUND(n)                                                     \
+  if (!__builtin_is_constant_evaluated()) {                                  \
+    asm volatile(                                                            \
+        "771:\n"                                                             \
+        ".pushsection .note.hardpack.loops,\"\",%%note\n" HP_LOOP_BOUND_WORD \
+        " 771b, %c0\n"                                                       \
+        ".popsection\n" ::"i"(static_cast<unsigned long>(n)));               \
+  }
+
+#endif

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Elementary functions that give the same bits on every processor and compiler: libm's differ.
+// Built from IEEE-754 single-precision +, -, *, / and sqrt alone, which are exact everywhere, in a
+// fixed order, with no fused operations (-ffp-contract=off).
+
+namespace hardpack {
+
+inline constexpr float kPi = 3.14159265358979323846f;
+inline constexpr float kTwoPi = 6.28318530717958647692f;
+inline constexpr float kHalfPi = 1.57079632679489661923f;
+inline constexpr float kRadPerDeg = 0.01745329251994329577f;
+
+struct SinCosPair {
+  float sin;
+  float cos;
+};
+
+// Sine and cosine of any finite angle. Absolute error at most kSinCosMaxError for
+// |angle_rad| <= kSinCosMaxAngle_rad (exhaustively tested against long double); beyond that the
+// angle is clamped to that magnitude, and NaN gives {0, 1}: callers validate angles first.
+inline constexpr float kSinCosMaxAngle_rad = 8192.0f;
+inline constexpr float kSinCosMaxError = 1.2e-7f;
+SinCosPair SinCos(float angle_rad);
+float Sin(float angle_rad);
+float Cos(float angle_rad);
+
+// Angle of the vector (x, y), in [-pi, pi]; Atan2(0, 0) is 0. Error at most kAtan2MaxError_rad.
+// Non-finite arguments give 0: callers validate first.
+inline constexpr float kAtan2MaxError_rad = 4.0e-7f;
+float Atan2(float y, float x);
+
+// The same angle in (-pi, pi]. Exact for |angle_rad| <= 3 pi up to one rounding of the subtraction
+// of 2 pi; larger angles are reduced with the error stated at SinCos.
+float WrapAngle(float angle_rad);
+
+// Square root; correctly rounded on every target. Negative or NaN gives 0: callers validate first.
+float Sqrt(float value);
+
+constexpr float Abs(float value) {
+  return value < 0.0f ? -value : value;
+}
+constexpr float Min(float a, float b) {
+  return b < a ? b : a;
+}
+constexpr float Max(float a, float b) {
+  return a < b ? b : a;
+}
+constexpr float Clamp(float value, float low, float high) {
+  return value < low ? low : (high < value ? high : value);
+}
+
+// True for every number but NaN and the infinities; by the bits, so that no compiler flag can
+// remove it.
+constexpr bool IsFinite(float value) {
+  return (__builtin_bit_cast(unsigned, value) & 0x7f800000u) != 0x7f800000u;
+}
+
+}  // namespace hardpack

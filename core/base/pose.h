@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Plane and space geometry. Frames (docs/frames.md): `odom` is the local odometry frame of REP-105,
+// x and y level, z up; `body` is the vehicle: x forward, y left, z up, origin on the ground below
+// the middle of the footprint; `sensor` is a device's own frame. Angles are anticlockwise from +x.
+
+namespace hardpack {
+
+struct Vec2 {
+  float x_m = 0.0f;
+  float y_m = 0.0f;
+};
+
+struct Vec3 {
+  float x_m = 0.0f;
+  float y_m = 0.0f;
+  float z_m = 0.0f;
+};
+
+struct Pose2 {
+  float x_m = 0.0f;
+  float y_m = 0.0f;
+  float theta_rad = 0.0f;  // (-pi, pi]
+};
+
+// Maps a point of frame `from` to frame `to`: p_to = R p_from + t.
+struct Transform3 {
+  float rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  // [3 x 3], row-major, orthonormal
+  Vec3 translation;                                 // [m]
+
+  constexpr Vec3 Apply(const Vec3& p) const {
+    return {rotation[0] * p.x_m + rotation[1] * p.y_m + rotation[2] * p.z_m + translation.x_m,
+            rotation[3] * p.x_m + rotation[4] * p.y_m + rotation[5] * p.z_m + translation.y_m,
+            rotation[6] * p.x_m + rotation[7] * p.y_m + rotation[8] * p.z_m + translation.z_m};
+  }
+};
+
+// The transform of a body standing at `pose` on level ground of height z_m: body -> odom.
+Transform3 TransformFromPose(const Pose2& pose, float z_m);
+
+// From roll, pitch, yaw (rotation = Rz(yaw) Ry(pitch) Rx(roll)) and a translation.
+Transform3 TransformFromRollPitchYaw(float roll_rad, float pitch_rad, float yaw_rad,
+                                     const Vec3& translation);
+
+// (a * b).Apply(p) == a.Apply(b.Apply(p)) to rounding.
+Transform3 operator*(const Transform3& a, const Transform3& b);
+
+}  // namespace hardpack

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace hardpack {
+
+// Why an operation ended as it did. One list for the whole library, so that a status keeps its
+// meaning (and its name in logs and in plan.json) on its way from the codec to the operator.
+// Codes at or above kFirstFailure mean that the operation gave no usable result; the ones below
+// are outcomes with a usable result, which the caller may still have to treat differently.
+enum class [[nodiscard]] Status : uint8_t{
+    kOk = 0,  // Done as asked.
+
+    // Usable results that are not quite what was asked.
+    kGoalOutsideMap,   // The goal is off the map; the nearest cell of the map was used.
+    kGoalMoved,        // The goal lies in a hard obstacle; the nearest free cell was used.
+    kStartInObstacle,  // The start lies in a hard obstacle; left along falling depth. Drive slowly.
+    kPartialPath,      // The expansion limit was hit; the path ends at the best cell seen.
+    kPathCut,          // The path was longer than the capacity and ends where that is full.
+    kIterationLimit,   // The optimizer's sweep limit ended it before it converged.
+    kNarrowGap,        // Only passable for the bare footprint; to be driven at v_min.
+    kLimitExceeded,  // Free of hard obstacles, but a curvature or curvature-rate limit is exceeded.
+
+    // Failures: there is no result.
+    kFirstFailure = 32,
+    kNotStarted = kFirstFailure,  // Begin() has not been called, or it failed.
+    kInvalidArgument,             // An argument is out of its stated range.
+    kNotFinite,                   // A number that must be finite is NaN or infinite.
+    kParameterOutOfRange,         // A parameter is outside the range its table gives.
+    kCapacityExceeded,  // The input does not fit the fixed capacity; nothing was truncated.
+    kNoPath,            // Every way to the goal is closed.
+    kStartOutsideMap,   // The start is off the map.
+    kStartEnclosed,     // The start is in a hard obstacle and no falling depth leads out.
+    kGoalInObstacle,    // The goal lies in a hard obstacle, and moving it is not permitted.
+    kPivotBlocked,      // A turn on the spot is needed, and its circle is not free.
+    kCollision,         // The checked path touches a hard obstacle.
+    kPathTooShort,      // Fewer points than the operation needs.
+
+    // Bytes from outside.
+    kTruncated,        // Fewer bytes than the format needs.
+    kOversized,        // More bytes than the format allows.
+    kWrongPacketType,  // The packet says it is of another type.
+    kWrongSensor,      // The packet's identity is not the configured sensor's.
+    kBadColumn,        // A column or measurement id is outside the sensor's range.
+    kColumnInvalid,    // The sensor marked the column as invalid.
+    kUnsupported,      // A profile or format that is known but not handled.
+    kBadCrc,           // The checksum does not match.
+    kDuplicate,        // The column or packet was already received.
+};
+
+// True when there is a result to use (possibly not quite the one asked for).
+constexpr bool IsUsable(Status status) {
+  return status < Status::kFirstFailure;
+}
+
+// The code's name in snake_case, as written to plan.json; "unknown" for a value outside the list.
+const char* StatusName(Status status);
+
+}  // namespace hardpack
