@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "config/parameters.h"
+#include "core/base/pose.h"
+#include "core/costmap/height_grid.h"
+#include "core/measurements/measurements.h"
+#include "core/scan/scan.h"
+#include "hal/ouster/ouster.h"
+#include "port_linux/read_outcome.h"
+
+// One revolution of a recorded lidar into the ring of columns and the grid of heights: a capture
+// (pcap), the sensor's metadata (JSON) and, where there are any, the classes of its returns (CSV).
+// Joins the readers of this folder to hal/ouster, core/scan and core/costmap; decides nothing about
+// obstacles. Everything is measured from one pose: the vehicle is taken to stand still meanwhile.
+
+namespace hardpack::capture {
+
+struct LidarScanRequest {
+  std::string capture_path;
+  std::string metadata_path;
+  std::string labels_path;  // empty: no labels
+  LidarMountParams mount;
+  Transform3 odom_from_body;  // pose of the vehicle while the revolution was taken
+};
+
+// One return that was offered to the grid (the vehicle's own are left out).
+struct ClassedPoint {
+  Vec3 point_odom;
+  ReturnClass return_class = ReturnClass::kIgnored;
+};
+
+// What was found on the way; filled as far as reading came, also when it failed.
+struct LidarScanReport {
+  ouster::Metadata metadata;
+  uint16_t frame_id = 0;             // the revolution that was taken
+  int64_t datagrams = 0;             // UDP datagrams in the capture, whole ones
+  int64_t packets = 0;               // of these, lidar packets of this sensor
+  int64_t foreign_packets = 0;       // of these, of another size, type or sensor
+  int64_t damaged_datagrams = 0;     // cut by the capture, or fragments that never became whole
+  int64_t columns = 0;               // valid columns of the revolution taken
+  int64_t missing_columns = 0;       // of the sensor's column window, never seen or invalid
+  int64_t returns = 0;               // with a range, in those columns
+  int64_t labelled_returns = 0;      // of these, those that the label file names
+  int64_t self_returns = 0;          // of these, the vehicle itself or outside the usable range
+  int64_t returns_off_grid = 0;      // of these, too far away for the grid
+  std::vector<ClassedPoint> points;  // every other return, in the order of columns and rows
+};
+
+// Reads one revolution: the first that is complete (all columns of the sensor's window), else the
+// fullest. Empties `ring` and configures it; empties `grid` and centres it on the body.
+// With labels a return has the class its label stands for (rellis_labels.h), and one that the file
+// does not name is kIgnored. Without labels every return is kHard: the local-ground rule makes
+// obstacles only of what stands higher above the ground around it than a threshold, so ground stays
+// ground; what is lost is that soft obstacles are told from hard ones.
+// On failure the status and a one-line message that names the file.
+ReadOutcome LoadLidarScan(const LidarScanRequest& request, ScanRing& ring, HeightGrid& grid,
+                          LidarScanReport& report);
+
+}  // namespace hardpack::capture
