@@ -2,17 +2,21 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "config/parameters.h"
 #include "core/astar/astar.h"
 #include "core/base/fixed_vector.h"
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
 #include "core/base/pose.h"
 #include "core/base/progress.h"
 #include "core/base/status.h"
 #include "core/costmap/costmap.h"
 
 // Paths in world and in actuator space ([OS] Path Representation; docs/algorithm.md section 3), the
-// vehicle model that joins the two, and the way from a cell path to the optimizer's seed.
+// vehicle model that joins the two, and the way from a cell path to the optimizer's seed. It does
+// not judge a path (core/safety) and does not bend one (core/optimizer).
 
 namespace hardpack {
 
@@ -25,7 +29,7 @@ using WorldPath = FixedVector<Pose2, kMaxPathPoints>;
 // One step: drive dr_m along the present heading (negative: in reverse), then turn by phi_rad.
 // dr_m = 0 with phi_rad != 0 is a turn on the spot.
 struct ActuatorStep {
-  float phi_rad = 0.0f;
+  float phi_rad = 0.0f;  // (-pi, pi]
   float dr_m = 0.0f;
 };
 
@@ -35,53 +39,102 @@ struct ActuatorPath {
   FixedVector<ActuatorStep, kMaxPathPoints - 1> steps;
 };
 
-// The vehicle model that path, optimizer and check are given: how a step moves the vehicle, and
-// which step joins two poses. This one is the paper's: the plane, heading and distance.
-// Another model is another type with the same two functions.
+// The vehicle model as a type ([OS] Path Representation): how a step moves the vehicle, which step
+// joins two poses, and what a change of heading does to the way behind it. This one is the paper's:
+// the plane, heading and distance. Another model is another type with the same functions, all
+// static and pure; ToWorld, ToActuator and the optimizer are templates over it.
 struct PlanarModel {
-  // theta' = theta + phi; x' = x + cos(theta) dr; y' = y + sin(theta) dr.
+  // theta' = wrap(theta + phi); x' = x + cos(theta) dr; y' = y + sin(theta) dr.
   static Pose2 Forward(const Pose2& from, const ActuatorStep& step);
   // phi = wrap(theta' - theta); |dr| = |p' - p|; dr < 0 where the chord points against theta.
   static ActuatorStep Inverse(const Pose2& from, const Pose2& to);
+  // The same phi from the chords of two forward steps that follow each other, atan2(cross, dot): no
+  // headings needed, and exact for small angles. Only the directions count; 0 when one is (0, 0).
+  static float TurnBetween(Vec2 chord, Vec2 next_chord);
+  // Where `arm`, the way from a point to a later point of the path, comes to lie when the heading
+  // change at that point grows by an angle with this sine and cosine: the steps behind it are the
+  // same, so everything turns rigidly. Equal to Forward over the steps between, without the sum.
+  static Vec2 Turned(Vec2 arm, const SinCosPair& turn);
 };
 
-// Forward integration of every step. Both at most kMaxPathPoints points.
-// kPathTooShort: no steps; kNotFinite: a number is not.
+// Forward integration of every step: n - 1 steps give n poses. On a failure `world` is empty.
+// kPathTooShort: no steps; kNotFinite: a number, or a pose that would follow, is not.
+// Cost: at most kMaxPathPoints calls of Model::Forward.
 template <typename Model>
 Status ToWorld(const ActuatorPath& actuator, WorldPath& world);
 
-// kPathTooShort: fewer than two points; kNotFinite.
+// The step between each pose and the next: n poses give n - 1 steps. On a failure `actuator` has no
+// steps. kPathTooShort: fewer than two points; kNotFinite, as above.
+// Cost: at most kMaxPathPoints calls of Model::Inverse.
 template <typename Model>
 Status ToActuator(const WorldPath& world, ActuatorPath& actuator);
 
 // Headings from the chords: theta_i = atan2 of the chord i -> i + 1 (forward driving), the last
-// repeated. A chord of no length takes the heading before it.
+// repeated ([OS] eq. heading from path). A chord of no length takes the heading before it; when it
+// is the first, the pose keeps the heading that it has.
 void SetHeadingsFromChords(WorldPath& path);
 
 // Length of all chords [m].
 float LengthOf(const WorldPath& path);
 
 // Walks a finished search's cell path and resamples it uniformly at about params.step_m (the step
-// that divides the length evenly), from start_odom (replacing the first cell's centre) to goal_odom
-// when that lies in the path's end cell, else to the end cell's centre. Resumable: a unit is one
-// cell. Headings by SetHeadingsFromChords.
+// that divides the length evenly; at least kMinPathSteps steps, so that the stages behind always
+// have enough points), from start_odom (replacing the first cell's centre) to goal_odom when that
+// lies in the path's end cell, else to the end cell's centre. Resumable: a unit is one cell of the
+// path; it is walked twice, first for its length, then for its points, and a last unit sets the
+// headings (SetHeadingsFromChords). At most 2 path_cells + 1 units.
 class PathSampler {
  public:
-  // kNotStarted when the search has no path.
+  static constexpr int kMinPathSteps = 3;
+  static constexpr float kMinPathLength_m = 0.05f;
+  static constexpr float kMinStep_m = 0.05f;
+
+  // kNotStarted: the search has no path; kNotFinite; kParameterOutOfRange: params.step_m below
+  // kMinStep_m.
   Status Begin(const AstarSearch& search, const PathParams& params, Vec2 start_odom,
                Vec2 goal_odom);
-  Progress Step(const AstarSearch& search, const GridWindow& window, int units);
 
-  // kOk; kPathCut: longer than kMaxPathPoints points, cut there; kPathTooShort: the goal is where
-  // the start is.
+  // The same search, unchanged.
+  Progress Step(const AstarSearch& search, int units);
+
+  // Before the end: kNotStarted, or why Begin failed. After it: kOk; kPathCut: longer than
+  // kMaxPathPoints points, cut there; kPathTooShort: shorter than kMinPathLength_m, the goal is
+  // where the start is.
   Status status() const { return status_; }
   const WorldPath& result() const { return path_; }
 
  private:
+  enum class Phase : uint8_t { kIdle, kLength, kPoints, kHeadings };
+
+  void BeginWalk();
+  Vec2 NextVertex(const AstarSearch& search);
+  void AddLength(const AstarSearch& search);
+  void ChooseStep();
+  void AddPoints(const AstarSearch& search);
+  void DoUnit(const AstarSearch& search);
+  void End(Status status);
+
   Status status_ = Status::kNotStarted;
+  Phase phase_ = Phase::kIdle;
   WorldPath path_;
-  // The implementer's state.
+  float wanted_step_m_ = 0.0f;
+  Vec2 start_;        // odom
+  Vec2 end_;          // odom
+  Cell first_cell_;   // of the search's path
+  int32_t legs_ = 0;  // straight pieces of the polyline start_, cell centres, end_
+
+  // The walk: at `vertex_`, in `cell_`, with `leg_` legs behind it.
+  Vec2 vertex_;
+  Cell cell_;
+  int32_t leg_ = 0;
+
+  float length_m_ = 0.0f;      // of the legs walked for the length
+  int32_t points_ = 0;         // of the result, its end included
+  bool cut_ = false;           // the result's end is not end_
+  float step_m_ = 0.0f;        // chosen: divides the length
+  float until_next_m_ = 0.0f;  // from vertex_ along the polyline to the next point
 };
+static_assert(std::is_trivially_copyable_v<PathSampler>);
 
 // The start of the drive: how the vehicle's pose is joined to the base path.
 struct PathStart {
@@ -90,12 +143,61 @@ struct PathStart {
   float speed_mps = 0.0f;
 };
 
-// The heading of the base path near its start: of the chord to the point about 1 m along it.
+// The heading of the base path near its start: of the chord from its first point to the first one
+// at least 1 m along it (the last, when it is shorter); 0 with fewer than two points.
 float BaseHeading(const WorldPath& base);
 
-// Whether a circle of vehicle.pivot_radius_m + params.pivot_margin_m around the position is free of
-// hard cells (person cells included; cells off the map count as not free).
+// Whether a circle of vehicle.pivot_radius_m + params.pivot_margin_m around the position is free:
+// no hard or person cell's square reaches into it, and all of it lies on the map. A circle of more
+// than kMaxPivotCircle_m, and one that is not finite, counts as not free. Cost: its cells.
+inline constexpr float kMaxPivotCircle_m = 3.0f;
 bool PivotIsFree(const Costmap& map, const VehicleParams& vehicle, const PathParams& params,
                  Vec2 position_odom);
+
+inline bool IsFinite(const Pose2& pose) {
+  return IsFinite(pose.x_m) && IsFinite(pose.y_m) && IsFinite(pose.theta_rad);
+}
+
+template <typename Model>
+Status ToWorld(const ActuatorPath& actuator, WorldPath& world) {
+  world.Clear();
+  const int steps = actuator.steps.size();
+  if (steps == 0) return Status::kPathTooShort;
+  Pose2 pose = actuator.start;
+  if (!IsFinite(pose)) return Status::kNotFinite;
+  world.Resize(steps + 1);
+  world[0] = pose;
+  HP_LOOP_BOUND(kMaxPathPoints - 1)
+  for (int i = 0; i < steps; ++i) {
+    const ActuatorStep& step = actuator.steps[i];
+    pose = Model::Forward(pose, step);
+    if (!IsFinite(step.phi_rad) || !IsFinite(step.dr_m) || !IsFinite(pose)) {
+      world.Clear();
+      return Status::kNotFinite;
+    }
+    world[i + 1] = pose;
+  }
+  return Status::kOk;
+}
+
+template <typename Model>
+Status ToActuator(const WorldPath& world, ActuatorPath& actuator) {
+  actuator.steps.Clear();
+  const int points = world.size();
+  if (points < 2) return Status::kPathTooShort;
+  if (!IsFinite(world[0])) return Status::kNotFinite;
+  actuator.start = world[0];
+  actuator.steps.Resize(points - 1);
+  HP_LOOP_BOUND(kMaxPathPoints - 1)
+  for (int i = 0; i < points - 1; ++i) {
+    const ActuatorStep step = Model::Inverse(world[i], world[i + 1]);
+    if (!IsFinite(world[i + 1]) || !IsFinite(step.phi_rad) || !IsFinite(step.dr_m)) {
+      actuator.steps.Clear();
+      return Status::kNotFinite;
+    }
+    actuator.steps[i] = step;
+  }
+  return Status::kOk;
+}
 
 }  // namespace hardpack

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/path/path.h"
+
+#include "core/base/saturate.h"
+
+namespace hardpack {
+namespace {
+
+float Length(Vec2 v) {
+  return Sqrt(v.x_m * v.x_m + v.y_m * v.y_m);
+}
+
+Vec2 Chord(const Pose2& from, const Pose2& to) {
+  return {to.x_m - from.x_m, to.y_m - from.y_m};
+}
+
+// Distance from a coordinate to the interval of one cell, in cells: 0 inside it.
+float DistanceToCell(float coordinate_cells, int32_t cell) {
+  const float low = static_cast<float>(cell);
+  return Max(0.0f, Max(low - coordinate_cells, coordinate_cells - (low + 1.0f)));
+}
+
+}  // namespace
+
+Pose2 PlanarModel::Forward(const Pose2& from, const ActuatorStep& step) {
+  const SinCosPair heading = SinCos(from.theta_rad);
+  return {from.x_m + heading.cos * step.dr_m, from.y_m + heading.sin * step.dr_m,
+          WrapAngle(from.theta_rad + step.phi_rad)};
+}
+
+ActuatorStep PlanarModel::Inverse(const Pose2& from, const Pose2& to) {
+  const Vec2 chord = Chord(from, to);
+  const SinCosPair heading = SinCos(from.theta_rad);
+  const bool reverse = chord.x_m * heading.cos + chord.y_m * heading.sin < 0.0f;
+  const float distance_m = Length(chord);
+  return {WrapAngle(to.theta_rad - from.theta_rad), reverse ? -distance_m : distance_m};
+}
+
+float PlanarModel::TurnBetween(Vec2 chord, Vec2 next_chord) {
+  return Atan2(chord.x_m * next_chord.y_m - chord.y_m * next_chord.x_m,
+               chord.x_m * next_chord.x_m + chord.y_m * next_chord.y_m);
+}
+
+Vec2 PlanarModel::Turned(Vec2 arm, const SinCosPair& turn) {
+  return {turn.cos * arm.x_m - turn.sin * arm.y_m, turn.sin * arm.x_m + turn.cos * arm.y_m};
+}
+
+void SetHeadingsFromChords(WorldPath& path) {
+  const int points = path.size();
+  if (points == 0) return;
+  float theta_rad = path[0].theta_rad;
+  HP_LOOP_BOUND(kMaxPathPoints - 1)
+  for (int i = 0; i + 1 < points; ++i) {
+    const Vec2 chord = Chord(path[i], path[i + 1]);
+    if (chord.x_m != 0.0f || chord.y_m != 0.0f) theta_rad = WrapAngle(Atan2(chord.y_m, chord.x_m));
+    path[i].theta_rad = theta_rad;
+  }
+  path[points - 1].theta_rad = theta_rad;
+}
+
+float LengthOf(const WorldPath& path) {
+  float length_m = 0.0f;
+  HP_LOOP_BOUND(kMaxPathPoints - 1)
+  for (int i = 0; i + 1 < path.size(); ++i) length_m += Length(Chord(path[i], path[i + 1]));
+  return length_m;
+}
+
+float BaseHeading(const WorldPath& base) {
+  constexpr float kReach_m = 1.0f;
+  if (base.size() < 2) return 0.0f;
+  float along_m = 0.0f;
+  int reached = 0;
+  HP_LOOP_BOUND(kMaxPathPoints - 1)
+  for (int i = 1; i < base.size() && along_m < kReach_m; ++i) {
+    along_m += Length(Chord(base[i - 1], base[i]));
+    reached = i;
+  }
+  const Vec2 chord = Chord(base[0], base[reached]);
+  return WrapAngle(Atan2(chord.y_m, chord.x_m));
+}
+
+bool PivotIsFree(const Costmap& map, const VehicleParams& vehicle, const PathParams& params,
+                 Vec2 position_odom) {
+  constexpr int kMaxSide_cells = static_cast<int>(2.0f * kMaxPivotCircle_m * kCellsPerMeter) + 2;
+  const float radius_m = vehicle.pivot_radius_m + params.pivot_margin_m;
+  if (!IsFinite(position_odom.x_m) || !IsFinite(position_odom.y_m)) return false;
+  if (!(radius_m >= 0.0f && radius_m <= kMaxPivotCircle_m)) return false;
+
+  const Cell low = CellAt({position_odom.x_m - radius_m, position_odom.y_m - radius_m});
+  const Cell high = CellAt({position_odom.x_m + radius_m, position_odom.y_m + radius_m});
+  if (!map.window.Contains(low) || !map.window.Contains(high)) return false;
+
+  const float radius_cells = radius_m * kCellsPerMeter;
+  HP_LOOP_BOUND(kMaxSide_cells)
+  for (int32_t y = low.y; y <= high.y; ++y) {
+    const float dy = DistanceToCell(position_odom.y_m * kCellsPerMeter, y);
+    HP_LOOP_BOUND(kMaxSide_cells)
+    for (int32_t x = low.x; x <= high.x; ++x) {
+      const float dx = DistanceToCell(position_odom.x_m * kCellsPerMeter, x);
+      if (dx * dx + dy * dy > radius_cells * radius_cells) continue;
+      const uint8_t flags = map.flags[map.window.Index({x, y})];
+      if ((flags & (Costmap::kHard | Costmap::kPerson)) != 0) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace hardpack
