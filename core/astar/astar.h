@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "config/parameters.h"
 #include "core/base/grid.h"
@@ -11,9 +12,20 @@
 
 // A* over the costmap, 8-connected ([OS] Base Path Generation; docs/algorithm.md section 2):
 // integer costs, octile heuristic, a preallocated open set with one entry a cell (so it cannot
-// overflow), resumable. Edge cost: length x (1 + cost of the cell entered). No diagonal past a
-// lethal neighbour; lethal cells are never entered, except along strictly falling hard depth from a
-// start inside one. Ties are broken by a fixed rule, so equal inputs give equal paths.
+// overflow), resumable. It finds a path of least cost over cells; it does not know the vehicle's
+// heading or its turning limits: those are the optimizer's.
+//
+// Where the search may go. A step leads to one of the eight neighbours of a cell that is
+//   - on the map, and
+//   - not lethal, or lethal and of strictly lesser hard_depth2 than the cell that is left, if that
+//     one is lethal itself (so a start inside an obstacle is left along falling depth only, and
+//     once left, never entered again).
+// A diagonal step needs this of the two cells beside it as well: no corner is cut.
+// Edge cost: length x (1 + cost of the cell entered).
+//
+// Ties, so that equal inputs give equal paths: of equal cost-so-far plus heuristic the cell that
+// was reached last goes first; neighbours are looked at anticlockwise from +x; a cell keeps its
+// parent unless another is strictly cheaper.
 
 namespace hardpack {
 
@@ -21,13 +33,14 @@ namespace hardpack {
 inline constexpr int kStraightLength = 70;
 inline constexpr int kDiagonalLength = 99;
 
-// The largest cost of one edge: a diagonal into a cell of the largest cost.
-inline constexpr int kMaxEdgeCost = kDiagonalLength * (kMaxCost_q8 + kCostOne_q8) / kCostOne_q8;
-
-// Integer cost of a step of `length` (one of the two above) into a cell.
+// Integer cost of a step of `length` (one of the two above) into a cell; at least `length`, as the
+// division is of length * 256 + something not negative. Precondition: 0 <= cost_q8 <= kMaxCost_q8.
 constexpr int EdgeCost(int length, int cost_q8) {
   return length * (kCostOne_q8 + cost_q8) / kCostOne_q8;
 }
+
+// The largest cost of one edge: a diagonal into a cell of the largest cost.
+inline constexpr int kMaxEdgeCost = EdgeCost(kDiagonalLength, kMaxCost_q8);
 
 struct AstarResult {
   Status status = Status::kNotStarted;  // one of the outcomes listed at AstarSearch::result()
@@ -45,19 +58,29 @@ struct AstarResult {
 
 class AstarSearch {
  public:
-  // Positions in the odom frame. kNotFinite, kStartOutsideMap, kParameterOutOfRange,
-  // kGoalInObstacle end the search at once (result().status says the same); otherwise kOk. Cost:
-  // constant.
+  // No query takes more units than this.
+  static constexpr int kMaxUnits = 2 * kMapSize_cells + 2 * kMapCells;
+
+  // Positions in the odom frame. kNotFinite, kParameterOutOfRange (max_expansions outside 1 to
+  // kMapCells, move_goal_out_of_obstacle neither 0 nor 1), kStartOutsideMap, kGoalInObstacle end
+  // the search at once, tested in this order (result().status says the same); otherwise kOk. A goal
+  // off the map becomes the nearest cell of the map, and is judged there. Cost: constant.
   Status Begin(const Costmap& map, const AstarParams& params, Vec2 start_odom, Vec2 goal_odom);
 
-  // A unit is one row scanned for a free goal cell, one expansion, one row of the node array
-  // cleared (once in many queries), or one cell of the path traced back.
+  // A unit is one row of the node array cleared (512 of them in the first query and in every 127th
+  // after it), one row scanned for the free cell nearest to the goal (512, only for a goal in an
+  // obstacle; ties: the lowest index), one expansion, or one cell of the path traced back. Costs
+  // above kMaxCost_q8 count as that.
   Progress Step(const Costmap& map, int units);
 
   // Outcomes: kOk; kGoalOutsideMap; kGoalMoved; kStartInObstacle (a path, left along falling
-  // depth); kPartialPath (expansion limit; the cell with the least heuristic is the end);
-  // kNoPath; kStartEnclosed; kGoalInObstacle. When several of the usable ones hold, status is the
-  // gravest (partial > start in obstacle > goal moved > goal outside) and the flags say all.
+  // depth); kPartialPath (expansion limit; the end is the cell with the least heuristic among the
+  // expanded cells that are not lethal, the first expanded of equals, or the start if all are);
+  // kNoPath; kStartEnclosed (the start is lethal, and no cell that is not can be reached from it);
+  // kGoalInObstacle, and those of Begin. When several of the usable ones hold, status is the
+  // gravest (partial > start in obstacle > goal moved > goal outside) and the flags say all. The
+  // flags are set with failures too; end, path_cells and cost are for usable outcomes.
+  // kNotStarted until Step has returned kDone.
   const AstarResult& result() const { return result_; }
 
   // The path, forward: the cell after `cell`. Precondition: result().status is usable and `cell` is
@@ -65,15 +88,56 @@ class AstarSearch {
   Cell Next(Cell cell) const;
 
  private:
-  static constexpr int kBuckets = 4096;
-  static_assert(kBuckets > kMaxEdgeCost + kDiagonalLength);
+  enum class Phase : uint8_t { kDone, kClear, kMoveGoal, kSearch, kTrace };
 
-  // One cell's whole search state in 64 bits: links of its bucket's list, cost so far modulo 2^16,
-  // direction to its parent, open / closed, and the query that wrote it.
+  static constexpr uint32_t kBuckets = 4096;
+  static constexpr uint32_t kBucketWords = kBuckets / 64;
+
+  int ClearNodes(int units);
+  int MoveGoal(const Costmap& map, int units);
+  int Search(const Costmap& map, int units);
+  int Trace(int units);
+
+  void StartSearch();
+  void Expand(const Costmap& map, uint32_t index);
+  void Relax(uint32_t index, uint32_t direction, uint32_t g);
+  uint32_t PopFirst();
+  void Link(uint32_t index, uint32_t bucket, uint64_t fields);
+  void Unlink(uint32_t index, uint32_t bucket);
+  void MarkBucket(uint32_t bucket);
+  void UnmarkBucket(uint32_t bucket);
+  uint32_t Heuristic(uint32_t index) const;
+  void Finish(Status status);
+  void BeginTrace(uint32_t end, uint32_t cost, bool partial);
+  Status UsableStatus() const;
+
+  // The whole search state of a cell: see astar.cpp. [kMapSize_cells x kMapSize_cells], row-major.
   uint64_t nodes_[kMapCells];
-  int32_t bucket_head_[kBuckets];
-  uint64_t bucket_used_[kBuckets / 64];
+
+  // The open set: circular buckets of equal cost-so-far plus heuristic (f), each a doubly linked
+  // list through nodes_. Only the heads of marked buckets are valid.
+  uint32_t bucket_head_[kBuckets];
+  uint64_t bucket_used_[kBucketWords];  // a bit a bucket
+  uint64_t bucket_words_used_;          // a bit a word of bucket_used_
+  uint32_t least_f_;                    // of the cell expanded last: not above any in the open set
+
   AstarResult result_;
+  GridWindow window_;
+  uint32_t start_ = 0;  // indices
+  uint32_t goal_ = 0;
+  int32_t max_expansions_ = 0;
+  uint32_t epoch_ = 0;                    // of the query, 1 to kLastEpoch; 0 before the first
+  int32_t row_ = 0;                       // next row of kClear or kMoveGoal
+  int32_t nearest_distance2_cells2_ = 0;  // of the best goal seen so far
+  uint32_t nearest_goal_ = 0;
+  uint32_t best_ = 0;  // the end of a partial path, as seen so far, ...
+  uint32_t best_heuristic_ = 0;
+  uint32_t best_cost_ = 0;
+  uint32_t trace_cell_ = 0;
+  uint32_t trace_direction_ = 0;  // of the step into trace_cell_
+  Phase phase_ = Phase::kDone;
 };
+static_assert(std::is_trivially_copyable_v<AstarSearch>);
+static_assert(sizeof(AstarSearch) <= 8 * kMapCells + 4 * 4096 + 1024);
 
 }  // namespace hardpack
