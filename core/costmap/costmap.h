@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "config/parameters.h"
 #include "core/base/grid.h"
 #include "core/base/progress.h"
+#include "core/base/saturate.h"
 #include "core/base/status.h"
 #include "core/costmap/height_grid.h"
 
@@ -13,6 +15,7 @@
 // for the hard and for the soft layer alike dilation by the planning radius, a cost that grows with
 // the depth inside the dilated region and a convex halo outside it, and the sum of both. Lethal is
 // a flag beside the cost. Distances are exact Euclidean between cell centres, up to a saturation.
+// Only cells of the map count: beyond its border there is neither an obstacle nor a way out.
 
 namespace hardpack {
 
@@ -22,6 +25,11 @@ inline constexpr int kMaxCost_q8 = 39 * kCostOne_q8;
 
 // Distances saturate at the square root of this many squared cells (15.97 cells, 3.19 m).
 inline constexpr int kMaxDistance2_cells2 = 255;
+
+// What CostmapParams may ask for, so that every distance that matters lies below the saturation.
+inline constexpr float kMaxPlanningRadius_m = 3.0f;
+inline constexpr float kMaxHalo_m = 3.0f;
+inline constexpr int kMaxGroundWindow_cells = 31;
 
 // One map, as the search, the optimizer and the check read it. Plain data, row-major along y.
 struct Costmap {
@@ -44,47 +52,116 @@ struct Costmap {
   bool Lethal(int index) const { return (flags[index] & kLethal) != 0; }
 
   // Bilinear between the centres of the four nearest cells, as a plain number (not q8). Points off
-  // the window take the cost of the nearest cell in it. NaN gives the cost of a corner: callers
-  // validate.
+  // the window, and points of it beyond the outermost centres, take the cost at the nearest place
+  // between centres. NaN gives the cost of a corner or of a border: callers validate. Odom frame.
   float CostAt(float x_m, float y_m) const;
 };
+static_assert(std::is_trivially_copyable_v<Costmap>);
 
-// Checks parameters that depend on one another, beyond the table's ranges: hard + soft cost cannot
-// exceed kMaxCost_q8, radii fit the saturation, the clearance is above the obstacle height.
+// Checks parameters that depend on one another, beyond the table's ranges, and all that the build
+// relies on: every number finite and none negative; hard + soft cost cannot exceed kMaxCost_q8;
+// planning radius and halo at most 3 m, which the saturation still tells apart; clearance above
+// obstacle height; the ground window odd, 1 to 31 cells. kOk or kParameterOutOfRange.
 Status CheckCostmapParams(const CostmapParams& params);
 
 // Builds a Costmap from a HeightGrid or from occupancy, resumable. A unit is one row of one pass;
-// kUnits units build a map, whatever it holds.
+// kUnits units build a map from heights, kCellUnits from cells, whatever it holds. The time of a
+// unit does not depend on the data either. Step with any split of the units gives the same map.
 class CostmapBuilder {
  public:
-  static constexpr int kPasses = 14;
+  // Ground and classification; then for each of two layers the distances to the obstacle cells and
+  // to the edge of the region dilated from them, two sweeps each.
+  static constexpr int kHeightPasses = 2;
+  static constexpr int kPasses = kHeightPasses + 2 * 2 * 2;
   static constexpr int kUnits = kPasses * kMapSize_cells;
+  static constexpr int kCellUnits = (kPasses - kHeightPasses) * kMapSize_cells;
 
   // From heights. The window is the grid's at this moment; the grid may be written to and may roll
   // while the build goes on (a cell that has rolled out reads as empty).
+  // kParameterOutOfRange: nothing changes.
   Status Begin(const HeightGrid& heights, const CostmapParams& params);
+
+  // Does at most `units` units; none when units <= 0. kDone at once when nothing was begun.
+  // Precondition: the build was not begun by BeginCells.
   Progress Step(const HeightGrid& heights, int units);
 
   // From given cells (maps from files, tests): call SetCell for any cells between BeginCells and
-  // the first StepCells. flags: kHard, kSoft, kPerson, kObserved.
+  // the first StepCells; cells not set are empty and not observed. kParameterOutOfRange: nothing
+  // changes. Cost: kMapCells bytes cleared.
   Status BeginCells(const GridWindow& window, const CostmapParams& params);
+
+  // flags: kHard, kSoft, kPerson, kObserved; others are ignored. A person is hard, and a hard cell
+  // is not soft. Preconditions: 0 <= index < kMapCells; between BeginCells and StepCells.
   void SetCell(int index, uint8_t flags);
+
+  // As Step. Precondition: the build was begun by BeginCells.
   Progress StepCells(int units);
 
   // Valid once Step has returned kDone and until the next Begin.
   const Costmap& result() const { return map_; }
 
  private:
-  // Costs by squared distance: [2 layers][inside, outside][squared distance].
+  static constexpr int kReach_cells = 15;  // the largest integer whose square is not saturated
   static constexpr int kTable = kMaxDistance2_cells2 + 1;
 
-  Costmap map_;
+  void Start(const GridWindow& window, const CostmapParams& params, int first_pass);
+  void EndUnit();
+  void LoadGround(const HeightGrid& heights);
+  void ClassifyRow(const HeightGrid& heights);
+  void DistanceUnit();
+  void SweepUp(int row, uint8_t region);
+  void SweepDown(int row, uint8_t region);
+  void DistancesAlongRow(int row, uint8_t region, bool inside);
+  void Dilate(int row, bool hard);
+  void AddCosts(int row, bool hard);
+
+  Costmap map_ = {};
   CostmapParams params_;
+  int32_t pass_ = kPasses;
   int32_t row_ = 0;
-  int32_t pass_ = 0;
-  uint8_t column_distance_[kMapCells];
-  uint16_t cost_table_q8_[2][2][kTable];
+  int32_t radius2_cells2_ = 0;  // of the dilation
+  // Scratch, [kMapSize_cells x kMapSize_cells] row-major: while classifying, whether ground is
+  // missing from the window's part of a row; then vertical distances to the region's edge.
+  uint8_t plane_[kMapCells] = {};
+  // Scratch of one row: squared vertical distances, with a margin that holds none on either side,
+  // and squared distances to the region and out of it.
+  uint8_t padded_[kReach_cells + kMapSize_cells + kReach_cells] = {};
+  uint8_t to_region2_[kMapSize_cells] = {};
+  uint8_t out_of_region2_[kMapSize_cells] = {};
+  // Costs by squared distance, [hard, soft][to the region, out of it][squared distance].
+  uint16_t cost_table_q8_[2][2][kTable] = {};
 };
 static_assert(sizeof(CostmapBuilder) <= 6 * kMapCells + 4096);
+static_assert(std::is_trivially_copyable_v<CostmapBuilder>);
+
+// Inline: the optimizer asks for it millions of times a second.
+inline float Costmap::CostAt(float x_m, float y_m) const {
+  constexpr float kLast = kMapSize_cells - 1;
+  // In cells, from the centre of the window's first cell. The first difference is of numbers close
+  // to each other, so it is exact where the map is.
+  const float u = x_m * kCellsPerMeter - static_cast<float>(window.origin.x) - 0.5f;
+  const float v = y_m * kCellsPerMeter - static_cast<float>(window.origin.y) - 0.5f;
+  // A comparison with NaN is false, which takes it to 0 here.
+  const float column = u > 0.0f ? (u < kLast ? u : kLast) : 0.0f;
+  const float row = v > 0.0f ? (v < kLast ? v : kLast) : 0.0f;
+  const int32_t column_floor = FloorToInt(column);
+  const int32_t row_floor = FloorToInt(row);
+  // The last centre belongs to the last pair.
+  const int32_t x = column_floor < kMapSize_cells - 2 ? column_floor : kMapSize_cells - 2;
+  const int32_t y = row_floor < kMapSize_cells - 2 ? row_floor : kMapSize_cells - 2;
+  const float across = column - static_cast<float>(x);
+  const float along = row - static_cast<float>(y);
+
+  const uint16_t* low = cost_q8 + y * kMapSize_cells + x;
+  const uint16_t* high = low + kMapSize_cells;
+  const float low_left_q8 = low[0];
+  const float low_right_q8 = low[1];
+  const float high_left_q8 = high[0];
+  const float high_right_q8 = high[1];
+  const float low_q8 = low_left_q8 + (low_right_q8 - low_left_q8) * across;
+  const float high_q8 = high_left_q8 + (high_right_q8 - high_left_q8) * across;
+  constexpr float kOne = 1.0f / kCostOne_q8;
+  return (low_q8 + (high_q8 - low_q8) * along) * kOne;
+}
 
 }  // namespace hardpack

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "core/base/grid.h"
 #include "core/base/pose.h"
@@ -10,13 +11,15 @@
 
 namespace hardpack {
 
-// The rolling grid of return heights ([OS] Cost Map Creation): per cell the lowest return of any
-// class, the lowest and highest hard return, the highest soft return, and whether a person was
-// seen. It does not age and does not decide what an obstacle is. Storage is toroidal, so rolling
-// only clears what comes in. The map follows the vehicle by whole cells.
+// The rolling grid of return heights ([OS] Cost Map Creation; docs/algorithm.md section 1): per
+// cell the lowest return of any class, the lowest and highest hard return, the highest soft return,
+// and whether ground and whether a person was seen. It does not age and does not decide what an
+// obstacle is. Storage is toroidal, so rolling only clears what comes in. The map follows the
+// vehicle by whole cells.
 class HeightGrid {
  public:
-  // Heights are centimetres in the odom frame, saturated to +-327.66 m; kNone: no such return.
+  // Heights are centimetres in the odom frame, rounded to the nearest and saturated to
+  // +-327.66 m; kNone: no such return.
   static constexpr int16_t kNone = 32767;
 
   struct CellHeights {
@@ -24,36 +27,64 @@ class HeightGrid {
     int16_t lowest_hard_cm = kNone;
     int16_t highest_hard_cm = kNone;
     int16_t highest_soft_cm = kNone;
+    bool ground = false;  // a return classed as ground was seen
     bool person = false;
   };
 
-  // Empties the grid and centres it. kNotFinite.
+  // Empty, centred at the odom frame's origin. Cost: kMapCells cells cleared.
+  HeightGrid();
+
+  // Empties the grid and centres it. kNotFinite: nothing changes. Cost: kMapCells cells cleared.
   Status Reset(Vec2 center_odom);
 
   // Moves the window so that center_odom lies in its middle cell; cells that come in are empty.
-  // kNotFinite: nothing moves. Cost: at most kMapCells cells cleared.
+  // kNotFinite: nothing moves. Cost: the cells that come in, at most kMapCells, cleared.
   Status Recenter(Vec2 center_odom);
 
   // Files one classed return. kIgnored returns are not filed and are kOk. kNotFinite; or
-  // kInvalidArgument when the point is off the window.
+  // kInvalidArgument when the point is off the window or the class is none of ReturnClass: nothing
+  // is filed. Cost: constant.
   Status Insert(const Vec3& point_odom, ReturnClass return_class);
 
   const GridWindow& window() const { return window_; }
 
-  // Empty for a cell off the window.
+  // Empty for a cell off the window. Cost: constant.
   CellHeights At(Cell cell) const;
 
  private:
-  int Slot(Cell cell) const;
-  void ClearSlot(int slot);
+  enum Seen : uint8_t { kGroundSeen = 1, kPersonSeen = 2 };
+
+  // The storage place of a cell of the plane; the cells of one window all have different ones.
+  static constexpr int Slot(Cell cell) {
+    constexpr uint32_t kMask = kMapSize_cells - 1;
+    return static_cast<int>((static_cast<uint32_t>(cell.y) & kMask) * kMapSize_cells +
+                            (static_cast<uint32_t>(cell.x) & kMask));
+  }
+
+  // Empties width x height cells, their lowest corner at offset (dx, dy) from the window's origin.
+  void Clear(int dx, int dy, int width, int height);
 
   GridWindow window_;
   int16_t lowest_cm_[kMapCells];
   int16_t lowest_hard_cm_[kMapCells];
   int16_t highest_hard_cm_[kMapCells];
   int16_t highest_soft_cm_[kMapCells];
-  uint8_t person_[kMapCells];
+  uint8_t seen_[kMapCells];  // of Seen
 };
+static_assert((kMapSize_cells & (kMapSize_cells - 1)) == 0);
 static_assert(sizeof(HeightGrid) <= 9 * kMapCells + 64);
+static_assert(std::is_trivially_copyable_v<HeightGrid>);
+
+// Inline: the costmap's build reads every cell.
+inline HeightGrid::CellHeights HeightGrid::At(Cell cell) const {
+  if (!window_.Contains(cell)) return {};
+  const int slot = Slot(cell);
+  return {lowest_cm_[slot],
+          lowest_hard_cm_[slot],
+          highest_hard_cm_[slot],
+          highest_soft_cm_[slot],
+          (seen_[slot] & kGroundSeen) != 0,
+          (seen_[slot] & kPersonSeen) != 0};
+}
 
 }  // namespace hardpack
