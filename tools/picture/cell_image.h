@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+
+#include "core/base/grid.h"
+#include "core/costmap/costmap.h"
+#include "tools/picture/axes.h"
+#include "tools/picture/canvas.h"
+
+// Cells of a grid as squares of one colour each, at their place in a plot.
+
+namespace hardpack::picture {
+
+// colour_of(index): row-major index of the window. Only the cells in the plot's range are asked.
+void DrawCells(Canvas& canvas, const Axes& axes, const GridWindow& window,
+               const std::function<Colour(int)>& colour_of);
+
+// A costmap in the paper's colours (palette.h).
+void DrawCostmap(Canvas& canvas, const Axes& axes, const Costmap& map);
+
+// A bar of a round number of metres in the lower left corner of the plot.
+void DrawScaleBar(Canvas& canvas, const Axes& axes);
+
+}  // namespace hardpack::picture

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "config/parameters.h"
+#include "core/autonomy/planner.h"
+#include "tools/picture/canvas.h"
+
+// plan.png: the costmap in the paper's colours, the base path, the optimized path, start, goal, a
+// legend, the plan's key figures and its speed over the distance.
+
+namespace hardpack::picture {
+
+struct PlanPicture {
+  const Costmap* map = nullptr;
+  const Plan* plan = nullptr;
+  const PlannerParams* params = nullptr;
+  PlanRequest request;
+  std::string title;
+  // Shown in the margin, in this order: what, and its value with the unit.
+  std::vector<std::pair<std::string, std::string>> figures;
+};
+
+Canvas DrawPlan(const PlanPicture& picture);
+
+}  // namespace hardpack::picture
