@@ -1,0 +1,17 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Runs clang-tidy (.clang-tidy) over the sources of core and hal, two at a time.
+#   tools/check_tidy.sh BUILD_DIR [FOLDER...]
+# BUILD_DIR is a configured clang build: its compile_commands.json says how each file is compiled.
+set -eu
+root=$(cd "$(dirname "$0")/.." && pwd)
+if [ $# -lt 1 ] || [ ! -f "$1/compile_commands.json" ]; then
+  echo "usage: tools/check_tidy.sh BUILD_DIR [FOLDER...]" >&2
+  exit 2
+fi
+build=$1
+shift
+[ $# -gt 0 ] || set -- core hal
+for folder; do
+  find "$root/$folder" -name '*.cpp' -print0
+done | xargs -0 -n 2 -P 2 clang-tidy-14 -p "$build" --quiet
