@@ -9,7 +9,8 @@
 
 // Ouster lidar packets to LidarColumns. Layouts as documented by the maker (REFERENCES.md): LEGACY
 // (no packet header) and RNG19_RFL8_SIG16_NIR16 (32 B header, 32 B footer). Decodes one column at a
-// time into the caller's LidarColumn; keeps no state, allocates nothing.
+// time into the caller's LidarColumn; keeps no state, allocates nothing. Does not check the CRC of
+// the footer: it is wrong or absent on the firmware these two profiles were recorded with.
 
 namespace hardpack::ouster {
 
@@ -52,7 +53,9 @@ struct PacketLayout {
   int32_t packet_bytes = 0;
 };
 
-// kUnsupported: a profile that is not decoded; kInvalidArgument: a count out of range.
+// kUnsupported: a profile that is not decoded; kInvalidArgument: a count out of range;
+// kCapacityExceeded: more columns a frame than kMaxColumnsPerRevolution. On failure the layout is
+// empty, and the functions below refuse it with kInvalidArgument.
 Status MakeLayout(const Metadata& metadata, PacketLayout& layout);
 
 // What a packet's header says. LEGACY has none: everything 0.
@@ -66,13 +69,14 @@ struct PacketHeader {
 // Checks a datagram as a whole before any column is taken from it, and reads its header.
 // kTruncated / kOversized: not exactly layout.packet_bytes; kWrongPacketType: header type is not a
 // lidar packet; kWrongSensor: the metadata state an init id or a serial number and the packet
-// another.
+// another. A LEGACY packet carries no identity: its size is all that can be checked.
 Status CheckPacket(const PacketLayout& layout, const Metadata& metadata,
                    std::span<const uint8_t> packet, PacketHeader& header);
 
 // Decodes column `index` (0 .. columns_per_packet - 1) of a packet that passed CheckPacket.
-// kColumnInvalid: the sensor marked it so (the fields are decoded all the same); kBadColumn:
-// measurement id beyond the frame; kTruncated; kInvalidArgument: no such index.
+// kColumnInvalid: the sensor marked it so; kBadColumn: measurement id beyond the frame (both: the
+// fields are decoded all the same); kTruncated; kInvalidArgument: no such index (both: `column` is
+// untouched). Rows beyond layout.beams are untouched.
 // Cost: one pass over the beams, at most kMaxBeams.
 Status DecodeColumn(const PacketLayout& layout, std::span<const uint8_t> packet, int index,
                     LidarColumn& column);
