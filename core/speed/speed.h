@@ -1,19 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include "config/parameters.h"
 #include "core/base/fixed_vector.h"
+#include "core/base/math.h"
 #include "core/base/status.h"
 #include "core/path/path.h"
 
 // Speeds along a path ([OS] Speed Control; docs/algorithm.md section 6): a limit a point, then a
-// backward pass for the deceleration and a forward pass for the acceleration.
+// backward pass for the deceleration and a forward pass for the acceleration. It neither looks at
+// the map nor at the clock: what the surroundings allow comes in as caps.
+// Parameters are taken as valid (config/parameter_tables.h): the owner of the chain checks them.
 
 namespace hardpack {
 
 using SpeedProfile = FixedVector<float, kMaxPathPoints>;  // [n] m/s, never negative
+
+// A request above this is refused, which keeps every squared speed far from the end of float32.
+inline constexpr float kMaxRequestSpeed_mps = 100.0f;
+
+// Curvatures are clamped to this magnitude, so that none overflows.
+inline constexpr float kCurvatureCeiling_per_m = 1.0e6f;
+
+// A chord shorter than this has no length: its step is a turn on the spot.
+inline constexpr float kLeastChord_m = 1.0e-6f;
+constexpr bool HasLength(float chord_m) {
+  return Abs(chord_m) >= kLeastChord_m;
+}
+
+// Length of path that belongs to the point where two chords meet [m], both lengths positive.
+constexpr float MeanChord(float chord_before_m, float chord_after_m) {
+  return 0.5f * chord_before_m + 0.5f * chord_after_m;
+}
+
+// Curvature where two chords meet [1/m]: kappa = phi / ds, with ds the mean of both lengths (the
+// discretisation of CostOf). 0 when a chord has no length: the vehicle stands there and may turn as
+// it likes.
+float CurvatureBetween(float turn_rad, float chord_before_m, float chord_after_m);
 
 // The limit at one point from the path's shape alone [m/s]: the least of the paper's
 //   v_min + (v_max - v_min) (1 - min(|kappa| / gamma, 1))
@@ -22,33 +48,45 @@ using SpeedProfile = FixedVector<float, kMaxPathPoints>;  // [n] m/s, never nega
 float CurvatureSpeedLimit(const SpeedParams& params, const VehicleParams& vehicle,
                           float curvature_per_m, float curvature_rate_per_m2);
 
-// Way from the newest return's stamp to standstill [m], from speed_mps: reaction time and dead time
-// at full speed, then braking at max_deceleration_mps2 behind a first-order lag.
+// Way from the newest return's stamp to standstill [m], from speed_mps >= 0: reaction time t_r and
+// dead time t_d at full speed, then a commanded ramp of deceleration a, which the drives follow
+// with a first-order lag tau. The lag adds exactly tau v, whatever the command, since
+// tau v' = v_command - v integrates to tau (0 - v):
+//   s = v (t_r + t_d + tau) + v^2 / (2 a)
 float StoppingDistance(const SpeedParams& params, float speed_mps);
 
-// The largest speed from which StoppingDistance fits into free_m: 0 when free_m <= 0. The inverse
-// of StoppingDistance, never above it (tested).
+// The largest speed, up to max_speed_mps, from which StoppingDistance fits into free_m: its closed
+// inverse, lowered by 2^-20 of itself so that rounding never puts it above (tested). 0 when free_m
+// is below a micrometre or NaN.
 float ReactionSpeedCap(const SpeedParams& params, float free_m);
 
-// The cap near one person: `along_m` ahead on the path, `lateral_m` beside the corridor. No cap
-// (max_speed_mps) when the person, walking at person_speed_mps, cannot reach the corridor before
-// the vehicle has passed; else the speed from which it can stop first.
-float PersonSpeedCap(const SpeedParams& params, float along_m, float lateral_m);
+// The cap for one person: along_m ahead of the vehicle's middle along the path, lateral_m beside
+// the corridor that the vehicle covers (0 or less: inside it). No cap (max_speed_mps) when the
+// vehicle's tail is past the person, or will be, at min_speed_mps, before the person, walking at
+// person_speed_mps, is within person_margin_m of the corridor; else the speed from which it stops
+// person_margin_m short of the person. "Will be past" is judged at a fixed speed, so that a vehicle
+// which drives at least as fast never has the answer turn against it while it approaches; one that
+// is slower than that is close to standing anyway. Source: docs/algorithm.md section 6 (ours).
+float PersonSpeedCap(const SpeedParams& params, const VehicleParams& vehicle, float along_m,
+                     float lateral_m);
 
 struct SpeedRequest {
-  float start_speed_mps = 0.0f;
-  float start_curvature_per_m = 0.0f;
-  float goal_speed_mps = 0.0f;     // 0 at a goal; a waypoint that is passed has its own
-  int32_t slow_points = 0;         // first points driven at obstacle_start_speed_mps at most
-  bool narrow = false;             // the whole path at min_speed_mps at most
-  std::span<const float> cap_mps;  // [n] outer caps (reaction, people), or empty
+  float start_speed_mps = 0.0f;        // magnitude, along the first step
+  float start_curvature_per_m = 0.0f;  // against which the first change of curvature is taken
+  float goal_speed_mps = 0.0f;         // 0 at a goal; a waypoint that is passed has its own
+  int32_t slow_points = 0;             // first points driven at obstacle_start_speed_mps at most
+  bool narrow = false;                 // the whole path at min_speed_mps at most
+  std::span<const float> cap_mps;      // [n] outer caps (reaction, people), or empty
 };
 
-// Speeds for every point. Steps may be forward, reverse or pivots: a pivot and a change of
-// direction have speed 0. Point 0 has the start speed, even where that is above the limits: the
-// profile then brakes at the limit as soon as it can. kPathTooShort; kNotFinite; kInvalidArgument:
-// negative speeds, or cap_mps of another length. Cost: three passes over at most kMaxPathPoints
-// points.
+// Speeds for every point. Steps may be forward, reverse or without length (turns on the spot): both
+// ends of a turn on the spot, and a change of direction, have speed 0. Point 0 has the start speed,
+// even where that is above the limits: the profile then brakes at max_deceleration_mps2 until it is
+// within them. If the path ends first, the last speed says how fast; at a turn on the spot or a
+// change of direction it is 0 all the same, since neither can be driven through.
+// kPathTooShort: no steps; kNotFinite; kInvalidArgument: negative or above kMaxRequestSpeed_mps,
+// negative slow_points, or cap_mps of another length or negative. On failure `speed` is empty.
+// Cost: five passes over at most kMaxPathPoints points.
 Status PlanSpeed(const SpeedParams& params, const VehicleParams& vehicle, const ActuatorPath& path,
                  const SpeedRequest& request, SpeedProfile& speed);
 
