@@ -23,7 +23,9 @@ struct MovingaiMap {
 
 struct MovingaiProblem {
   int line = 0;  // in the scenario file, from 1
-  Cell start;
+  int map_width_cells = 0;
+  int map_height_cells = 0;
+  Cell start;  // on that map
   Cell goal;
   double optimum_cells = 0.0;   // the listed length
   double rounding_cells = 0.0;  // of the listed length, by the decimals it is written with
