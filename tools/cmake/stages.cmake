@@ -28,5 +28,8 @@ function(hp_layer layer)
   target_compile_features(hardpack_${layer} PUBLIC cxx_std_20)
   target_include_directories(hardpack_${layer} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/hardpack>)
+  # Inline functions of the headers must give the same bits in a user's build: a linker may keep the
+  # user's copy of one for the whole program.
+  target_compile_options(hardpack_${layer} PUBLIC -ffp-contract=off)
   target_link_libraries(hardpack_${layer} PUBLIC ${ARG_DEPENDS})
 endfunction()

@@ -1,0 +1,137 @@
+#!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
+set -euo pipefail
+
+usage() {
+  cat <<'TEXT'
+usage: tools/check.sh [--all] [--deps] [--deps-bench] [--help]
+
+Installs what is missing (Debian packages, tools/packages.txt), builds the release preset and runs
+its tests, the static checks among them: at most 15 minutes on two cores.
+
+  --all         the slow ones too: Debug, clang and sanitizer builds and their tests, aarch64 and
+                Cortex-M7 under QEMU, clang-tidy, the tests labelled slow: at most 60 minutes
+  --deps        only install; with --all, what --all needs as well
+  --deps-bench  only install what the comparisons of `hardpack bench` need
+  --help        this text
+
+Exit code: 0 everything passed, 1 something failed (the summary says what), 2 bad usage or packages
+are missing and cannot be installed (the line to run is printed).
+TEXT
+}
+
+root=$(cd "$(dirname "$0")/.." && pwd)
+cd "$root"
+logs=$root/build/check
+all=false
+only_deps=false
+sections=(check)
+for argument; do
+  case $argument in
+    --all) all=true; sections+=(all) ;;
+    --deps) only_deps=true ;;
+    --deps-bench) only_deps=true; sections+=(bench) ;;
+    --help | -h) usage; exit 0 ;;
+    *) echo "check.sh: unknown option $argument" >&2; usage >&2; exit 2 ;;
+  esac
+done
+
+# --- packages -------------------------------------------------------------------------------------
+
+packages_of() {  # the packages of one section of packages.txt
+  awk -v section="[$1]" '{ sub(/#.*/, "") } /^\[/ { inside = ($1 == section); next }
+                         inside && NF { print $1 }' tools/packages.txt
+}
+
+install_missing() {
+  local missing=() package section
+  for section in "${sections[@]}"; do
+    for package in $(packages_of "$section"); do
+      if [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" != installed ]; then
+        missing+=("$package")
+      fi
+    done
+  done
+  if [ ${#missing[@]} -eq 0 ]; then
+    echo "packages: nothing is missing"
+    return
+  fi
+  local as_root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    if ! sudo -n true 2>/dev/null; then
+      echo "check.sh: packages are missing; as root, run:" >&2
+      echo "apt-get install -y --no-install-recommends ${missing[*]}" >&2
+      exit 2
+    fi
+    as_root=(sudo -n)
+  fi
+  echo "packages: installing ${missing[*]}"
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -q -y --no-install-recommends "${missing[@]}"
+}
+
+if ! command -v dpkg-query >/dev/null; then
+  echo "packages: this is no Debian; install the likes of tools/packages.txt by hand"
+elif ! install_missing </dev/null; then
+  echo "check.sh: installing packages failed" >&2
+  exit 2
+fi
+if $only_deps; then exit 0; fi
+
+# --- steps ----------------------------------------------------------------------------------------
+
+if command -v ccache >/dev/null; then
+  export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_DIR=$root/build/ccache
+fi
+jobs=$(nproc)
+mkdir -p "$logs"
+names=()
+outcomes=()
+failed=0
+
+# step <name> <command>...  runs it, keeps its output in build/check, and goes on when it fails.
+step() {
+  local name=$1 log start=$SECONDS outcome=passed
+  shift
+  log=$logs/${name// /_}.log
+  echo
+  echo "== $name: $*"
+  "$@" </dev/null 2>&1 | tee "$log" || outcome=FAILED
+  if [ $outcome = FAILED ]; then failed=$((failed + 1)); fi
+  names+=("$name")
+  # ctest's own words, where it has spoken.
+  outcomes+=("$outcome, $((SECONDS - start)) s $(grep -h '% tests passed' "$log" || true)")
+  [ $outcome = passed ]
+}
+
+# build_and_test <preset> [ctest option]...
+build_and_test() {
+  local preset=$1
+  shift
+  step "$preset configure" cmake --preset "$preset" || return 0
+  step "$preset build" cmake --build --preset "$preset" -j "$jobs" || return 0
+  step "$preset tests" ctest --preset "$preset" -j "$jobs" "$@" || true
+}
+
+build_and_test release -LE slow
+if $all; then
+  build_and_test dev -LE slow
+  build_and_test release-clang -LE slow
+  build_and_test asan -LE slow
+  build_and_test aarch64
+  build_and_test cortex-m7
+  step "clang-tidy" tools/check_tidy.sh build/release-clang || true
+  step "slow tests" ctest --preset release -j "$jobs" -L slow || true
+fi
+
+echo
+echo "== summary, logs in build/check"
+for i in "${!names[@]}"; do
+  printf '%-24s %s\n' "${names[$i]}" "${outcomes[$i]}"
+done
+if [ $failed -ne 0 ]; then
+  echo "check.sh: $failed of ${#names[@]} steps FAILED, in $SECONDS s"
+  exit 1
+fi
+echo "check.sh: all ${#names[@]} steps passed, in $SECONDS s"
