@@ -22,94 +22,98 @@ int32_t Unbiased(uint16_t height) {
   return int32_t{height} - 32768;
 }
 
+constexpr int kStrip = HeightGrid::kStripCells;
+
 template <typename T>
 constexpr T Smaller(T a, T b) {
   return b < a ? b : a;
 }
 
-// Replaces each element of a row by the smallest of those at most `half` places away; past the
-// row's ends there is nothing.
+// smallest[x] = min(smallest[x], a[x], b[x]) along a row. a and b may overlap.
 template <typename T>
-void SlideMinimum(T* row, int half) {
-  // First the minimum of [x, x + half], doubling the length. In place: an element reads those
-  // after it, which are still those of the step before.
-  int length = 1;
-  HP_LOOP_BOUND(4)
-  while (length <= half) {
-    const int shift = Smaller(length, half + 1 - length);
-    HP_LOOP_BOUND(kMapSize_cells - 1)
-    for (int x = 0; x < kMapSize_cells - shift; ++x) row[x] = Smaller(row[x], row[x + shift]);
-    length += shift;
-  }
-  // Then joined with that of [x - half, x]; near the start both begin inside [0, half].
+void KeepSmallest(const T* __restrict a, const T* __restrict b, T* __restrict smallest) {
   HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = kMapSize_cells - 1; x >= half; --x) row[x] = Smaller(row[x], row[x - half]);
+  for (int x = 0; x < kMapSize_cells; ++x) {
+    smallest[x] = Smaller(smallest[x], Smaller(a[x], b[x]));
+  }
+}
+
+template <typename T>
+void CopyRow(const T* __restrict from, T* __restrict to) {
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = 0; x < kMapSize_cells; ++x) to[x] = from[x];
+}
+
+// to[x] = the smallest of from[x - half .. x + half]; `from` has a margin of `half` on either side.
+template <typename T>
+void SmallestAlongRow(const T* from, int half, T* to) {
+  CopyRow(from, to);
   HP_LOOP_BOUND(kMaxGroundWindow_cells / 2)
-  for (int x = half - 1; x > 0; --x) row[x] = Smaller(row[x], row[0]);
+  for (int dx = 1; dx <= half; ++dx) KeepSmallest(from - dx, from + dx, to);
 }
-static_assert(kMaxGroundWindow_cells / 2 <= 15, "SlideMinimum's four doublings reach 16");
 
-// What is known of the ground around a cell.
-struct Ground {
-  int32_t lowest_cm;  // lowest return of any class in the neighbourhood
-  bool seen;          // a return classed as ground is among them
+// to[x] = the smallest of plane[x, row - half .. row + half]. A row beyond the map is replaced by
+// the map's last, which is in the neighbourhood anyway.
+template <typename T>
+void SmallestAcrossRows(const T* plane, int row, int half, T* to) {
+  CopyRow(plane + row * kMapSize_cells, to);
+  HP_LOOP_BOUND(kMaxGroundWindow_cells / 2)
+  for (int dy = 1; dy <= half; ++dy) {
+    const int low = ClampInt(row - dy, 0, kMapSize_cells - 1);
+    const int high = ClampInt(row + dy, 0, kMapSize_cells - 1);
+    KeepSmallest(plane + low * kMapSize_cells, plane + high * kMapSize_cells, to);
+  }
+}
+
+// What a cell's returns are held against.
+struct Reference {
+  int32_t ground_cm;     // an obstacle is higher than obstacle_cm above this ...
+  int32_t obstacle_cm;   //
+  int32_t clearance_cm;  // ... and does not begin higher than this above it
+  bool ground_seen;      // otherwise every hard return that is not overhead is an obstacle
 };
 
-struct Thresholds {
-  int32_t obstacle_cm;
-  int32_t clearance_cm;
-};
-
-// The paper's rule: everything is measured from the lowest return of the same cell.
-uint8_t ObstacleInCell(const HeightGrid::CellHeights& heights, const Thresholds& thresholds) {
-  if (heights.highest_hard_cm != HeightGrid::kNone &&
-      heights.highest_hard_cm - heights.lowest_cm > thresholds.obstacle_cm) {
-    return Costmap::kHard;
-  }
-  if (heights.highest_soft_cm != HeightGrid::kNone &&
-      heights.highest_soft_cm - heights.lowest_cm > thresholds.obstacle_cm) {
-    return Costmap::kSoft;
-  }
-  return 0;
+// The flags of one cell of a strip: kHard, kSoft or neither, kPerson, kObserved. Only the lowest
+// and the highest hard return are known: whatever may lie between them counts as being there.
+// Without branches, so that the time does not depend on the data and the loop vectorises; the
+// differences mean nothing where there is no such return, and are not looked at then.
+uint8_t CellFlags(const HeightGrid::Strip& strip, int i, const Reference& reference) {
+  const int32_t ground_cm = reference.ground_cm;
+  const bool any_hard = strip.highest_hard_cm[i] != HeightGrid::kNone;
+  const bool overhead = strip.lowest_hard_cm[i] - ground_cm > reference.clearance_cm;
+  const bool high = strip.highest_hard_cm[i] - ground_cm > reference.obstacle_cm;
+  const bool hard = any_hard & !overhead & (high | !reference.ground_seen);
+  const bool any_soft = strip.highest_soft_cm[i] != HeightGrid::kNone;
+  const bool high_soft = strip.highest_soft_cm[i] - ground_cm > reference.obstacle_cm;
+  const bool soft = any_soft & high_soft & !hard;
+  const bool person = hard & (strip.person[i] != 0);
+  const bool observed = strip.lowest_cm[i] != HeightGrid::kNone;
+  return static_cast<uint8_t>((hard ? Costmap::kHard : 0) | (soft ? Costmap::kSoft : 0) |
+                              (person ? Costmap::kPerson : 0) |
+                              (observed ? Costmap::kObserved : 0));
 }
 
-// Hard above local ground. Only the lowest and the highest hard return are known; what may lie
-// between them counts as being there.
-bool HardAboveGround(const HeightGrid::CellHeights& heights, const Ground& ground,
-                     const Thresholds& thresholds) {
-  if (heights.highest_hard_cm == HeightGrid::kNone) return false;
-  const bool overhang = heights.lowest_hard_cm - ground.lowest_cm > thresholds.clearance_cm;
-  if (overhang) return false;
-  const bool high = heights.highest_hard_cm - ground.lowest_cm > thresholds.obstacle_cm;
-  return high || !ground.seen;
-}
-
-uint8_t ObstacleAboveGround(const HeightGrid::CellHeights& heights, const Ground& ground,
-                            const Thresholds& thresholds) {
-  if (HardAboveGround(heights, ground, thresholds)) return Costmap::kHard;
-  if (heights.highest_soft_cm != HeightGrid::kNone &&
-      heights.highest_soft_cm - ground.lowest_cm > thresholds.obstacle_cm) {
-    return Costmap::kSoft;
-  }
-  return 0;
-}
-
-// out[x] = min over |dx| <= 15 of dx^2 + padded[x + dx], saturated. In bytes throughout: what is
+// dx^2 + the smaller of the elements dx to the left and to the right, saturated; in bytes: what is
 // added to is first limited to what can still be added without a carry.
+inline uint8_t PlusSquare(const uint8_t* center, int dx) {
+  const uint8_t dx2 = static_cast<uint8_t>(dx * dx);
+  const uint8_t limit = static_cast<uint8_t>(kFar2 - dx2);
+  return static_cast<uint8_t>(Smaller(Smaller(center[-dx], center[dx]), limit) + dx2);
+}
+
+// out[x] = min over |dx| <= kReach of dx^2 + row[x + dx], saturated; the row has a margin of kReach
+// on either side. Three distances a round, because each round reads and writes all of `out`.
 template <int kReach>
-void MinimumPlusSquare(const uint8_t* __restrict padded, uint8_t* __restrict out) {
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) out[x] = padded[x + kReach];
-  HP_LOOP_BOUND(kReach)
-  for (int dx = 1; dx <= kReach; ++dx) {
-    const uint8_t dx2 = static_cast<uint8_t>(dx * dx);
-    const uint8_t limit = static_cast<uint8_t>(kFar2 - dx2);
-    const uint8_t* left = padded + (kReach - dx);
-    const uint8_t* right = padded + (kReach + dx);
+void SmallestPlusSquare(const uint8_t* __restrict row, uint8_t* __restrict out) {
+  static_assert(kReach % 3 == 0);
+  CopyRow(row, out);
+  HP_LOOP_BOUND(kReach / 3)
+  for (int dx = 1; dx <= kReach; dx += 3) {
     HP_LOOP_BOUND(kMapSize_cells)
     for (int x = 0; x < kMapSize_cells; ++x) {
-      const uint8_t nearest = Smaller(Smaller(left[x], right[x]), limit);
-      out[x] = Smaller(out[x], static_cast<uint8_t>(nearest + dx2));
+      const uint8_t* center = row + x;
+      const uint8_t near = Smaller(PlusSquare(center, dx), PlusSquare(center, dx + 1));
+      out[x] = Smaller(out[x], Smaller(near, PlusSquare(center, dx + 2)));
     }
   }
 }
@@ -127,22 +131,6 @@ float HaloCost(float s_m, float edge_cost, float halo_m) {
 
 int32_t Quantized(float cost) {
   return RoundToInt(cost * kCostOne_q8);
-}
-
-// The layer's costs by squared distance between cell centres: the edge lies half a cell before the
-// nearest centre on the other side. Distance 0 is the other side's business.
-void FillTables(float edge_cost, float slope_per_m, const CostmapParams& params,
-                uint16_t* to_region_q8, uint16_t* out_of_region_q8) {
-  to_region_q8[0] = 0;
-  out_of_region_q8[0] = 0;
-  HP_LOOP_BOUND(kMaxDistance2_cells2)
-  for (int distance2 = 1; distance2 <= kMaxDistance2_cells2; ++distance2) {
-    const float s_m = (Sqrt(static_cast<float>(distance2)) - 0.5f) * kCellSize_m;
-    to_region_q8[distance2] =
-        static_cast<uint16_t>(Quantized(HaloCost(s_m, edge_cost, params.halo_m)));
-    out_of_region_q8[distance2] = static_cast<uint16_t>(
-        Quantized(InsideCost(s_m, edge_cost, slope_per_m, params.planning_radius_m)));
-  }
 }
 
 constexpr float kMaxCost = static_cast<float>(kMaxCost_q8) / kCostOne_q8;
@@ -203,14 +191,12 @@ void CostmapBuilder::Start(const GridWindow& window, const CostmapParams& params
   row_ = 0;
   const float radius_cells = params.planning_radius_m * kCellsPerMeter;
   radius2_cells2_ = FloorToInt(radius_cells * radius_cells);
-  FillTables(params.hard_edge_cost, params.hard_slope_per_m, params, cost_table_q8_[0][0],
-             cost_table_q8_[0][1]);
-  FillTables(params.soft_edge_cost, params.soft_slope_per_m, params, cost_table_q8_[1][0],
-             cost_table_q8_[1][1]);
   HP_LOOP_BOUND(kReach_cells)
   for (int x = 0; x < kReach_cells; ++x) {
     padded_[x] = kFar2;
     padded_[kReach_cells + kMapSize_cells + x] = kFar2;
+    row_heights_[x] = UINT16_MAX;
+    row_heights_[kReach_cells + kMapSize_cells + x] = UINT16_MAX;
   }
 }
 
@@ -256,57 +242,45 @@ void CostmapBuilder::EndUnit() {
 
 // First half of the neighbourhood's lowest return and of whether ground was seen in it: along x.
 void CostmapBuilder::LoadGround(const HeightGrid& heights) {
-  uint16_t* lowest = map_.cost_q8 + row_ * kMapSize_cells;
-  uint8_t* unseen = plane_ + row_ * kMapSize_cells;
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) {
-    const HeightGrid::CellHeights cell =
-        heights.At({map_.window.origin.x + x, map_.window.origin.y + row_});
-    lowest[x] = Biased(cell.lowest_cm);
-    unseen[x] = cell.ground ? 0 : 1;
+  const int half = params_.ground_window_cells / 2;
+  uint16_t* lowest = row_heights_ + kReach_cells;
+  uint8_t* unseen = padded_ + kReach_cells;
+  HP_LOOP_BOUND(kMapSize_cells / kStrip)
+  for (int start = 0; start < kMapSize_cells; start += kStrip) {
+    HeightGrid::Strip strip;
+    heights.Read({map_.window.origin.x + start, map_.window.origin.y + row_}, strip);
+    HP_LOOP_BOUND(kStrip)
+    for (int i = 0; i < kStrip; ++i) {
+      lowest[start + i] = Biased(strip.lowest_cm[i]);
+      unseen[start + i] = strip.ground[i] ^ 1;
+    }
   }
-  SlideMinimum(lowest, params_.ground_window_cells / 2);
-  SlideMinimum(unseen, params_.ground_window_cells / 2);
+  SmallestAlongRow(lowest, half, map_.cost_q8 + row_ * kMapSize_cells);
+  SmallestAlongRow(unseen, half, plane_ + row_ * kMapSize_cells);
 }
 
 // Second half: along y; and the obstacle rule.
 void CostmapBuilder::ClassifyRow(const HeightGrid& heights) {
-  constexpr int kStrip = 64;  // a strip of minima fits the stack, and its loops vectorise
   const int half = params_.ground_window_cells / 2;
-  const int first = ClampInt(row_ - half, 0, kMapSize_cells - 1);
-  const int last = ClampInt(row_ + half, 0, kMapSize_cells - 1);
-  const Thresholds thresholds = {RoundToInt(params_.obstacle_height_m * kCentimetersPerMeter),
-                                 RoundToInt(params_.clearance_height_m * kCentimetersPerMeter)};
+  uint16_t* lowest = row_heights_ + kReach_cells;
+  uint8_t* unseen = padded_ + kReach_cells;
+  SmallestAcrossRows(map_.cost_q8, row_, half, lowest);
+  SmallestAcrossRows(plane_, row_, half, unseen);
+
+  const bool in_cell = params_.obstacle_rule == ObstacleRule::kInCell;
+  const int32_t obstacle_cm = RoundToInt(params_.obstacle_height_m * kCentimetersPerMeter);
+  const int32_t clearance_cm =
+      in_cell ? INT32_MAX : RoundToInt(params_.clearance_height_m * kCentimetersPerMeter);
+  uint8_t* flags = map_.flags + row_ * kMapSize_cells;
   HP_LOOP_BOUND(kMapSize_cells / kStrip)
-  for (int x = 0; x < kMapSize_cells; x += kStrip) {
-    uint16_t lowest[kStrip];
-    uint8_t unseen[kStrip];
+  for (int start = 0; start < kMapSize_cells; start += kStrip) {
+    HeightGrid::Strip strip;
+    heights.Read({map_.window.origin.x + start, map_.window.origin.y + row_}, strip);
     HP_LOOP_BOUND(kStrip)
     for (int i = 0; i < kStrip; ++i) {
-      lowest[i] = UINT16_MAX;
-      unseen[i] = 1;
-    }
-    HP_LOOP_BOUND(kMaxGroundWindow_cells)
-    for (int y = first; y <= last; ++y) {
-      const uint16_t* lowest_row = map_.cost_q8 + y * kMapSize_cells + x;
-      const uint8_t* unseen_row = plane_ + y * kMapSize_cells + x;
-      HP_LOOP_BOUND(kStrip)
-      for (int i = 0; i < kStrip; ++i) {
-        lowest[i] = Smaller(lowest[i], lowest_row[i]);
-        unseen[i] = Smaller(unseen[i], unseen_row[i]);
-      }
-    }
-    HP_LOOP_BOUND(kStrip)
-    for (int i = 0; i < kStrip; ++i) {
-      const HeightGrid::CellHeights cell =
-          heights.At({map_.window.origin.x + x + i, map_.window.origin.y + row_});
-      const Ground ground = {Unbiased(lowest[i]), unseen[i] == 0};
-      uint8_t flags = params_.obstacle_rule == ObstacleRule::kInCell
-                          ? ObstacleInCell(cell, thresholds)
-                          : ObstacleAboveGround(cell, ground, thresholds);
-      if (cell.person && (flags & Costmap::kHard) != 0) flags |= Costmap::kPerson;
-      if (cell.lowest_cm != HeightGrid::kNone) flags |= Costmap::kObserved;
-      map_.flags[row_ * kMapSize_cells + x + i] = flags;
+      const int32_t ground_cm = in_cell ? strip.lowest_cm[i] : Unbiased(lowest[start + i]);
+      const bool ground_seen = in_cell | (unseen[start + i] == 0);
+      flags[start + i] = CellFlags(strip, i, {ground_cm, obstacle_cm, clearance_cm, ground_seen});
     }
   }
 }
@@ -328,6 +302,7 @@ void CostmapBuilder::DistanceUnit() {
   SweepDown(row, region);
   DistancesAlongRow(row, region, dilated);
   if (dilated) {
+    if (row_ == 0) FillCosts(hard);
     AddCosts(row, hard);
   } else {
     Dilate(row, hard);
@@ -381,7 +356,7 @@ void CostmapBuilder::DistancesAlongRow(int row, uint8_t region, bool inside) {
         distance[x] < kFar ? static_cast<uint8_t>(distance[x] * distance[x]) : kFar2;
     padded[x] = (flags[x] & region) != 0 ? uint8_t{0} : squared;
   }
-  MinimumPlusSquare<kReach_cells>(padded_, to_region2_);
+  SmallestPlusSquare<kReach_cells>(padded, to_region2_);
   if (!inside) return;
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = 0; x < kMapSize_cells; ++x) {
@@ -389,15 +364,16 @@ void CostmapBuilder::DistancesAlongRow(int row, uint8_t region, bool inside) {
         distance[x] < kFar ? static_cast<uint8_t>(distance[x] * distance[x]) : kFar2;
     padded[x] = (flags[x] & region) != 0 ? squared : uint8_t{0};
   }
-  MinimumPlusSquare<kReach_cells>(padded_, out_of_region2_);
+  SmallestPlusSquare<kReach_cells>(padded, out_of_region2_);
 }
 
 void CostmapBuilder::Dilate(int row, bool hard) {
   uint8_t* flags = map_.flags + row * kMapSize_cells;
   const uint8_t dilated = hard ? Costmap::kLethal : Costmap::kSoftRegion;
+  const int32_t radius2_cells2 = radius2_cells2_;
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = 0; x < kMapSize_cells; ++x) {
-    flags[x] = static_cast<uint8_t>(flags[x] | (to_region2_[x] <= radius2_cells2_ ? dilated : 0));
+    flags[x] = static_cast<uint8_t>(flags[x] | (to_region2_[x] <= radius2_cells2 ? dilated : 0));
   }
   if (!hard) return;
   uint8_t* hard_distance2 = map_.hard_distance2 + row * kMapSize_cells;
@@ -405,15 +381,31 @@ void CostmapBuilder::Dilate(int row, bool hard) {
   for (int x = 0; x < kMapSize_cells; ++x) hard_distance2[x] = to_region2_[x];
 }
 
+// A layer's costs by squared distance between cell centres: the edge lies half a cell before the
+// nearest centre on the other side. Distance 0 is the other side's business.
+void CostmapBuilder::FillCosts(bool hard) {
+  const float edge_cost = hard ? params_.hard_edge_cost : params_.soft_edge_cost;
+  const float slope_per_m = hard ? params_.hard_slope_per_m : params_.soft_slope_per_m;
+  halo_q8_[0] = 0;
+  depth_q8_[0] = 0;
+  HP_LOOP_BOUND(kMaxDistance2_cells2)
+  for (int distance2 = 1; distance2 <= kMaxDistance2_cells2; ++distance2) {
+    const float s_m = (Sqrt(static_cast<float>(distance2)) - 0.5f) * kCellSize_m;
+    const float halo = HaloCost(s_m, edge_cost, params_.halo_m);
+    const float inside = InsideCost(s_m, edge_cost, slope_per_m, params_.planning_radius_m);
+    halo_q8_[distance2] = static_cast<uint16_t>(Quantized(halo));
+    depth_q8_[distance2] = static_cast<uint16_t>(Quantized(inside));
+  }
+}
+
 void CostmapBuilder::AddCosts(int row, bool hard) {
-  const uint16_t(&table_q8)[2][kTable] = cost_table_q8_[hard ? 0 : 1];
   uint16_t* cost_q8 = map_.cost_q8 + row * kMapSize_cells;
   // The hard layer comes first and takes the place of the heights.
   const uint16_t keep = hard ? 0 : UINT16_MAX;
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = 0; x < kMapSize_cells; ++x) {
     // One of the two distances is 0, and so is its cost.
-    const int layer_q8 = table_q8[0][to_region2_[x]] + table_q8[1][out_of_region2_[x]];
+    const int layer_q8 = halo_q8_[to_region2_[x]] + depth_q8_[out_of_region2_[x]];
     cost_q8[x] = static_cast<uint16_t>((cost_q8[x] & keep) + layer_q8);
   }
   if (!hard) return;

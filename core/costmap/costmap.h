@@ -102,7 +102,7 @@ class CostmapBuilder {
 
  private:
   static constexpr int kReach_cells = 15;  // the largest integer whose square is not saturated
-  static constexpr int kTable = kMaxDistance2_cells2 + 1;
+  static_assert(kMaxGroundWindow_cells / 2 <= kReach_cells);
 
   void Start(const GridWindow& window, const CostmapParams& params, int first_pass);
   void EndUnit();
@@ -113,6 +113,7 @@ class CostmapBuilder {
   void SweepDown(int row, uint8_t region);
   void DistancesAlongRow(int row, uint8_t region, bool inside);
   void Dilate(int row, bool hard);
+  void FillCosts(bool hard);
   void AddCosts(int row, bool hard);
 
   Costmap map_ = {};
@@ -120,16 +121,19 @@ class CostmapBuilder {
   int32_t pass_ = kPasses;
   int32_t row_ = 0;
   int32_t radius2_cells2_ = 0;  // of the dilation
-  // Scratch, [kMapSize_cells x kMapSize_cells] row-major: while classifying, whether ground is
-  // missing from the window's part of a row; then vertical distances to the region's edge.
+  // Scratch, [kMapSize_cells x kMapSize_cells] row-major: while classifying, 1 where no ground was
+  // seen along the row; then vertical distances to the region's edge.
   uint8_t plane_[kMapCells] = {};
-  // Scratch of one row: squared vertical distances, with a margin that holds none on either side,
-  // and squared distances to the region and out of it.
+  // Scratch of one row, with a margin that stands for what lies beyond the map: whether ground is
+  // missing, then squared vertical distances; heights.
   uint8_t padded_[kReach_cells + kMapSize_cells + kReach_cells] = {};
+  uint16_t row_heights_[kReach_cells + kMapSize_cells + kReach_cells] = {};
+  // Scratch of one row: squared distances to the region, and out of it.
   uint8_t to_region2_[kMapSize_cells] = {};
   uint8_t out_of_region2_[kMapSize_cells] = {};
-  // Costs by squared distance, [hard, soft][to the region, out of it][squared distance].
-  uint16_t cost_table_q8_[2][2][kTable] = {};
+  // The present layer's costs by squared distance to the region, and out of it.
+  uint16_t halo_q8_[kMaxDistance2_cells2 + 1] = {};
+  uint16_t depth_q8_[kMaxDistance2_cells2 + 1] = {};
 };
 static_assert(sizeof(CostmapBuilder) <= 6 * kMapCells + 4096);
 static_assert(std::is_trivially_copyable_v<CostmapBuilder>);

@@ -83,6 +83,46 @@ Status HeightGrid::Insert(const Vec3& point_odom, ReturnClass return_class) {
   return Status::kOk;
 }
 
+HeightGrid::CellHeights HeightGrid::At(Cell cell) const {
+  if (!window_.Contains(cell)) return {};
+  const int slot = Slot(cell);
+  return {lowest_cm_[slot],
+          lowest_hard_cm_[slot],
+          highest_hard_cm_[slot],
+          highest_soft_cm_[slot],
+          (seen_[slot] & kGroundSeen) != 0,
+          (seen_[slot] & kPersonSeen) != 0};
+}
+
+void HeightGrid::Read(Cell first, Strip& strip) const {
+  const Cell last = {first.x + (kStripCells - 1), first.y};
+  const int slot = Slot(first);
+  const bool side_by_side = Slot(last) == slot + (kStripCells - 1);
+  if (side_by_side && window_.Contains(first) && window_.Contains(last)) {
+    HP_LOOP_BOUND(kStripCells)
+    for (int i = 0; i < kStripCells; ++i) {
+      strip.lowest_cm[i] = lowest_cm_[slot + i];
+      strip.lowest_hard_cm[i] = lowest_hard_cm_[slot + i];
+      strip.highest_hard_cm[i] = highest_hard_cm_[slot + i];
+      strip.highest_soft_cm[i] = highest_soft_cm_[slot + i];
+      strip.ground[i] = seen_[slot + i] & kGroundSeen;
+      strip.person[i] = (seen_[slot + i] & kPersonSeen) / kPersonSeen;
+    }
+    return;
+  }
+  // Storage wraps around inside the strip, or an end of the window lies in it.
+  HP_LOOP_BOUND(kStripCells)
+  for (int i = 0; i < kStripCells; ++i) {
+    const CellHeights heights = At({first.x + i, first.y});
+    strip.lowest_cm[i] = heights.lowest_cm;
+    strip.lowest_hard_cm[i] = heights.lowest_hard_cm;
+    strip.highest_hard_cm[i] = heights.highest_hard_cm;
+    strip.highest_soft_cm[i] = heights.highest_soft_cm;
+    strip.ground[i] = heights.ground;
+    strip.person[i] = heights.person;
+  }
+}
+
 void HeightGrid::Clear(int dx, int dy, int width, int height) {
   HP_LOOP_BOUND(kMapSize_cells)
   for (int row = 0; row < height; ++row) {

@@ -31,6 +31,17 @@ class HeightGrid {
     bool person = false;
   };
 
+  // Cells side by side along x, as arrays, so that loops over them vectorise.
+  static constexpr int kStripCells = 32;
+  struct Strip {
+    int16_t lowest_cm[kStripCells];
+    int16_t lowest_hard_cm[kStripCells];
+    int16_t highest_hard_cm[kStripCells];
+    int16_t highest_soft_cm[kStripCells];
+    uint8_t ground[kStripCells];  // 0 or 1
+    uint8_t person[kStripCells];  // 0 or 1
+  };
+
   // Empty, centred at the odom frame's origin. Cost: kMapCells cells cleared.
   HeightGrid();
 
@@ -51,8 +62,13 @@ class HeightGrid {
   // Empty for a cell off the window. Cost: constant.
   CellHeights At(Cell cell) const;
 
+  // The cells first.x .. first.x + kStripCells - 1 of row first.y, each as At gives it.
+  // Precondition: first.x <= INT32_MAX - kStripCells. Cost: constant.
+  void Read(Cell first, Strip& strip) const;
+
  private:
-  enum Seen : uint8_t { kGroundSeen = 1, kPersonSeen = 2 };
+  static constexpr uint8_t kGroundSeen = 1;
+  static constexpr uint8_t kPersonSeen = 2;
 
   // The storage place of a cell of the plane; the cells of one window all have different ones.
   static constexpr int Slot(Cell cell) {
@@ -69,22 +85,10 @@ class HeightGrid {
   int16_t lowest_hard_cm_[kMapCells];
   int16_t highest_hard_cm_[kMapCells];
   int16_t highest_soft_cm_[kMapCells];
-  uint8_t seen_[kMapCells];  // of Seen
+  uint8_t seen_[kMapCells];  // kGroundSeen, kPersonSeen
 };
 static_assert((kMapSize_cells & (kMapSize_cells - 1)) == 0);
 static_assert(sizeof(HeightGrid) <= 9 * kMapCells + 64);
 static_assert(std::is_trivially_copyable_v<HeightGrid>);
-
-// Inline: the costmap's build reads every cell.
-inline HeightGrid::CellHeights HeightGrid::At(Cell cell) const {
-  if (!window_.Contains(cell)) return {};
-  const int slot = Slot(cell);
-  return {lowest_cm_[slot],
-          lowest_hard_cm_[slot],
-          highest_hard_cm_[slot],
-          highest_soft_cm_[slot],
-          (seen_[slot] & kGroundSeen) != 0,
-          (seen_[slot] & kPersonSeen) != 0};
-}
 
 }  // namespace hardpack
