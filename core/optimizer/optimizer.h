@@ -2,16 +2,20 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "config/parameters.h"
 #include "core/base/progress.h"
 #include "core/base/status.h"
 #include "core/costmap/costmap.h"
+#include "core/optimizer/cost_terms.h"
 #include "core/path/path.h"
 
 // The path optimizer of the paper ([OS] Cost Function Formulation and Path Solver, Algorithm 1;
 // docs/algorithm.md sections 4 and 5): gradient descent over single heading changes, each
-// perturbation damped back into the unperturbed path by an S-curve over the next N steps.
+// perturbation damped back into the unperturbed path by an S-curve over the next N steps. It finds
+// a local optimum near its seed; it does not judge the result (core/safety does), and it does not
+// look for a way on another side of an obstacle.
 
 namespace hardpack {
 
@@ -22,13 +26,18 @@ struct PathCost {
   float total() const { return map + path; }
 };
 
-// Cost of a whole path. start_curvature_per_m: the vehicle's present curvature, against which the
-// first change of curvature is taken.
-//   F_map = sum_k cost(p_k) |dr_k|
-//   F_path = sum_k ds_k [ f(kappa_k; alpha, beta, kappa_max) + f(kappa'_k; alpha', beta',
-//   kappa'_max) ] kappa_k = phi_k / ds_k, ds_k the mean length of the two chords that meet there,
-//   kappa'_k = (kappa_k - kappa_{k-1}) / ds_k
-//   f(u) = alpha |u| below u_max, alpha u_max + beta (|u| - u_max) above
+// Cost of a whole path of n points. start_curvature_per_m: the vehicle's present curvature, against
+// which the first change of curvature is taken.
+//   F_map  = sum_{k=0}^{n-1} ds_k cost(p_k)
+//   F_path = sum_{k=1}^{n-2} ds_k [ f(kappa_k; alpha, beta, kappa_max)
+//                                 + f(kappa'_k; alpha', beta', kappa'_max) ]
+//   ds_k the mean length of the two chords that meet at p_k (half the one chord at the ends),
+//   kappa_k = phi_{k-1} / ds_k, the turn between those chords, kappa_0 = start_curvature_per_m,
+//   kappa'_k = (kappa_k - kappa_{k-1}) / ds_k,
+//   f(u) = alpha |u| below u_max, alpha u_max + beta (|u| - u_max) above.
+// Chords count, headings do not: forward steps only. Where ds_k is below 0.1 mm no turn
+// is counted. Fewer than two points cost nothing. Points must be finite. Cost: one pass over the
+// path.
 PathCost CostOf(const Costmap& map, const OptimizerParams& params, const WorldPath& path,
                 float start_curvature_per_m);
 
@@ -36,48 +45,144 @@ PathCost CostOf(const Costmap& map, const OptimizerParams& params, const WorldPa
 // next `window` steps forward and blends them back into the unperturbed ones with a quintic
 // S-curve. Points 0 .. i and i + window .. n - 1 stay where they are. The window shrinks near the
 // end. damped = false leaves the blend out (the paper's figure): everything behind point i turns.
-// kInvalidArgument: no such point, or window < 2; kNotFinite.
+// Headings by SetHeadingsFromChords. `perturbed` may be `path` itself.
+// kInvalidArgument: no point behind i could move (i < 0 or i > n - 3; undamped i > n - 2), or
+// window < 2; kNotFinite. On a failure `perturbed` is empty.
 Status Perturb(const WorldPath& path, int point, float delta_rad, int window, bool damped,
                WorldPath& perturbed);
 
 struct OptimizerResult {
   Status status = Status::kNotStarted;  // kOk (converged) or kIterationLimit
   PathCost before;                      // of the seed
-  PathCost after;                       // never above before
+  PathCost after;                       // never above before; CostOf(path()), bit for bit
   int32_t sweeps = 0;
   int32_t perturbations_kept = 0;
+  int32_t spreads_kept = 0;
 };
 
-class Optimizer {
+// Algorithm 1 over a vehicle model (see PlanarModel). What we add, each bounded:
+// - the better of the left and the right perturbation is taken, and the step scaled by its decrease
+//   is kept only where it beats the unit step, so that every kept change lowers F;
+// - after each sweep the points are spread evenly along the path again, where that does not raise
+// F;
+// - a sweep that gains less than min_relative_decrease halves the unit step, and ends the descent
+//   when it has been halved kMaxHalvings times.
+template <typename Model>
+class BasicOptimizer {
  public:
+  static constexpr int kMinPoints = 4;
+  static constexpr int kMaxHalvings = 3;
+  static constexpr int kMaxSweeps = 1000;
+  // A whole run, whatever the seed: each sweep's points, spreading them and the cost of that.
+  static constexpr int kMaxUnits = 3 * kMaxPathPoints * kMaxSweeps;
+
   // seed: forward steps only; its first chord is kept as it is (join it first, see JoinStart), and
-  // so are both end points; the last chord too when keep_end_heading.
-  // kPathTooShort: fewer than 4 points; kNotFinite; kInvalidArgument: a chord has no length;
-  // kParameterOutOfRange.
+  // so are both end points; the last chord too when keep_end_heading (see JoinEnd).
+  // kPathTooShort: fewer than kMinPoints points; kNotFinite; kInvalidArgument: a chord is shorter
+  // than 0.1 mm; kParameterOutOfRange. On a failure path() is empty.
+  // Cost: the seed's, one pass over its points.
   Status Begin(const Costmap& map, const OptimizerParams& params, const PathParams& path_params,
                const WorldPath& seed, float start_curvature_per_m, bool keep_end_heading);
 
-  // A unit is one point: its left and its right perturbation, tried and perhaps kept. Resampling
-  // and evaluating the whole path between sweeps are cut into units too.
+  // A unit is one point: its left and its right perturbation, tried and perhaps kept (at most three
+  // windows evaluated). Spreading the points between sweeps, and the cost of that, are cut into
+  // units of one point too.
   Progress Step(const Costmap& map, int units);
 
+  // Valid once Step has returned kDone (before: once Begin has returned kOk).
   const OptimizerResult& result() const { return result_; }
 
-  // The best path so far; after every Step a complete path from start to end whose cost is not
-  // above the seed's.
+  // The best path so far; after every Step a complete path from start to end, headings included,
+  // whose cost is not above the seed's (meanwhile to the rounding of a sum; at the end exactly).
   const WorldPath& path() const { return path_; }
 
  private:
+  enum class Phase : uint8_t { kIdle, kSweep, kSpread, kSpreadCost };
+
+  // A path and what each of its points costs.
+  struct Line {
+    Vec2 point[kMaxPathPoints];
+    float curvature_per_m[kMaxPathPoints] = {};
+    float map_cost[kMaxPathPoints] = {};
+    float path_cost[kMaxPathPoints] = {};
+  };
+
+  // A perturbation at `pivot` moves the points between pivot and end, both exclusive, and changes
+  // the costs of pivot .. last, which add up to `cost` as they are.
+  struct Window {
+    int32_t pivot;
+    int32_t end;
+    int32_t last;
+    float cost;
+  };
+
+  static Status CheckSeed(const WorldPath& seed, float start_curvature_per_m);
+  static PathCost SumOf(const Line& line, int points);
+
+  void DoUnit(const Costmap& map);
+  void CostNextPoint(const Costmap& map, Line& line, int points);
+  void End(Status status);
+
+  int WindowEnd(int pivot) const;
+  Window WindowAt(int pivot) const;
+  void BeginSweep();
+  void TryPoint(const Costmap& map, int pivot);
+  float TryTurn(const Costmap& map, const Window& window, float delta_rad, float limit,
+                Line& candidate);
+  void MovePoints(const Window& window, float delta_rad, Line& candidate) const;
+  void Keep(const Window& window, const Line& candidate);
+  void EndSweep();
+
+  bool BeginSpread();
+  void SpreadNextPoint();
+  void EndSpread();
+  void JudgeSweep();
+  void Publish();
+
   OptimizerParams params_;
   OptimizerResult result_;
   WorldPath path_;
+  Phase phase_ = Phase::kIdle;
+  bool moved_ = false;  // line_ has changed since it was last published to path_
+  float wanted_step_m_ = 0.0f;
+  float start_curvature_per_m_ = 0.0f;
+  int32_t end_points_ = 0;  // that stay where they are: the last, or the last two
+  int32_t points_ = 0;      // of line_
+  int32_t at_ = 0;          // the phase's next point
+  float unit_step_rad_ = 0.0f;
+  int32_t halvings_ = 0;
+  cost_terms::Walk walk_;  // of a whole line's cost
+
+  Line line_;
+  Line candidate_[2];
+  Line sweep_start_;  // line_ when the sweep began ...
+  PathCost cost_;     // ... and its cost
+
+  // Spreading: line_'s points cut anew into candidate_[0].
+  int32_t spread_points_ = 0;
+  float spread_step_m_ = 0.0f;
+  int32_t spread_chord_ = 0;     // of line_: the next new point lies on it ...
+  float spread_along_m_ = 0.0f;  // ... this far from its start
 };
 
-// The seed whose first chord points along the vehicle's heading: the base path, perturbed at its
-// start by the heading error and damped over a window long enough for the curvature limit where the
-// path is long enough. Precondition: the error is at most max_join_heading_rad (else pivot first).
-// kPathTooShort; kNotFinite.
+using Optimizer = BasicOptimizer<PlanarModel>;
+extern template class BasicOptimizer<PlanarModel>;
+static_assert(std::is_trivially_copyable_v<Optimizer>);
+static_assert(sizeof(Optimizer) <= 32 * 1024);
+
+// The seed whose first chord points along the vehicle's heading: over a window at its start the
+// base path is blended, by the same S-curve, out of the straight line ahead. The window is long
+// enough for the curvature limit (on a straight base path 4.62 error / kappa_max, the largest
+// second derivative of the blend) where the path is long enough. `error` is the larger of those to
+// the base path's first chord and to BaseHeading(base). Points behind the window stay as they are,
+// point 0 does, and each keeps its index. `seed` may be `base` itself. kPathTooShort: fewer than 4
+// points; kNotFinite; kInvalidArgument: BaseHeading is more than params.max_join_heading_rad off
+// (pivot first). On a failure `seed` is empty.
 Status JoinStart(const WorldPath& base, const PathParams& params, const OptimizerParams& optimizer,
                  float start_heading_rad, WorldPath& seed);
+
+// The same at the path's end: the last chord points along end_heading_rad, the end stays.
+Status JoinEnd(const WorldPath& base, const PathParams& params, const OptimizerParams& optimizer,
+               float end_heading_rad, WorldPath& seed);
 
 }  // namespace hardpack

@@ -45,6 +45,10 @@ Vec2 PlanarModel::Turned(Vec2 arm, const SinCosPair& turn) {
   return {turn.cos * arm.x_m - turn.sin * arm.y_m, turn.sin * arm.x_m + turn.cos * arm.y_m};
 }
 
+float HeadingOf(Vec2 chord) {
+  return WrapAngle(Atan2(chord.y_m, chord.x_m));
+}
+
 void SetHeadingsFromChords(WorldPath& path) {
   const int points = path.size();
   if (points == 0) return;
@@ -52,7 +56,7 @@ void SetHeadingsFromChords(WorldPath& path) {
   HP_LOOP_BOUND(kMaxPathPoints - 1)
   for (int i = 0; i + 1 < points; ++i) {
     const Vec2 chord = Chord(path[i], path[i + 1]);
-    if (chord.x_m != 0.0f || chord.y_m != 0.0f) theta_rad = WrapAngle(Atan2(chord.y_m, chord.x_m));
+    if (chord.x_m != 0.0f || chord.y_m != 0.0f) theta_rad = HeadingOf(chord);
     path[i].theta_rad = theta_rad;
   }
   path[points - 1].theta_rad = theta_rad;
@@ -75,8 +79,7 @@ float BaseHeading(const WorldPath& base) {
     along_m += Length(Chord(base[i - 1], base[i]));
     reached = i;
   }
-  const Vec2 chord = Chord(base[0], base[reached]);
-  return WrapAngle(Atan2(chord.y_m, chord.x_m));
+  return HeadingOf(Chord(base[0], base[reached]));
 }
 
 bool PivotIsFree(const Costmap& map, const VehicleParams& vehicle, const PathParams& params,

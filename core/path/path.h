@@ -69,7 +69,10 @@ Status ToWorld(const ActuatorPath& actuator, WorldPath& world);
 template <typename Model>
 Status ToActuator(const WorldPath& world, ActuatorPath& actuator);
 
-// Headings from the chords: theta_i = atan2 of the chord i -> i + 1 (forward driving), the last
+// The heading of a chord driven forward, in (-pi, pi]; 0 for a chord of no length.
+float HeadingOf(Vec2 chord);
+
+// Headings from the chords: theta_i = HeadingOf the chord i -> i + 1 (forward driving), the last
 // repeated ([OS] eq. heading from path). A chord of no length takes the heading before it; when it
 // is the first, the pose keeps the heading that it has.
 void SetHeadingsFromChords(WorldPath& path);
