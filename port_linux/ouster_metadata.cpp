@@ -5,12 +5,13 @@
 #include <charconv>
 #include <cmath>
 #include <exception>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <system_error>
 #include <vector>
+
+#include "port_linux/read_file.h"
 
 namespace hardpack::ouster {
 namespace {
@@ -368,13 +369,8 @@ ReadOutcome ParseMetadata(std::string_view json, std::string_view name, Metadata
 
 ReadOutcome ReadMetadata(const std::string& path, Metadata& metadata) {
   metadata = Metadata{};
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return {Status::kInvalidArgument, path + ": cannot be opened"};
-  // One byte more than allowed, so that a larger file, or one without end, is noticed.
-  std::string text(kMaxMetadataBytes + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) return {Status::kInvalidArgument, path + ": cannot be read"};
-  text.resize(static_cast<size_t>(file.gcount()));
+  std::string text;
+  if (ReadOutcome outcome = ReadFile(path, kMaxMetadataBytes, text); !outcome.ok()) return outcome;
   return ParseMetadata(text, path, metadata);
 }
 

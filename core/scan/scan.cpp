@@ -123,7 +123,7 @@ int ScanRing::window_columns() const {
 // Where a column comes within its revolution, which begins at measurement id 0 also when the window
 // wraps (the sensor counts its frames at the encoder's zero); -1 off the window.
 int ScanRing::WindowPosition(int measurement_id) const {
-  if (measurement_id >= columns_) return -1;
+  if (measurement_id < 0 || measurement_id >= columns_) return -1;
   if (window_first_ <= window_last_) {
     const bool inside = measurement_id >= window_first_ && measurement_id <= window_last_;
     return inside ? measurement_id - window_first_ : -1;

@@ -106,8 +106,9 @@ class ScanRing {
   // kIgnored. kBadColumn, and counted, when it is not; kInvalidArgument: a class that is none.
   Status Label(const ColumnLabels& labels);
 
-  // Columns in the sensor's window.
+  // Columns in the sensor's window, and whether a measurement id is one of them.
   int window_columns() const;
+  bool InWindow(int measurement_id) const { return WindowPosition(measurement_id) >= 0; }
 
   int beams() const { return beams_; }
   int columns() const { return columns_; }

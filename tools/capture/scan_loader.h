@@ -28,35 +28,39 @@ struct LidarScanRequest {
   Transform3 odom_from_body;  // pose of the vehicle while the revolution was taken
 };
 
-// One return that was offered to the grid (the vehicle's own are left out).
+// One return that was offered to the grid.
 struct ClassedPoint {
   Vec3 point_odom;
   ReturnClass return_class = ReturnClass::kIgnored;
 };
 
-// What was found on the way; filled as far as reading came, also when it failed.
+// What was found on the way. Reading ends with the revolution that is taken, and so do the counts.
 struct LidarScanReport {
   ouster::Metadata metadata;
   uint16_t frame_id = 0;             // the revolution that was taken
   int64_t datagrams = 0;             // UDP datagrams in the capture, whole ones
   int64_t packets = 0;               // of these, lidar packets of this sensor
-  int64_t foreign_packets = 0;       // of these, of another size, type or sensor
+  int64_t foreign_packets = 0;       // the others: of another size, type, sensor or connection
   int64_t damaged_datagrams = 0;     // cut by the capture, or fragments that never became whole
   int64_t columns = 0;               // valid columns of the revolution taken
-  int64_t missing_columns = 0;       // of the sensor's column window, never seen or invalid
+  int64_t missing_columns = 0;       // of the sensor's column window, not received as valid
   int64_t returns = 0;               // with a range, in those columns
   int64_t labelled_returns = 0;      // of these, those that the label file names
   int64_t self_returns = 0;          // of these, the vehicle itself or outside the usable range
-  int64_t returns_off_grid = 0;      // of these, too far away for the grid
-  std::vector<ClassedPoint> points;  // every other return, in the order of columns and rows
+  int64_t ignored_returns = 0;       // of the others, those of class kIgnored
+  int64_t returns_off_grid = 0;      // of the others, those too far away for the grid
+  std::vector<ClassedPoint> points;  // all but self and ignored, in the order of columns and rows
 };
 
 // Reads one revolution: the first that is complete (all columns of the sensor's window), else the
-// fullest. Empties `ring` and configures it; empties `grid` and centres it on the body.
+// fullest. The first lidar packet's sender and destination port are the sensor's; what comes from
+// elsewhere is foreign. Empties `ring` and configures it; empties `grid` and centres it on the
+// body.
 // With labels a return has the class its label stands for (rellis_labels.h), and one that the file
 // does not name is kIgnored. Without labels every return is kHard: the local-ground rule makes
 // obstacles only of what stands higher above the ground around it than a threshold, so ground stays
-// ground; what is lost is that soft obstacles are told from hard ones.
+// ground; what is lost is that soft obstacles are told from hard ones. (The in-cell rule is not
+// meant for that.)
 // On failure the status and a one-line message that names the file.
 ReadOutcome LoadLidarScan(const LidarScanRequest& request, ScanRing& ring, HeightGrid& grid,
                           LidarScanReport& report);

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "port_linux/read_outcome.h"
+#include "tools/capture/ipv4_reassembly.h"
+
+struct pcap;
+
+// UDP datagrams out of a capture file (pcap or pcapng, through libpcap): Ethernet with VLAN tags,
+// Linux cooked captures of both versions, raw IP and loopback; IPv4, whole or in fragments.
+// Everything else is counted and passed over. Checksums are not checked: on a sending machine the
+// capture is taken before the network card fills them in.
+
+namespace hardpack::capture {
+
+struct UdpDatagram {
+  int64_t time_ns = 0;          // when the capture took it (its last fragment), since 1970
+  uint32_t source_address = 0;  // host byte order
+  uint32_t destination_address = 0;
+  uint16_t source_port = 0;
+  uint16_t destination_port = 0;
+  std::span<const uint8_t> payload;  // valid until the next call of Next
+};
+
+struct CaptureCounters {
+  int64_t frames = 0;            // records in the file
+  int64_t datagrams = 0;         // whole UDP datagrams
+  int64_t cut_frames = 0;        // the capture kept less than was sent (snaplen)
+  int64_t malformed_frames = 0;  // lengths that contradict each other
+  int64_t other_frames = 0;      // not UDP over IPv4
+};
+
+class PcapReader {
+ public:
+  PcapReader();
+  ~PcapReader();
+  PcapReader(const PcapReader&) = delete;
+  PcapReader& operator=(const PcapReader&) = delete;
+
+  // kInvalidArgument: cannot be opened, or no capture file; kUnsupported: of another link type.
+  ReadOutcome Open(const std::string& path);
+
+  // The next UDP datagram. False at the end of the file and when it cannot be read on: outcome()
+  // says which (kOk, or kTruncated when the file ends within a record).
+  bool Next(UdpDatagram& datagram);
+
+  const ReadOutcome& outcome() const { return outcome_; }
+  const CaptureCounters& counters() const { return counters_; }
+  const ReassemblyCounters& reassembly() const { return reassembly_.counters(); }
+
+ private:
+  bool TakeFrame(std::span<const uint8_t> frame, bool cut, UdpDatagram& datagram);
+  bool TakeIpv4(std::span<const uint8_t> packet, bool cut, UdpDatagram& datagram);
+  bool TakeUdp(std::span<const uint8_t> packet, UdpDatagram& datagram);
+
+  std::string path_;
+  pcap* file_ = nullptr;
+  int link_type_ = 0;
+  ReadOutcome outcome_;
+  CaptureCounters counters_;
+  Ipv4Reassembly reassembly_;
+};
+
+}  // namespace hardpack::capture

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/capture/rellis_labels.h"
+
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <string_view>
+#include <system_error>
+
+#include "port_linux/read_file.h"
+
+namespace hardpack::capture {
+namespace {
+
+struct LabelClass {
+  int label;
+  ReturnClass return_class;
+};
+
+constexpr std::array kLabelClasses = {
+    LabelClass{0, ReturnClass::kIgnored},  // void
+    LabelClass{1, ReturnClass::kGround},   // dirt
+    LabelClass{3, ReturnClass::kGround},   // grass
+    LabelClass{4, ReturnClass::kHard},     // tree
+    LabelClass{5, ReturnClass::kHard},     // pole
+    LabelClass{6, ReturnClass::kHard},     // water
+    LabelClass{7, ReturnClass::kIgnored},  // sky
+    LabelClass{8, ReturnClass::kHard},     // vehicle
+    LabelClass{9, ReturnClass::kHard},     // object
+    LabelClass{10, ReturnClass::kGround},  // asphalt
+    LabelClass{12, ReturnClass::kHard},    // building
+    LabelClass{15, ReturnClass::kHard},    // log
+    LabelClass{17, ReturnClass::kPerson},  // person
+    LabelClass{18, ReturnClass::kHard},    // fence
+    LabelClass{19, ReturnClass::kSoft},    // bush
+    LabelClass{23, ReturnClass::kGround},  // concrete
+    LabelClass{27, ReturnClass::kHard},    // barrier
+    LabelClass{31, ReturnClass::kSoft},    // puddle
+    LabelClass{33, ReturnClass::kSoft},    // mud
+    LabelClass{34, ReturnClass::kHard},    // rubble
+};
+
+constexpr size_t kMaxFileBytes = 64 * 1024 * 1024;
+constexpr std::array<std::string_view, 3> kColumnNames = {"ring", "meas_id", "label"};
+
+// Takes the first line off `rest`, without its end.
+std::string_view NextLine(std::string_view& rest) {
+  const size_t end = rest.find('\n');
+  std::string_view line = rest.substr(0, end);
+  rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
+}
+
+std::vector<std::string_view> Split(std::string_view line) {
+  std::vector<std::string_view> fields;
+  while (true) {
+    const size_t comma = line.find(',');
+    fields.push_back(line.substr(0, comma));
+    if (comma == std::string_view::npos) return fields;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+// One file's state while its lines are read.
+class LabelReader {
+ public:
+  LabelReader(const std::string& path, ScanLabels& labels) : path_(path), labels_(labels) {}
+
+  ReadOutcome Header(std::string_view line) {
+    const std::vector<std::string_view> names = Split(line);
+    for (size_t wanted = 0; wanted < kColumnNames.size(); ++wanted) {
+      size_t found = 0;
+      while (found < names.size() && names[found] != kColumnNames[wanted]) ++found;
+      if (found == names.size()) return Failure(kColumnNames[wanted], "no such column");
+      field_[wanted] = found;
+    }
+    return {};
+  }
+
+  ReadOutcome Line(std::string_view line) {
+    ++line_number_;
+    if (line.empty()) return {};
+    const std::vector<std::string_view> fields = Split(line);
+    std::array<int, kColumnNames.size()> values{};
+    for (size_t wanted = 0; wanted < values.size(); ++wanted) {
+      if (field_[wanted] >= fields.size()) return Failure(kColumnNames[wanted], "missing");
+      const std::string_view text = fields[field_[wanted]];
+      const char* const end = text.data() + text.size();
+      const auto [stop, error] = std::from_chars(text.data(), end, values[wanted]);
+      if (error != std::errc() || stop != end) {
+        return Failure(kColumnNames[wanted], "not an integer");
+      }
+    }
+    return File(values[0], values[1], values[2]);
+  }
+
+ private:
+  ReadOutcome File(int ring, int measurement_id, int label) {
+    if (ring < 0 || ring >= labels_.beams) return Failure("ring", "the sensor has no such beam");
+    if (measurement_id < 0 || measurement_id >= labels_.columns) {
+      return Failure("meas_id", "the sensor has no such column");
+    }
+    const std::optional<ReturnClass> return_class = ClassOfRellisLabel(label);
+    if (!return_class) return Failure("label", std::to_string(label) + " is not in the ontology");
+    std::optional<ReturnClass>& slot =
+        labels_.classes[static_cast<size_t>(measurement_id) * static_cast<size_t>(labels_.beams) +
+                        static_cast<size_t>(ring)];
+    if (slot) return Failure("meas_id", "this return was named before");
+    slot = return_class;
+    return {};
+  }
+
+  ReadOutcome Failure(std::string_view column, const std::string& what) const {
+    return {Status::kInvalidArgument, path_ + ": line " + std::to_string(line_number_) + ": " +
+                                          std::string(column) + ": " + what};
+  }
+
+  const std::string& path_;
+  ScanLabels& labels_;
+  int64_t line_number_ = 1;
+  std::array<size_t, kColumnNames.size()> field_{};
+};
+
+}  // namespace
+
+std::optional<ReturnClass> ClassOfRellisLabel(int label) {
+  for (const LabelClass& known : kLabelClasses) {
+    if (known.label == label) return known.return_class;
+  }
+  return std::nullopt;
+}
+
+ReadOutcome ReadLabels(const std::string& path, int beams, int columns, ScanLabels& labels) {
+  labels.beams = beams;
+  labels.columns = columns;
+  labels.classes.assign(static_cast<size_t>(beams) * static_cast<size_t>(columns), std::nullopt);
+
+  std::string text;
+  if (ReadOutcome outcome = ReadFile(path, kMaxFileBytes, text); !outcome.ok()) return outcome;
+  LabelReader reader(path, labels);
+  std::string_view rest = text;
+  ReadOutcome outcome = reader.Header(NextLine(rest));
+  while (outcome.ok() && !rest.empty()) outcome = reader.Line(NextLine(rest));
+  return outcome;
+}
+
+}  // namespace hardpack::capture

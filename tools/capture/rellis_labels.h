@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/measurements/measurements.h"
+#include "port_linux/read_outcome.h"
+
+// Semantic labels of recorded returns in the ontology of RELLIS-3D, and what each of them means for
+// driving. The split into hard, soft, ground and ignored is ours (docs/algorithm.md section 1).
+
+namespace hardpack::capture {
+
+// Nothing for a number that the ontology does not have.
+std::optional<ReturnClass> ClassOfRellisLabel(int label);
+
+// Classes of one revolution's returns, [columns x beams], row-major; nothing where the file names
+// no return.
+struct ScanLabels {
+  int beams = 0;
+  int columns = 0;
+  std::vector<std::optional<ReturnClass>> classes;
+
+  // Precondition: 0 <= measurement_id < columns, 0 <= row < beams.
+  std::optional<ReturnClass> At(int measurement_id, int row) const {
+    return classes[static_cast<size_t>(measurement_id) * static_cast<size_t>(beams) +
+                   static_cast<size_t>(row)];
+  }
+};
+
+// Reads a CSV file whose header names at least the columns ring, meas_id and label, in any order;
+// one return a line. The message of a failure names file, line and column: kInvalidArgument (cannot
+// be opened, no number, outside the sensor's beams x columns, an unknown label, a return named
+// twice), kOversized (larger than 64 MiB). Precondition: beams, columns > 0.
+ReadOutcome ReadLabels(const std::string& path, int beams, int columns, ScanLabels& labels);
+
+}  // namespace hardpack::capture

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/capture/scan_loader.h"
+
+#include <memory>
+#include <utility>
+
+#include "core/base/math.h"
+#include "port_linux/ouster_metadata.h"
+#include "tools/capture/pcap_reader.h"
+#include "tools/capture/rellis_labels.h"
+
+namespace hardpack::capture {
+namespace {
+
+ReadOutcome Failure(const std::string& file, const std::string& what, Status status) {
+  return {status, file + ": " + what + " (" + StatusName(status) + ")"};
+}
+
+// One turn of the sensor, [measurement id]; a column is there when it is valid.
+struct Revolution {
+  uint16_t frame_id = 0;
+  int64_t received = 0;
+  std::vector<LidarColumn> columns;
+};
+
+// Sorts columns into revolutions and picks one. Packets may come out of order around the change of
+// revolutions, so a few of them are open at a time.
+class RevolutionPicker {
+ public:
+  RevolutionPicker(size_t columns, int64_t window_columns)
+      : columns_(columns), window_columns_(window_columns) {}
+
+  // True when this column completed a revolution.
+  bool Add(const LidarColumn& column) {
+    Revolution& revolution = Of(column.frame_id);
+    LidarColumn& slot = revolution.columns[column.measurement_id];
+    if (slot.valid) return false;
+    slot = column;
+    ++revolution.received;
+    return revolution.received == window_columns_;
+  }
+
+  // The complete one, else the fullest, of equals the first; nullptr when there is none.
+  const Revolution* best() const {
+    const Revolution* best = fullest_.received > 0 ? &fullest_ : nullptr;
+    for (const Revolution& revolution : open_) {
+      if (best == nullptr || revolution.received > best->received) best = &revolution;
+    }
+    return best;
+  }
+
+ private:
+  static constexpr size_t kMaxOpen = 3;
+
+  Revolution& Of(uint16_t frame_id) {
+    for (Revolution& revolution : open_) {
+      if (revolution.frame_id == frame_id) return revolution;
+    }
+    if (open_.size() == kMaxOpen) {
+      if (open_.front().received > fullest_.received) fullest_ = std::move(open_.front());
+      open_.erase(open_.begin());
+    }
+    open_.push_back({frame_id, 0, std::vector<LidarColumn>(columns_)});
+    return open_.back();
+  }
+
+  size_t columns_;
+  int64_t window_columns_;
+  Revolution fullest_;
+  std::vector<Revolution> open_;  // in the order of their first column
+};
+
+// Where a sensor's packets come from and go to.
+struct Connection {
+  uint32_t source_address = 0;
+  uint16_t destination_port = 0;
+  bool operator==(const Connection&) const = default;
+};
+
+// Reads the capture up to the first complete revolution. `ring` knows the sensor's window.
+ReadOutcome ReadRevolution(const std::string& path, const ouster::PacketLayout& layout,
+                           const ScanRing& ring, RevolutionPicker& picker,
+                           LidarScanReport& report) {
+  PcapReader reader;
+  if (ReadOutcome outcome = reader.Open(path); !outcome.ok()) return outcome;
+  const auto column = std::make_unique<LidarColumn>();
+  Connection sensor;
+  UdpDatagram datagram;
+  bool complete = false;
+  while (!complete && reader.Next(datagram)) {
+    ++report.datagrams;
+    const Connection connection{datagram.source_address, datagram.destination_port};
+    ouster::PacketHeader header;
+    const Status status = ouster::CheckPacket(layout, report.metadata, datagram.payload, header);
+    if (!IsUsable(status) || (report.packets > 0 && connection != sensor)) {
+      ++report.foreign_packets;
+      continue;
+    }
+    sensor = connection;
+    ++report.packets;
+    for (int index = 0; index < layout.columns_per_packet; ++index) {
+      const Status decoded = ouster::DecodeColumn(layout, datagram.payload, index, *column);
+      if (IsUsable(decoded) && ring.InWindow(column->measurement_id)) {
+        complete = picker.Add(*column) || complete;
+      }
+    }
+  }
+  report.damaged_datagrams = reader.counters().cut_frames + reader.counters().malformed_frames +
+                             reader.reassembly().incomplete + reader.reassembly().conflicts;
+  return reader.outcome();
+}
+
+// Files a revolution into the ring, with the classes of its labels where there are any.
+Status FillRing(const Revolution& revolution, const LidarScanRequest& request,
+                const ScanLabels* labels, ScanRing& ring, LidarScanReport& report) {
+  const Transform3 odom_from_sensor = request.odom_from_body * BodyFromSensor(request.mount);
+  const auto column_labels = std::make_unique<ColumnLabels>();
+  const ReturnClass unlabelled = labels == nullptr ? ReturnClass::kHard : ReturnClass::kIgnored;
+  for (const LidarColumn& column : revolution.columns) {
+    if (!column.valid) continue;
+    const Status status = ring.Push(column, odom_from_sensor, unlabelled);
+    if (!IsUsable(status)) return status;
+    if (labels == nullptr) continue;
+    column_labels->frame_id = column.frame_id;
+    column_labels->measurement_id = column.measurement_id;
+    column_labels->beams = column.beams;
+    for (int row = 0; row < column.beams; ++row) {
+      const std::optional<ReturnClass> known = labels->At(column.measurement_id, row);
+      column_labels->label[row] = known.value_or(ReturnClass::kIgnored);
+      if (known && column.range_mm[row] != 0) ++report.labelled_returns;
+    }
+    if (const Status labelled = ring.Label(*column_labels); !IsUsable(labelled)) return labelled;
+  }
+  return Status::kOk;
+}
+
+// Offers every return of the ring to the grid.
+Status FillGrid(const ScanRing& ring, const BeamModel& model, const LidarScanRequest& request,
+                HeightGrid& grid, LidarScanReport& report) {
+  const Transform3 body_from_sensor = BodyFromSensor(request.mount);
+  for (int slot = 0; slot < ring.columns(); ++slot) {
+    if (!ring.column(slot).present) continue;
+    const SinCosPair encoder = EncoderSinCos(model, slot);
+    for (int row = 0; row < ring.beams(); ++row) {
+      const PackedReturn packed = ring.at(slot, row);
+      if (packed.range_mm() == 0) continue;
+      ++report.returns;
+      const Vec3 point_body =
+          body_from_sensor.Apply(PointInSensor(model, encoder, row, packed.range_mm()));
+      if (IsSelfReturn(request.mount, point_body,
+                       static_cast<float>(packed.range_mm()) / 1000.0f)) {
+        ++report.self_returns;
+        continue;
+      }
+      if (packed.return_class() == ReturnClass::kIgnored) {
+        ++report.ignored_returns;
+        continue;
+      }
+      const Vec3 point_odom = request.odom_from_body.Apply(point_body);
+      report.points.push_back({point_odom, packed.return_class()});
+      const Status status = grid.Insert(point_odom, packed.return_class());
+      if (status == Status::kNotFinite) return status;
+      if (!IsUsable(status)) ++report.returns_off_grid;
+    }
+  }
+  return Status::kOk;
+}
+
+// What a revolution is read with.
+struct Preparation {
+  ouster::PacketLayout layout;
+  BeamModel model;
+  ScanLabels labels;
+};
+
+// Reads the metadata and sizes everything by them.
+ReadOutcome Prepare(const LidarScanRequest& request, ScanRing& ring, ouster::Metadata& metadata,
+                    Preparation& ready) {
+  const std::string& file = request.metadata_path;
+  if (ReadOutcome outcome = ouster::ReadMetadata(file, metadata); !outcome.ok()) return outcome;
+  Status status = ouster::MakeLayout(metadata, ready.layout);
+  if (status == Status::kUnsupported) {
+    return Failure(file, "udp_profile_lidar: packets of this profile are not decoded", status);
+  }
+  if (!IsUsable(status)) {
+    return Failure(file, "columns_per_frame: more columns than a scan ring holds", status);
+  }
+  const size_t beams = static_cast<size_t>(metadata.beams);
+  status = MakeBeamModel({metadata.beam_altitude_deg, beams}, {metadata.beam_azimuth_deg, beams},
+                         metadata.columns_per_frame, metadata.lidar_origin_to_beam_origin_m,
+                         metadata.sensor_from_lidar, ready.model);
+  if (!IsUsable(status)) return Failure(file, "beam geometry", status);
+  status = ring.Configure(metadata.beams, metadata.columns_per_frame, metadata.column_window_first,
+                          metadata.column_window_last);
+  if (!IsUsable(status)) return Failure(file, "a revolution does not fit the scan ring", status);
+  if (request.labels_path.empty()) return {};
+  return ReadLabels(request.labels_path, metadata.beams, metadata.columns_per_frame, ready.labels);
+}
+
+}  // namespace
+
+ReadOutcome LoadLidarScan(const LidarScanRequest& request, ScanRing& ring, HeightGrid& grid,
+                          LidarScanReport& report) {
+  report = LidarScanReport{};
+  const auto ready = std::make_unique<Preparation>();
+  if (ReadOutcome outcome = Prepare(request, ring, report.metadata, *ready); !outcome.ok()) {
+    return outcome;
+  }
+  const Vec3& position = request.odom_from_body.translation;
+  if (const Status status = grid.Reset({position.x_m, position.y_m}); !IsUsable(status)) {
+    return {status, "pose of the vehicle: not finite"};
+  }
+  RevolutionPicker picker(static_cast<size_t>(ring.columns()), ring.window_columns());
+  ReadOutcome outcome = ReadRevolution(request.capture_path, ready->layout, ring, picker, report);
+  if (!outcome.ok()) return outcome;
+  const Revolution* const revolution = picker.best();
+  if (revolution == nullptr) {
+    return {Status::kWrongSensor, request.capture_path + ": no lidar packet of this sensor (" +
+                                      std::to_string(report.datagrams) + " datagrams; expected " +
+                                      std::to_string(ready->layout.packet_bytes) + " bytes each)"};
+  }
+  const ScanLabels* const labels = request.labels_path.empty() ? nullptr : &ready->labels;
+  Status status = FillRing(*revolution, request, labels, ring, report);
+  if (IsUsable(status)) status = FillGrid(ring, ready->model, request, grid, report);
+  if (!IsUsable(status)) return Failure(request.capture_path, "cannot be placed", status);
+  report.frame_id = revolution->frame_id;
+  report.columns = revolution->received;
+  report.missing_columns = ring.window_columns() - revolution->received;
+  return {};
+}
+
+}  // namespace hardpack::capture
