@@ -25,8 +25,9 @@ inline constexpr float kMaxRequestSpeed_mps = 100.0f;
 // Curvatures are clamped to this magnitude, so that none overflows.
 inline constexpr float kCurvatureCeiling_per_m = 1.0e6f;
 
-// A chord shorter than this has no length: its step is a turn on the spot.
-inline constexpr float kLeastChord_m = 1.0e-6f;
+// A chord shorter than this has no length: its step is a turn on the spot. The optimizer takes no
+// shorter one.
+inline constexpr float kLeastChord_m = 1.0e-4f;
 constexpr bool HasLength(float chord_m) {
   return Abs(chord_m) >= kLeastChord_m;
 }
