@@ -134,6 +134,13 @@ uint32_t CostInto(const Costmap& map, uint32_t index, uint32_t direction) {
   return static_cast<uint32_t>(EdgeCost(length, cost_q8));
 }
 
+// Precondition: not 0. In halves, as for 64 bits a 32-bit processor calls its compiler's library.
+uint32_t LowestBit(uint64_t bits) {
+  const uint32_t low = static_cast<uint32_t>(bits);
+  if (low != 0) return static_cast<uint32_t>(std::countr_zero(low));
+  return 32 + static_cast<uint32_t>(std::countr_zero(static_cast<uint32_t>(bits >> 32)));
+}
+
 bool IsFinitePoint(Vec2 point) {
   return IsFinite(point.x_m) && IsFinite(point.y_m);
 }
@@ -341,14 +348,13 @@ inline uint32_t AstarSearch::PopFirst() {
   // The next bucket in use at or after the current one, round the circle.
   const uint32_t current = least_f_ % kBuckets;
   uint32_t word = current / 64;
-  uint32_t bit = current % 64;
-  if (bucket_used_[word] >> bit == 0) {
-    const uint64_t following = std::rotr(bucket_words_used_, static_cast<int>(word + 1) % 64);
-    word = (word + 1 + static_cast<uint32_t>(std::countr_zero(following))) % kBucketWords;
-    bit = 0;
+  uint64_t bits = bucket_used_[word] & ~uint64_t{0} << current % 64;
+  if (bits == 0) {
+    const uint64_t later_words = bucket_words_used_ & ~uint64_t{1} << word;
+    word = LowestBit(later_words != 0 ? later_words : bucket_words_used_);
+    bits = bucket_used_[word];
   }
-  bit += static_cast<uint32_t>(std::countr_zero(bucket_used_[word] >> bit));
-  const uint32_t bucket = word * 64 + bit;
+  const uint32_t bucket = word * 64 + LowestBit(bits);
   least_f_ += (bucket - current) % kBuckets;
 
   const uint32_t index = bucket_head_[bucket];

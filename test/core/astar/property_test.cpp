@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <map>
 #include <memory>
 #include <random>
 
@@ -48,7 +49,7 @@ RandomProblem MakeProblem(Random& random, Costmap& map) {
   problem.bottom = PickOffset(random, problem.height);
   const int lethal_percent = Pick(random, 0, 5) * 10;
   const int largest_cost_q8 = Pick(random, 0, 3) == 0 ? 0 : Pick(random, 0, kMaxCost_q8);
-  const int largest_depth2 = Pick(random, 0, 1) == 0 ? 255 : 4;
+  const int largest_depth2 = Pick(random, 0, 1) == 0 ? 255 : Pick(random, 1, 4);
   for (int y = problem.bottom; y < problem.bottom + problem.height; ++y) {
     for (int x = problem.left; x < problem.left + problem.width; ++x) {
       const int index = y * kMapSize_cells + x;
@@ -102,7 +103,7 @@ void ExpectSameAsReference(const Costmap& map, const RandomProblem& problem,
   const AstarResult& result = search.result();
   const Cell goal = NearestFree(map, problem);
   reference.Solve(problem.start.x, problem.start.y);
-  EXPECT_EQ(result.start_in_obstacle, reference.Lethal(problem.start.x, problem.start.y));
+  EXPECT_EQ(result.start_in_obstacle, MapRules(map).Lethal(problem.start.x, problem.start.y));
   EXPECT_EQ(result.goal_moved, goal != problem.goal);
   if (!reference.left_obstacle()) {
     EXPECT_EQ(result.status, Status::kStartEnclosed);
@@ -123,6 +124,7 @@ void ExpectSameAsReference(const Costmap& map, const RandomProblem& problem,
 
 TEST(AstarSearch, CostsWhatDijkstraFindsOnRandomMaps) {
   const auto map = LethalMap();
+  std::map<Status, int> outcomes;
   const auto search = std::make_unique<AstarSearch>();
   ReferenceSearch reference(*map);
   for (int seed = 0; seed < kProblems; ++seed) {
@@ -131,8 +133,13 @@ TEST(AstarSearch, CostsWhatDijkstraFindsOnRandomMaps) {
     const RandomProblem problem = MakeProblem(random, *map);
     Solve(*search, *map, problem.start, problem.goal);
     ExpectSameAsReference(*map, problem, reference, *search);
+    ++outcomes[search->result().status];
     Erase(problem, *map);
     if (HasFailure()) break;
+  }
+  for (const Status status : {Status::kOk, Status::kGoalMoved, Status::kStartInObstacle,
+                              Status::kNoPath, Status::kStartEnclosed}) {
+    EXPECT_GT(outcomes[status], kProblems / 500) << StatusName(status);
   }
 }
 

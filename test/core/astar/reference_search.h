@@ -16,12 +16,12 @@
 
 namespace hardpack {
 
-class ReferenceSearch {
+// Where a search may go and what it costs.
+class MapRules {
  public:
-  static constexpr int64_t kUnreached = std::numeric_limits<int64_t>::max();
   static constexpr int kSize = 512;
 
-  explicit ReferenceSearch(const Costmap& map) : map_(map), cost_(kSize * kSize, kUnreached) {}
+  explicit MapRules(const Costmap& map) : map_(map) {}
 
   static bool OnMap(int x, int y) { return x >= 0 && x < kSize && y >= 0 && y < kSize; }
   bool Lethal(int x, int y) const { return (map_.flags[y * kSize + x] & Costmap::kLethal) != 0; }
@@ -44,11 +44,21 @@ class ReferenceSearch {
     return (scaled - scaled % 256) / 256;
   }
 
+ private:
+  const Costmap& map_;
+};
+
+class ReferenceSearch {
+ public:
+  static constexpr int64_t kUnreached = std::numeric_limits<int64_t>::max();
+
+  explicit ReferenceSearch(const Costmap& map) : rules_(map), cost_(kMapCells, kUnreached) {}
+
   // Least costs from a start to every cell.
   void Solve(int start_x, int start_y) {
     for (const int cell : reached_) cost_[static_cast<size_t>(cell)] = kUnreached;
     reached_.clear();
-    left_obstacle_ = !Lethal(start_x, start_y);
+    left_obstacle_ = !rules_.Lethal(start_x, start_y);
     Lower(start_y * kSize + start_x, 0);
     while (!open_.empty()) {
       const auto [cost, cell] = open_.top();
@@ -62,14 +72,17 @@ class ReferenceSearch {
   bool left_obstacle() const { return left_obstacle_; }
 
  private:
+  using Entry = std::pair<int64_t, int>;  // cost, cell
+
   void SolveFrom(int cell, int64_t cost) {
     const int x = cell % kSize;
     const int y = cell / kSize;
-    left_obstacle_ = left_obstacle_ || !Lethal(x, y);
+    left_obstacle_ = left_obstacle_ || !rules_.Lethal(x, y);
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
-        if ((dx == 0 && dy == 0) || !MayStep(x, y, dx, dy)) continue;
-        Lower((y + dy) * kSize + x + dx, cost + StepCost(x + dx, y + dy, dx != 0 && dy != 0));
+        if ((dx == 0 && dy == 0) || !rules_.MayStep(x, y, dx, dy)) continue;
+        Lower((y + dy) * kSize + x + dx,
+              cost + rules_.StepCost(x + dx, y + dy, dx != 0 && dy != 0));
       }
     }
   }
@@ -82,8 +95,8 @@ class ReferenceSearch {
     open_.emplace(cost, cell);
   }
 
-  using Entry = std::pair<int64_t, int>;
-  const Costmap& map_;
+  static constexpr int kSize = MapRules::kSize;
+  MapRules rules_;
   std::vector<int64_t> cost_;
   std::vector<int> reached_;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
@@ -93,7 +106,7 @@ class ReferenceSearch {
 // Walks the path of a usable result; what is wrong with it, or empty.
 inline std::string FaultOfPath(const Costmap& map, const AstarSearch& search) {
   const AstarResult& result = search.result();
-  const ReferenceSearch rules(map);
+  const MapRules rules(map);
   Cell cell = result.start;
   int64_t cost = 0;
   int cells = 1;
