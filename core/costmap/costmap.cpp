@@ -67,8 +67,8 @@ void SmallestAcrossRows(const T* plane, int row, int half, T* to) {
 
 // What a cell's returns are held against.
 struct Reference {
-  int32_t ground_cm;     // an obstacle is higher than obstacle_cm above this ...
-  int32_t obstacle_cm;   //
+  int32_t ground_cm;
+  int32_t obstacle_cm;   // an obstacle is higher than this above the ground ...
   int32_t clearance_cm;  // ... and does not begin higher than this above it
   bool ground_seen;      // otherwise every hard return that is not overhead is an obstacle
 };
@@ -82,11 +82,12 @@ uint8_t CellFlags(const HeightGrid::Strip& strip, int i, const Reference& refere
   const bool any_hard = strip.highest_hard_cm[i] != HeightGrid::kNone;
   const bool overhead = strip.lowest_hard_cm[i] - ground_cm > reference.clearance_cm;
   const bool high = strip.highest_hard_cm[i] - ground_cm > reference.obstacle_cm;
-  const bool hard = any_hard & !overhead & (high | !reference.ground_seen);
+  const bool person_seen = strip.person[i] != 0;
+  const bool hard = any_hard & !overhead & (high | person_seen | !reference.ground_seen);
   const bool any_soft = strip.highest_soft_cm[i] != HeightGrid::kNone;
   const bool high_soft = strip.highest_soft_cm[i] - ground_cm > reference.obstacle_cm;
   const bool soft = any_soft & high_soft & !hard;
-  const bool person = hard & (strip.person[i] != 0);
+  const bool person = hard & person_seen;
   const bool observed = strip.lowest_cm[i] != HeightGrid::kNone;
   return static_cast<uint8_t>((hard ? Costmap::kHard : 0) | (soft ? Costmap::kSoft : 0) |
                               (person ? Costmap::kPerson : 0) |

@@ -16,6 +16,24 @@
 // the depth inside the dilated region and a convex halo outside it, and the sum of both. Lethal is
 // a flag beside the cost. Distances are exact Euclidean between cell centres, up to a saturation.
 // Only cells of the map count: beyond its border there is neither an obstacle nor a way out.
+//
+// The obstacle rule kLocalGround (ours). Of a cell the lowest and the highest hard return are
+// known; `ground` is the lowest return of any class in the square of ground_window_cells around the
+// cell.
+//   no hard return                                          not hard
+//   lowest hard - ground > clearance_height                 not hard: overhead only
+//   highest hard - ground > obstacle_height                 hard; a trunk under its crown too, and
+//                                                           whatever may lie between low and high
+//   a person among the hard returns                         hard, standing or lying
+//   no return classed as ground in the square               hard: nothing tells how high it is
+//   else                                                    not hard: a kerb, a root
+// A cell that is not hard is soft where highest soft - ground > obstacle_height, and free
+// otherwise. On a slope, or beside a ditch, `ground` lies below the ground under the cell by up to
+// slope x half the square. Obstacles are then seen rather than missed, but what hangs over the way
+// is lifted as well: clearance_height must exceed the vehicle's height by that much (0.7 m: slope
+// 0.5).
+//
+// The rule kInCell ([OS]): `ground` is the lowest return of the same cell, and nothing is overhead.
 
 namespace hardpack {
 
