@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -10,28 +11,49 @@
 namespace hardpack {
 
 // Reads little-endian numbers from a packet at checked offsets. It never reads outside the bytes it
-// was given: a read that would reach outside gives 0 and makes status() kTruncated, so a decoder
-// may read a whole record and ask once. No alignment is needed; nothing is cast.
+// was given: a read that would reach outside gives 0 and makes status() kTruncated for good, so a
+// decoder may read a whole record and ask once. No alignment is needed; nothing is cast. Inline, so
+// that reading a number is one comparison and one load; the bytes must outlive the reader.
 class ByteReader {
  public:
-  explicit ByteReader(std::span<const uint8_t> bytes) : bytes_(bytes) {}
+  explicit constexpr ByteReader(std::span<const uint8_t> bytes) : bytes_(bytes) {}
 
-  size_t size() const { return bytes_.size(); }
-  Status status() const { return status_; }
+  constexpr size_t size() const { return bytes_.size(); }
+  constexpr Status status() const { return status_; }
 
-  uint8_t U8(size_t offset);
-  uint16_t U16(size_t offset);
-  uint32_t U24(size_t offset);
-  uint32_t U32(size_t offset);
-  uint64_t U40(size_t offset);
-  uint64_t U64(size_t offset);
-  float F32(size_t offset);
+  constexpr uint8_t U8(size_t offset) { return Holds(offset, 1) ? bytes_[offset] : uint8_t{0}; }
+  constexpr uint16_t U16(size_t offset) {
+    return static_cast<uint16_t>(Holds(offset, 2) ? Low16(offset) : 0u);
+  }
+  constexpr uint32_t U24(size_t offset) {
+    return Holds(offset, 3) ? Low16(offset) | Byte(offset + 2) << 16 : 0u;
+  }
+  constexpr uint32_t U32(size_t offset) { return Holds(offset, 4) ? Low32(offset) : 0u; }
+  constexpr uint64_t U40(size_t offset) {
+    return Holds(offset, 5) ? Low32(offset) | uint64_t{bytes_[offset + 4]} << 32 : 0u;
+  }
+  constexpr uint64_t U64(size_t offset) {
+    return Holds(offset, 8) ? Low32(offset) | uint64_t{Low32(offset + 4)} << 32 : 0u;
+  }
+  constexpr float F32(size_t offset) { return std::bit_cast<float>(U32(offset)); }
 
   // A part of the bytes; empty, and status() kTruncated, when it would reach outside.
-  std::span<const uint8_t> Sub(size_t offset, size_t size);
+  constexpr std::span<const uint8_t> Sub(size_t offset, size_t size) {
+    return Holds(offset, size) ? bytes_.subspan(offset, size) : std::span<const uint8_t>{};
+  }
 
  private:
-  uint64_t Read(size_t offset, size_t size);
+  // Not offset + size <= bytes_.size(): that sum may wrap around.
+  constexpr bool Holds(size_t offset, size_t size) {
+    if (offset <= bytes_.size() && size <= bytes_.size() - offset) return true;
+    status_ = Status::kTruncated;
+    return false;
+  }
+  constexpr uint32_t Byte(size_t offset) const { return bytes_[offset]; }
+  constexpr uint32_t Low16(size_t offset) const { return Byte(offset) | Byte(offset + 1) << 8; }
+  constexpr uint32_t Low32(size_t offset) const {
+    return Low16(offset) | Byte(offset + 2) << 16 | Byte(offset + 3) << 24;
+  }
 
   std::span<const uint8_t> bytes_;
   Status status_ = Status::kOk;

@@ -6,7 +6,8 @@
 namespace hardpack {
 
 // 64-bit FNV-1a over decisions, equal on every processor: numbers go in little-endian byte order,
-// field by field, never as memory. -0 is hashed as +0; a NaN is a programmer's error.
+// field by field, never as memory. -0 is hashed as +0; a float that is not finite is a programmer's
+// error.
 class DecisionHash {
  public:
   void AddU8(uint8_t value);

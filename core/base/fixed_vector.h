@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "core/base/assert.h"
+#include "core/base/loop_bound.h"
 #include "core/base/status.h"
 
 namespace hardpack {
@@ -32,7 +33,12 @@ class FixedVector {
 
   // Keeps the first `size` elements, or value-initialised new ones. Precondition: 0 <= size <=
   // kCapacity. Cost: the number of elements added.
-  constexpr void Resize(int size);
+  constexpr void Resize(int size) {
+    HP_ASSERT(size >= 0 && size <= kCapacity);
+    HP_LOOP_BOUND(kCapacity)
+    for (int i = size_; i < size; ++i) elements_[i] = T{};
+    size_ = size;
+  }
 
   // Precondition: 0 <= index < size().
   constexpr T& operator[](int index) {
@@ -44,6 +50,7 @@ class FixedVector {
     return elements_[index];
   }
 
+  // Precondition: not empty.
   constexpr T& back() { return (*this)[size_ - 1]; }
   constexpr const T& back() const { return (*this)[size_ - 1]; }
   constexpr T* begin() { return elements_; }
@@ -57,13 +64,3 @@ class FixedVector {
 };
 
 }  // namespace hardpack
-
-#include "core/base/loop_bound.h"
-
-template <typename T, int kCapacity>
-constexpr void hardpack::FixedVector<T, kCapacity>::Resize(int size) {
-  HP_ASSERT(size >= 0 && size <= kCapacity);
-  HP_LOOP_BOUND(kCapacity)
-  for (int i = size_; i < size; ++i) elements_[i] = T{};
-  size_ = size;
-}

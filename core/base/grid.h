@@ -23,13 +23,16 @@ struct Cell {
   constexpr bool operator==(const Cell&) const = default;
 };
 
-// The cell that a point lies in. Saturates; NaN gives 0: callers validate points first.
+// The cell that a point lies in, to the rounding of the product: within 1e-7 of a point's own size
+// of a border it may be either neighbour. Saturates; NaN gives 0: callers validate points first.
 Cell CellAt(Vec2 point_odom);
 
-// The middle of a cell, odom frame.
+// The middle of a cell, odom frame. CellAt(CellCenter(cell)) == cell within 2^22 cells (838 km) of
+// the origin.
 Vec2 CellCenter(Cell cell);
 
-// Where a map lies: cells origin.x .. origin.x + 511, and the same in y.
+// Where a map lies: cells origin.x .. origin.x + 511, and the same in y. All of them must be
+// int32s: a window from CenteredAt is.
 struct GridWindow {
   Cell origin;
 

@@ -1,18 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/math.h"
 
-#include "core/base/saturate.h"
+#include <bit>
+#include <cstdint>
 
 namespace hardpack {
 namespace {
 
-// pi / 2 in four parts of at most 10 significant bits (the last has 24), so that a quarter count of
-// up to 14 bits times each of the first three is exact in float32 (Cody and Waite's reduction).
-constexpr float kHalfPiPart1 = 1.5703125f;
-constexpr float kHalfPiPart2 = 0.00048351287841796875f;
-constexpr float kHalfPiPart3 = 3.1385570764541626e-07f;
-constexpr float kHalfPiPart4 = 6.0766e-11f;
-constexpr float kTwoOverPi = 0.63661977236758134308f;
+// pi / 2 in three parts. The first two have at most 9 significant bits, so that their products with
+// a quarter count of up to 13 bits are exact in float32, and the subtractions too: what is left
+// shrinks as fast as its last bit does (Cody and Waite's reduction). The third is the rest,
+// rounded.
+constexpr float kHalfPiHigh = 1.5703125f;                // 201 / 2^7
+constexpr float kHalfPiMiddle = 4.8351287841796875e-4f;  // 507 / 2^20
+constexpr float kHalfPiLow = 3.1391647e-7f;              // pi / 2 - high - middle
+constexpr float kQuartersPerRad = 0.63661977236758134308f;
+constexpr float kTurnsPerRad = 0.15915494309189533577f;
+
+// Adding this to a number below 2^22 leaves the nearest integer (ties to even) in the low bits of
+// the sum; subtracting it again gives that integer as a float.
+constexpr float kRoundingShift = 12582912.0f;  // 1.5 * 2^23
+
+constexpr float kTanPiOver8 = 0.41421356237309504880f;
+constexpr float kQuarterPi = 0.78539816339744830962f;
+
+float ClampAngle(float angle_rad) {
+  const float number = angle_rad == angle_rad ? angle_rad : 0.0f;
+  return Clamp(number, -kSinCosMaxAngle_rad, kSinCosMaxAngle_rad);
+}
+
+float MinusQuarters(float angle_rad, float quarters) {
+  return ((angle_rad - quarters * kHalfPiHigh) - quarters * kHalfPiMiddle) - quarters * kHalfPiLow;
+}
 
 // Taylor series; on [-pi/4, pi/4] the first terms left out are below 2e-9 and 3e-10.
 float SinPolynomial(float x) {
@@ -41,30 +60,23 @@ float AtanPolynomial(float x) {
                             s * (0.10743731471265837f + s * -0.06451928161206197f))));
 }
 
-constexpr float kTanPiOver8 = 0.41421356237309504880f;
-constexpr float kQuarterPi = 0.78539816339744830962f;
+// value, its sign changed where bit 1 of `flags` is set.
+float FlipSign(float value, uint32_t flags) {
+  return std::bit_cast<float>(std::bit_cast<uint32_t>(value) ^ ((flags & 2u) << 30));
+}
 
 }  // namespace
 
+// Without a branch, so that its time does not depend on the angle.
 SinCosPair SinCos(float angle_rad) {
-  if (!(angle_rad == angle_rad)) return {0.0f, 1.0f};
-  const float angle = Clamp(angle_rad, -kSinCosMaxAngle_rad, kSinCosMaxAngle_rad);
-  const int32_t quarter = RoundToInt(angle * kTwoOverPi);
-  const float k = static_cast<float>(quarter);
-  const float r =
-      (((angle - k * kHalfPiPart1) - k * kHalfPiPart2) - k * kHalfPiPart3) - k * kHalfPiPart4;
-  const float s = SinPolynomial(r);
-  const float c = CosPolynomial(r);
-  switch (static_cast<uint32_t>(quarter) & 3u) {
-    case 0:
-      return {s, c};
-    case 1:
-      return {c, -s};
-    case 2:
-      return {-s, -c};
-    default:
-      return {-c, s};
-  }
+  const float angle = ClampAngle(angle_rad);
+  const float shifted = angle * kQuartersPerRad + kRoundingShift;
+  const uint32_t quarter = std::bit_cast<uint32_t>(shifted);  // its low bits
+  const float rest_rad = MinusQuarters(angle, shifted - kRoundingShift);
+  const float s = SinPolynomial(rest_rad);
+  const float c = CosPolynomial(rest_rad);
+  const bool odd = (quarter & 1u) != 0;
+  return {FlipSign(odd ? c : s, quarter), FlipSign(odd ? s : c, quarter + 1u)};
 }
 
 float Sin(float angle_rad) {
@@ -89,18 +101,14 @@ float Atan2(float y, float x) {
 }
 
 float WrapAngle(float angle_rad) {
-  float angle = angle_rad;
-  if (!(Abs(angle) <= 3.0f * kPi)) {
-    const SinCosPair pair = SinCos(angle_rad);
-    return Atan2(pair.sin, pair.cos);
-  }
-  if (angle > kPi) angle -= kTwoPi;
-  if (angle <= -kPi) angle += kTwoPi;
-  return angle;
-}
-
-float Sqrt(float value) {
-  return value > 0.0f ? __builtin_sqrtf(value) : 0.0f;
+  if (angle_rad > -kPi && angle_rad <= kPi) return angle_rad;
+  const float angle = ClampAngle(angle_rad);
+  const float turns = (angle * kTurnsPerRad + kRoundingShift) - kRoundingShift;
+  const float wrapped = MinusQuarters(angle, 4.0f * turns);
+  // Half a turn, give or take a rounding, may have come out on the wrong side.
+  if (wrapped > kPi) return wrapped - kTwoPi;
+  if (wrapped <= -kPi) return wrapped + kTwoPi;
+  return wrapped;
 }
 
 }  // namespace hardpack

@@ -2,8 +2,9 @@
 #pragma once
 
 // Elementary functions that give the same bits on every processor and compiler: libm's differ.
-// Built from IEEE-754 single-precision +, -, *, / and sqrt alone, which are exact everywhere, in a
-// fixed order, with no fused operations (-ffp-contract=off).
+// Built from IEEE-754 single-precision +, -, *, / and sqrt alone, which are correctly rounded
+// everywhere, in a fixed order, with no fused operations (-ffp-contract=off). They serve geometry:
+// what is stated and tested (test/core/base) are absolute errors.
 
 namespace hardpack {
 
@@ -17,26 +18,32 @@ struct SinCosPair {
   float cos;
 };
 
-// Sine and cosine of any finite angle. Absolute error at most kSinCosMaxError for
-// |angle_rad| <= kSinCosMaxAngle_rad (exhaustively tested against long double); beyond that the
-// angle is clamped to that magnitude, and NaN gives {0, 1}: callers validate angles first.
+// Sine and cosine. Absolute error at most kSinCosMaxError for |angle_rad| <= kSinCosMaxAngle_rad;
+// larger angles, infinite ones too, are clamped to that magnitude, and NaN counts as 0: callers
+// validate angles first. sin(-a) = -sin(a) and cos(-a) = cos(a), bit for bit.
 inline constexpr float kSinCosMaxAngle_rad = 8192.0f;
 inline constexpr float kSinCosMaxError = 1.2e-7f;
 SinCosPair SinCos(float angle_rad);
 float Sin(float angle_rad);
 float Cos(float angle_rad);
 
-// Angle of the vector (x, y), in [-pi, pi]; Atan2(0, 0) is 0. Error at most kAtan2MaxError_rad.
-// Non-finite arguments give 0: callers validate first.
+// Angle of the vector (x, y), in [-pi, pi]; Atan2(0, 0) is 0. Error at most kAtan2MaxError_rad, for
+// subnormal and for the largest arguments too. Atan2(-y, x) = -Atan2(y, x), bit for bit, and a zero
+// has no sign. Arguments that are not finite give 0: callers validate first.
 inline constexpr float kAtan2MaxError_rad = 4.0e-7f;
 float Atan2(float y, float x);
 
-// The same angle in (-pi, pi]. Exact for |angle_rad| <= 3 pi up to one rounding of the subtraction
-// of 2 pi; larger angles are reduced with the error stated at SinCos.
+// The same angle in (-kPi, kPi]: itself where it lies there; else less a multiple of 2 pi, with an
+// error of at most kWrapAngleMaxError_rad for |angle_rad| <= kSinCosMaxAngle_rad. Larger angles and
+// NaN as in SinCos.
+inline constexpr float kWrapAngleMaxError_rad = 4.0e-7f;
 float WrapAngle(float angle_rad);
 
 // Square root; correctly rounded on every target. Negative or NaN gives 0: callers validate first.
-float Sqrt(float value);
+// Inline: it is one instruction.
+inline float Sqrt(float value) {
+  return value > 0.0f ? __builtin_sqrtf(value) : 0.0f;
+}
 
 constexpr float Abs(float value) {
   return value < 0.0f ? -value : value;

@@ -3,12 +3,43 @@
 
 #include <cstdint>
 
-namespace hardpack {
-
 // The only way from float to integer: a plain cast outside the target's range is undefined and
 // differs between processors. NaN gives 0; values beyond the range give its nearest end.
-int32_t FloorToInt(float value);  // Largest integer not above value.
-int32_t RoundToInt(float value);  // Nearest; halves away from zero.
+// Inline: the map is sampled through them.
+
+namespace hardpack {
+
+inline constexpr float kTwoTo31 = 2147483648.0f;
+
+// True where a cast to int32_t is defined.
+constexpr bool FitsInt32(float value) {
+  return value >= -kTwoTo31 && value < kTwoTo31;
+}
+
+// What the functions below give where it is not.
+constexpr int32_t SaturatedInt32(float value) {
+  if (value >= kTwoTo31) return INT32_MAX;
+  return value < -kTwoTo31 ? INT32_MIN : 0;
+}
+
+// Largest integer not above value.
+constexpr int32_t FloorToInt(float value) {
+  if (!FitsInt32(value)) return SaturatedInt32(value);
+  const int32_t truncated = static_cast<int32_t>(value);
+  // Cannot overflow: beyond 2^24 a float is an integer, and truncated is it.
+  return static_cast<float>(truncated) > value ? truncated - 1 : truncated;
+}
+
+// Nearest integer; halves away from zero.
+constexpr int32_t RoundToInt(float value) {
+  if (!FitsInt32(value)) return SaturatedInt32(value);
+  const int32_t truncated = static_cast<int32_t>(value);
+  // Exact: beyond 2^23 a float has no fraction, below it the difference is representable.
+  const float fraction = value - static_cast<float>(truncated);
+  if (fraction >= 0.5f) return truncated + 1;
+  if (fraction <= -0.5f) return truncated - 1;
+  return truncated;
+}
 
 // value limited to [low, high]. Precondition: low <= high.
 constexpr int32_t ClampInt(int32_t value, int32_t low, int32_t high) {
