@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/capture/scan_loader.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <random>
+
+#include "core/base/math.h"
+#include "test/hal/ouster/ouster_packets.h"
+#include "test/tools/capture/capture_files.h"
+
+namespace hardpack::capture {
+namespace {
+
+using test::Bytes;
+using test::CaptureFile;
+using test::Ethernet;
+using test::IpOptions;
+using test::Ipv4;
+using test::TextFile;
+using test::Udp;
+
+constexpr int kBeams = 16;
+constexpr int kColumns = 512;
+constexpr int kPacketsPerRevolution = kColumns / 16;
+
+// Sixteen level beams: row r of column m is at angle -2 pi m / W, mounted without a turn.
+std::string LevelSensor(const std::string& more = "") {
+  std::string zeros = "0";
+  for (int i = 1; i < kBeams; ++i) zeros += ",0";
+  return R"({"beam_altitude_angles": [)" + zeros + R"(], "beam_azimuth_angles": [)" + zeros +
+         R"(], "lidar_mode": "512x10", "lidar_origin_to_beam_origin_mm": 0,
+         "lidar_to_sensor_transform": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1])" +
+         more + "}";
+}
+
+// Packet `index` of a revolution whose every return is at range_mm.
+Bytes Packet(int frame_id, int index, uint32_t range_mm) {
+  std::vector<LidarColumn> columns(16);
+  for (int i = 0; i < 16; ++i) {
+    LidarColumn& column = columns[static_cast<size_t>(i)];
+    column.measurement_id = static_cast<uint16_t>(16 * index + i);
+    column.frame_id = static_cast<uint16_t>(frame_id);
+    column.timestamp_ns = static_cast<uint64_t>(frame_id) * 100'000'000u + column.measurement_id;
+    column.status = 0xffffffffu;
+    column.beams = kBeams;
+    std::fill_n(column.range_mm, kBeams, range_mm);
+  }
+  return ouster::test::EncodeLegacy(columns);
+}
+
+class ScanLoader : public testing::Test {
+ protected:
+  void SetUp() override {
+    request_.metadata_path = metadata_.path();
+    request_.mount = LidarMountParams{};
+    request_.mount.yaw_rad = 0.0f;
+    request_.mount.z_m = 1.0f;
+    request_.mount.self_min_x_m = -2.0f;
+    request_.mount.self_max_x_m = -0.5f;
+    request_.mount.min_range_m = 0.5f;
+    request_.mount.max_range_m = 120.0f;
+  }
+  void AddPacket(int frame_id, int index, uint32_t range_mm) {
+    capture_.Add(Ethernet(Ipv4(Udp(Packet(frame_id, index, range_mm)))));
+  }
+  void AddRevolution(int frame_id, int first, int last, uint32_t range_mm) {
+    for (int index = first; index < last; ++index) AddPacket(frame_id, index, range_mm);
+  }
+  ReadOutcome Load() {
+    request_.capture_path = capture_.Write();
+    return LoadLidarScan(request_, *ring_, *grid_, report_);
+  }
+
+  TextFile metadata_{LevelSensor()};
+  CaptureFile capture_;
+  LidarScanRequest request_;
+  LidarScanReport report_;
+  std::unique_ptr<ScanRing> ring_ = std::make_unique<ScanRing>();
+  std::unique_ptr<HeightGrid> grid_ = std::make_unique<HeightGrid>();
+};
+
+TEST_F(ScanLoader, TakesTheFirstCompleteRevolution) {
+  AddRevolution(7, 20, kPacketsPerRevolution, 3000);
+  AddRevolution(8, 0, kPacketsPerRevolution, 4000);
+  AddRevolution(9, 0, kPacketsPerRevolution, 5000);
+  const ReadOutcome outcome = Load();
+  ASSERT_TRUE(outcome.ok()) << outcome.message;
+  EXPECT_EQ(report_.frame_id, 8);
+  EXPECT_EQ(report_.columns, kColumns);
+  EXPECT_EQ(report_.missing_columns, 0);
+  EXPECT_EQ(report_.returns, kColumns * kBeams);
+  EXPECT_EQ(ring_->at(0, 0).range_mm(), 4000u);
+  EXPECT_EQ(report_.packets, kPacketsPerRevolution - 20 + kPacketsPerRevolution);
+}
+
+TEST_F(ScanLoader, TakesTheFullestWhenNoneIsComplete) {
+  AddRevolution(7, 30, kPacketsPerRevolution, 3000);
+  AddRevolution(8, 1, kPacketsPerRevolution, 4000);
+  for (int frame = 9; frame < 20; ++frame) AddRevolution(frame, 0, 3, 5000);
+  ASSERT_TRUE(Load().ok());
+  EXPECT_EQ(report_.frame_id, 8);
+  EXPECT_EQ(report_.columns, kColumns - 16);
+  EXPECT_EQ(report_.missing_columns, 16);
+  EXPECT_FALSE(ring_->column(0).present);
+}
+
+TEST_F(ScanLoader, TakesPacketsInAnyOrderAndRepeated) {
+  std::vector<int> order;
+  for (int index = 0; index < kPacketsPerRevolution; ++index) order.push_back(index);
+  std::shuffle(order.begin(), order.end(), std::mt19937(3));
+  for (const int index : order) {
+    AddPacket(8, index, 4000);
+    if (index % 5 == 0) AddPacket(8, index, 4000);
+    if (index % 7 == 0) AddPacket(9, index, 5000);
+  }
+  ASSERT_TRUE(Load().ok());
+  EXPECT_EQ(report_.frame_id, 8);
+  EXPECT_EQ(report_.missing_columns, 0);
+  EXPECT_EQ(ring_->counters().duplicates, 0u);
+}
+
+TEST_F(ScanLoader, CountsForeignPackets) {
+  AddPacket(8, 0, 4000);
+  capture_.Add(Ethernet(Ipv4(Udp(Bytes(48)))));                 // IMU
+  capture_.Add(Ethernet(Ipv4(Udp(Packet(8, 1, 9000), 9999))));  // another port
+  IpOptions other;
+  other.source = 0x0a000001;
+  capture_.Add(Ethernet(Ipv4(Udp(Packet(8, 1, 9000)), other)));  // another sensor
+  const Bytes cut = Ethernet(Ipv4(Udp(Packet(8, 1, 4000))));
+  capture_.Add(cut, 0, 1000);
+  ASSERT_TRUE(Load().ok());
+  EXPECT_EQ(report_.datagrams, 4);
+  EXPECT_EQ(report_.packets, 1);
+  EXPECT_EQ(report_.foreign_packets, 3);
+  EXPECT_EQ(report_.damaged_datagrams, 1);
+  EXPECT_EQ(report_.missing_columns, kColumns - 16);
+}
+
+TEST_F(ScanLoader, ExpectsOnlyTheSensorsWindow) {
+  const TextFile windowed(LevelSensor(R"(, "column_window": [16, 31])"));
+  request_.metadata_path = windowed.path();
+  AddRevolution(8, 0, 2, 4000);
+  AddRevolution(9, 0, 2, 5000);
+  ASSERT_TRUE(Load().ok());
+  EXPECT_EQ(report_.frame_id, 8);
+  EXPECT_EQ(report_.columns, 16);
+  EXPECT_EQ(report_.missing_columns, 0);
+}
+
+// The body stands at (100, 50) and looks along +y of odom: what is 4 m ahead of it (column 0) is at
+// (100, 54), what is behind it (column 256) at (100, 46).
+TEST_F(ScanLoader, PutsReturnsWhereThePoseSays) {
+  AddRevolution(8, 0, kPacketsPerRevolution, 4000);
+  request_.odom_from_body = TransformFromPose({100.0f, 50.0f, kHalfPi}, 0.5f);
+  ASSERT_TRUE(Load().ok());
+  ASSERT_EQ(report_.points.size(), static_cast<size_t>(kColumns * kBeams));
+  const Vec3& ahead = report_.points.front().point_odom;
+  EXPECT_NEAR(ahead.x_m, 100.0f, 1e-3f);
+  EXPECT_NEAR(ahead.y_m, 54.0f, 1e-3f);
+  EXPECT_NEAR(ahead.z_m, 1.5f, 1e-3f);
+  EXPECT_EQ(report_.points.front().return_class, ReturnClass::kHard);
+  EXPECT_EQ(grid_->window(), GridWindow::CenteredAt({100.0f, 50.0f}));
+  const HeightGrid::CellHeights heights = grid_->At(CellAt({ahead.x_m, ahead.y_m}));
+  EXPECT_EQ(heights.highest_hard_cm, 150);
+  EXPECT_EQ(grid_->At(CellAt({100.0f, 52.0f})).lowest_cm, HeightGrid::kNone);
+}
+
+//   behind, within 2 m and half a box width: the vehicle itself
+TEST_F(ScanLoader, LeavesOutTheVehicleItself) {
+  AddRevolution(8, 0, kPacketsPerRevolution, 1500);
+  ASSERT_TRUE(Load().ok());
+  EXPECT_GT(report_.self_returns, 0);
+  EXPECT_EQ(report_.returns, kColumns * kBeams);
+  EXPECT_EQ(static_cast<int64_t>(report_.points.size()), report_.returns - report_.self_returns);
+  for (const ClassedPoint& point : report_.points) {
+    EXPECT_FALSE(IsSelfReturn(request_.mount, point.point_odom, 1.5f));
+  }
+}
+
+TEST_F(ScanLoader, ClassesReturnsByTheirLabels) {
+  AddRevolution(8, 0, kPacketsPerRevolution, 4000);
+  const TextFile labels("ring,meas_id,label\n0,0,17\n1,0,19\n2,0,3\n3,0,0\n4,0,4\n");
+  request_.labels_path = labels.path();
+  const ReadOutcome outcome = Load();
+  ASSERT_TRUE(outcome.ok()) << outcome.message;
+  EXPECT_EQ(report_.labelled_returns, 5);
+  EXPECT_EQ(report_.ignored_returns, kColumns * kBeams - 4);
+  ASSERT_EQ(report_.points.size(), 4u);
+  EXPECT_EQ(report_.points[0].return_class, ReturnClass::kPerson);
+  EXPECT_EQ(report_.points[1].return_class, ReturnClass::kSoft);
+  EXPECT_EQ(report_.points[2].return_class, ReturnClass::kGround);
+  EXPECT_EQ(report_.points[3].return_class, ReturnClass::kHard);
+  EXPECT_TRUE(grid_->At(CellAt({4.0f, 0.0f})).person);
+  EXPECT_TRUE(ring_->at(0, 0).labelled());
+}
+
+TEST_F(ScanLoader, CountsReturnsOffTheGrid) {
+  request_.mount.max_range_m = 500.0f;
+  AddRevolution(8, 0, kPacketsPerRevolution, 200000);
+  ASSERT_TRUE(Load().ok());
+  EXPECT_EQ(report_.returns_off_grid, kColumns * kBeams);
+}
+
+TEST_F(ScanLoader, NamesTheFileOfWhatIsWrong) {
+  AddRevolution(8, 0, kPacketsPerRevolution, 4000);
+  const TextFile unsupported(LevelSensor(R"(, "udp_profile_lidar": "RNG15_RFL8_NIR8")"));
+  request_.metadata_path = unsupported.path();
+  ReadOutcome outcome = Load();
+  EXPECT_EQ(outcome.status, Status::kUnsupported);
+  EXPECT_EQ(outcome.message,
+            unsupported.path() +
+                ": udp_profile_lidar: packets of this profile are not decoded (unsupported)");
+
+  request_.metadata_path = "/nowhere.json";
+  EXPECT_EQ(Load().message, "/nowhere.json: cannot be opened (No such file or directory)");
+
+  request_.metadata_path = metadata_.path();
+  request_.labels_path = "/nowhere.csv";
+  EXPECT_EQ(Load().message, "/nowhere.csv: cannot be opened (No such file or directory)");
+
+  request_.labels_path = "";
+  request_.odom_from_body.translation.x_m = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(Load().status, Status::kNotFinite);
+  request_.odom_from_body.translation.x_m = 0.0f;
+  request_.odom_from_body.rotation[4] = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(Load().status, Status::kNotFinite);
+}
+
+TEST_F(ScanLoader, SaysWhenACaptureHoldsNoPacketOfTheSensor) {
+  capture_.Add(Ethernet(Ipv4(Udp(Bytes(48)))));
+  const ReadOutcome outcome = Load();
+  EXPECT_EQ(outcome.status, Status::kWrongSensor);
+  EXPECT_EQ(outcome.message, request_.capture_path +
+                                 ": no lidar packet of this sensor (1 datagrams; expected 3392 "
+                                 "bytes each)");
+}
+
+TEST_F(ScanLoader, LoadsTheRecordedScanWithItsLabels) {
+  const std::string folder = test::DataFolder();
+  if (folder.empty()) GTEST_SKIP() << "HARDPACK_DATA names no folder with rellis/";
+  const std::string base = folder + "/rellis/rellis_000104_";
+  request_.capture_path = base + "os1-64_2048x10_legacy_reencoded.pcap";
+  request_.metadata_path = base + "os1-64_2048x10_legacy_reencoded.json";
+  request_.labels_path = base + "labelled.csv";
+  request_.mount.z_m = 1.284f;
+  // The box that holds what the data set leaves unlabelled around the sensor; the person standing
+  // beside it begins at y = 2.0 m.
+  request_.mount.self_min_x_m = -1.95f;
+  request_.mount.self_max_x_m = -0.6f;
+  request_.mount.self_max_abs_y_m = 2.0005f;
+  request_.mount.self_max_z_m = 1.95f;
+  const ReadOutcome outcome = LoadLidarScan(request_, *ring_, *grid_, report_);
+  ASSERT_TRUE(outcome.ok()) << outcome.message;
+  EXPECT_EQ(report_.frame_id, 104);
+  EXPECT_EQ(report_.packets, 128);
+  EXPECT_EQ(report_.columns, 2048);
+  EXPECT_EQ(report_.missing_columns, 0);
+  EXPECT_EQ(report_.returns, 77708);
+  EXPECT_EQ(report_.labelled_returns, 77708);
+  EXPECT_EQ(report_.ignored_returns, 0) << "unlabelled returns that the box does not hold";
+  int64_t person = 0;
+  for (const ClassedPoint& point : report_.points) {
+    person += point.return_class == ReturnClass::kPerson ? 1 : 0;
+  }
+  EXPECT_GT(person, 1290);  // of 1310
+}
+
+}  // namespace
+}  // namespace hardpack::capture
