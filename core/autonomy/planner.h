@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "config/parameters.h"
 #include "core/astar/astar.h"
+#include "core/autonomy/speed_caps.h"
 #include "core/base/decision_hash.h"
 #include "core/base/progress.h"
 #include "core/base/status.h"
@@ -16,8 +18,18 @@
 #include "core/speed/speed.h"
 
 // The planning half of the chain: heights (or cells), costmap, base path, actuator path, optimized
-// path, speeds, check. Resumable by units; owns every stage; the one place in core that sees them
-// all. A start more than 60 degrees off begins with a turn on the spot.
+// path, check, speeds. Resumable by units; owns every stage; the one place in core that sees them
+// all. It plans once, from one pose to one goal; when to plan again, and which plan to drive, is
+// not decided here. Source: docs/algorithm.md sections 1 to 6, in that order.
+//
+// Second tries, each at most once:
+// - No way for the planning radius: the costmap is dilated again for the bare footprint (disc
+//   radius and half a cell's diagonal), and the plan is marked narrow.
+// - The start heading is more than max_join_heading_rad off the base path: a turn on the spot
+//   first.
+// - The optimized path fails the check by touching: its seed is checked in its place. If that
+//   touches too, and the vehicle stands and has not turned on the spot, it turns first and the rest
+//   is done again.
 
 namespace hardpack {
 
@@ -25,23 +37,28 @@ struct PlanRequest {
   PathStart start;
   Vec2 goal_odom;
   bool has_goal_heading = false;
-  float goal_heading_rad = 0.0f;
+  float goal_heading_rad = 0.0f;  // where the path ends at the goal; else it has no effect
 };
 
 // What is planned: everything that plan.json, the tracker and the decision hash need.
 struct Plan {
-  Status status = Status::kNotStarted;  // the gravest of the stages'; usable only if checked free
-  Status base_status = Status::kNotStarted;
+  // The gravest of the stages' (the largest code), or kNarrowGap where that is graver; usable only
+  // if checked free. kNotStarted while busy.
+  Status status = Status::kNotStarted;
+  Status base_status = Status::kNotStarted;  // of search and sampling, the graver
   Status optimizer_status = Status::kNotStarted;
   Status check_status = Status::kNotStarted;
   bool pivots_first = false;
+  bool pivots_last = false;  // the goal heading is reached by a turn on the spot
   bool narrow = false;
+  bool is_seed = false;   // path is the seed: the optimized one would have touched
   WorldPath base;         // resampled base path
-  WorldPath path;         // [n] poses; with pivots_first the first two share their place
+  WorldPath path;         // [n] poses; with pivots_first the first two share their place, with
+                          // pivots_last the last two
   ActuatorPath actuator;  // [n - 1] steps
-  SpeedProfile speed;     // [n]
+  SpeedProfile speed;     // [n]; empty unless status is usable
   PathCost cost_before;   // of the seed: the base path, joined
-  PathCost cost_after;
+  PathCost cost_after;    // of what is driven of path, turns on the spot left out
   PathCheckResult check;
   AstarResult search;
 };
@@ -52,14 +69,16 @@ enum class PlanStage : uint8_t {
   kSearch,
   kSample,
   kOptimize,
-  kSpeed,
   kCheck,
+  kSpeed,
   kDone
 };
 
 class Planner {
  public:
-  // kParameterOutOfRange, kNotFinite: nothing is started.
+  // kParameterOutOfRange; kNotFinite: a number of the request; kInvalidArgument: its speed is
+  // negative or above kMaxRequestSpeed_mps. Then nothing is started, and result().status says the
+  // same.
   Status Begin(const HeightGrid& heights, const PlannerParams& params, const PlanRequest& request);
 
   // The same on given cells: between BeginCells and the first StepCells, call
@@ -67,6 +86,11 @@ class Planner {
   Status BeginCells(const GridWindow& window, const PlannerParams& params,
                     const PlanRequest& request);
 
+  // At most `units` units of the stages' (see there). They are handed on in portions of
+  // kPortion_units; what a stage leaves of its last portion is lost. Between stages a unit may also
+  // join, assemble or begin, which costs a few passes over the path. kMaxUnits steps of one unit
+  // end any plan. Any split of the units gives the same plan.
+  // Results: those of the stages, and kPivotBlocked.
   Progress Step(const HeightGrid& heights, int units);
   Progress StepCells(int units);
 
@@ -75,17 +99,58 @@ class Planner {
   const Costmap& costmap() const { return builder_.result(); }
   CostmapBuilder& costmap_builder() { return builder_; }
 
+  static constexpr int kPortion_units = 64;
+  static constexpr int kMaxTransitions = 32;
+  static constexpr int kMaxUnits = kMaxTransitions + 2 * (CostmapBuilder::kUnits + kMapSize_cells) +
+                                   2 * AstarSearch::kMaxUnits + 2 * kMapCells + 1 +
+                                   2 * Optimizer::kMaxUnits + 4 * PathCheck::kMaxUnits +
+                                   SpeedCaps::kMaxUnits;
+
  private:
+  enum class MapPhase : uint8_t { kBuild, kKeep, kRestore, kRebuild };
+
+  Status Prepare(const PlannerParams& params, const PlanRequest& request);
+  Progress Run(const HeightGrid* heights, int units);
+  void StepStage(const HeightGrid* heights, int units);
+  void StepCostmap(const HeightGrid* heights, int units);
+  void StepSearch(int units);
+  void StepSample(int units);
+  void StepOptimize(int units);
+  void StepCheck(int units);
+  void StepSpeed(int units);
+
+  void BeginSearch();
+  bool MayTryNarrow() const;
+  void KeepRow();
+  void RestoreRow();
+  void BeginSeed();
+  void MakeSeed();
+  void MakePath(const WorldPath& driven);
+  void BeginCheck();
+  void TryAgain();
+  void BeginSpeed();
+  int SlowPoints() const;
+  void Finish();
+  void Fail(Status status);
+
   PlanStage stage_ = PlanStage::kIdle;
+  MapPhase map_phase_ = MapPhase::kBuild;
+  int32_t map_row_ = 0;  // of kKeep and kRestore
+  bool keeps_end_heading_ = false;
+  bool has_goal_heading_ = false;  // and the path ends at the goal
   PlannerParams params_;
   PlanRequest request_;
   Plan plan_;
+  WorldPath seed_;
   CostmapBuilder builder_;
   AstarSearch search_;
   PathSampler sampler_;
   Optimizer optimizer_;
   PathCheck check_;
+  SpeedCaps caps_;
+  uint8_t kept_flags_[kMapCells / 2] = {};  // of the cells, for the narrow try; two in a byte
 };
+static_assert(std::is_trivially_copyable_v<Planner>);
 
 // Planning as a whole: heights, costs, search, paths.
 inline constexpr int kPlanningBudget_bytes = 6 * 1024 * 1024;

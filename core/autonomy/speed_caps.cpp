@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/autonomy/speed_caps.h"
+
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
+#include "core/base/saturate.h"
+
+namespace hardpack {
+namespace {
+
+// Further than any two points of a map.
+constexpr float kFar_m = 1.0e3f;
+constexpr float kHalfCellDiagonal_m = 0.5f * kCellDiagonal_m;
+
+// How far ahead a person can matter: beyond, the vehicle can stop first from any speed.
+float ReachAhead(const SpeedParams& params, const VehicleParams& vehicle) {
+  return StoppingDistance(params, params.max_speed_mps) + params.person_margin_m +
+         0.5f * vehicle.length_m;
+}
+
+// And how far aside: beyond, no vehicle that is so far off is reached (PersonSpeedCap's rule).
+float ReachAside(const SpeedParams& params, const VehicleParams& vehicle) {
+  const float way_by_m = ReachAhead(params, vehicle) + 0.5f * vehicle.length_m;
+  const float walk_m = params.person_speed_mps * way_by_m / params.min_speed_mps;
+  return Min(
+      walk_m + params.person_margin_m + vehicle.footprint_disc_radius_m + kHalfCellDiagonal_m,
+      kFar_m);
+}
+
+float Squared(float value) {
+  return value * value;
+}
+
+}  // namespace
+
+void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
+                      const VehicleParams& vehicle, const WorldPath& path) {
+  points_ = path.size();
+  reach_m_ = ReachAside(params, vehicle);
+  Vec2 low = {path[0].x_m, path[0].y_m};
+  Vec2 high = low;
+  along_m_[0] = 0.0f;
+  person2_m2_[0] = Squared(kFar_m);
+  HP_LOOP_BOUND(kMaxPathPoints - 1)
+  for (int k = 1; k < points_; ++k) {
+    const float step_m = Abs(PlanarModel::Inverse(path[k - 1], path[k]).dr_m);
+    along_m_[k] = along_m_[k - 1] + step_m;
+    person2_m2_[k] = Squared(kFar_m);
+    low = {Min(low.x_m, path[k].x_m), Min(low.y_m, path[k].y_m)};
+    high = {Max(high.x_m, path[k].x_m), Max(high.y_m, path[k].y_m)};
+  }
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 0; k < points_; ++k) {
+    cap_mps_[k] = ReactionSpeedCap(params, along_m_[points_ - 1] - along_m_[k]);
+  }
+  low_ = window.Nearest(CellAt({low.x_m - reach_m_, low.y_m - reach_m_}));
+  high_ = window.Nearest(CellAt({high.x_m + reach_m_, high.y_m + reach_m_}));
+  row_ = low_.y;
+  point_ = 0;
+}
+
+Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
+                         const VehicleParams& vehicle, const WorldPath& path, int units) {
+  HP_LOOP_BOUND(kMaxUnits)
+  for (int unit = 0; unit < units && point_ < points_; ++unit) {
+    if (row_ <= high_.y) {
+      SearchRow(map, path);
+      ++row_;
+    } else {
+      CapForPersonAt(point_, params, vehicle);
+      ++point_;
+    }
+  }
+  return point_ < points_ ? Progress::kBusy : Progress::kDone;
+}
+
+void SpeedCaps::SearchRow(const Costmap& map, const WorldPath& path) {
+  const uint8_t* flags = &map.flags[map.window.Index({low_.x, row_})];
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int32_t x = low_.x; x <= high_.x; ++x) {
+    if ((flags[x - low_.x] & Costmap::kPerson) != 0) FilePerson(CellCenter({x, row_}), path);
+  }
+}
+
+void SpeedCaps::FilePerson(Vec2 person_odom, const WorldPath& path) {
+  float nearest2_m2 = Squared(kFar_m);
+  int nearest = 0;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 0; k < points_; ++k) {
+    const float distance2_m2 =
+        Squared(person_odom.x_m - path[k].x_m) + Squared(person_odom.y_m - path[k].y_m);
+    if (distance2_m2 < nearest2_m2) {
+      nearest2_m2 = distance2_m2;
+      nearest = k;
+    }
+  }
+  person2_m2_[nearest] = Min(person2_m2_[nearest], nearest2_m2);
+}
+
+void SpeedCaps::CapForPersonAt(int point, const SpeedParams& params, const VehicleParams& vehicle) {
+  if (person2_m2_[point] >= Squared(reach_m_)) return;
+  const float lateral_m =
+      Sqrt(person2_m2_[point]) - kHalfCellDiagonal_m - vehicle.footprint_disc_radius_m;
+  const float ahead_m = ReachAhead(params, vehicle);
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 0; k < points_; ++k) {
+    const float to_person_m = along_m_[point] - along_m_[k];
+    if (to_person_m > ahead_m) continue;
+    cap_mps_[k] = Min(cap_mps_[k], PersonSpeedCap(params, vehicle, to_person_m, lateral_m));
+  }
+}
+
+}  // namespace hardpack
