@@ -4,7 +4,7 @@
 # Whatever is compiled: warnings are errors, and no operation is fused or reassociated.
 add_library(hardpack_options INTERFACE)
 target_compile_options(hardpack_options INTERFACE
-  -Wall -Wextra -Wconversion -Wdouble-promotion -Werror
+  -Wall -Wextra -Wconversion -Werror
   -ffp-contract=off -fno-math-errno)
 if(HARDPACK_SANITIZE)
   target_compile_options(hardpack_options INTERFACE
@@ -12,12 +12,12 @@ if(HARDPACK_SANITIZE)
   target_link_options(hardpack_options INTERFACE -fsanitize=${HARDPACK_SANITIZE})
 endif()
 
-# core and hal besides: no exceptions, no RTTI, small static stack frames.
+# core and hal besides: no exceptions, no RTTI, single precision, small static stack frames.
 add_library(hardpack_core_options INTERFACE)
 target_link_libraries(hardpack_core_options INTERFACE hardpack_options)
-target_compile_options(hardpack_core_options INTERFACE -fno-exceptions -fno-rtti -Wvla)
+target_compile_options(hardpack_core_options INTERFACE
+  -fno-exceptions -fno-rtti -Wdouble-promotion -Wvla -Walloca)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  target_compile_options(hardpack_core_options INTERFACE -Walloca)
   # A sanitizer's instrumentation grows the frames; they are judged in every other build.
   if(NOT HARDPACK_SANITIZE)
     target_compile_options(hardpack_core_options INTERFACE -Wstack-usage=512)
