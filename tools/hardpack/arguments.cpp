@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/hardpack/arguments.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+#include "tools/hardpack/command.h"
+
+namespace hardpack::command {
+namespace {
+
+constexpr float kLargestNumber = 1.0e6f;
+
+size_t EditDistance(std::string_view a, std::string_view b) {
+  std::vector<size_t> row(b.size() + 1);
+  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = row[0];
+    row[0] = i;
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+float ParseNumber(const std::string& option, const std::string& text) {
+  float value = 0.0f;
+  const char* first = text.data();
+  const char* last = first + text.size();
+  if (first != last && *first == '+') ++first;
+  const auto [end, error] = std::from_chars(first, last, value);
+  if (error != std::errc{} || end != last) {
+    throw CommandFailure(kBadInput, option + ": '" + text + "' is not a number");
+  }
+  if (!std::isfinite(value) || std::abs(value) > kLargestNumber) {
+    throw CommandFailure(kBadInput, option + ": " + text + " is not a finite number up to 1e6");
+  }
+  return value;
+}
+
+std::vector<float> ParseNumbers(const std::string& option, const std::string& text, size_t least,
+                                size_t most, const std::string& form) {
+  std::vector<float> numbers;
+  size_t from = 0;
+  while (from <= text.size()) {
+    const size_t comma = std::min(text.find(',', from), text.size());
+    numbers.push_back(ParseNumber(option, text.substr(from, comma - from)));
+    from = comma + 1;
+  }
+  if (numbers.size() < least || numbers.size() > most) {
+    throw CommandFailure(kBadInput, option + ": '" + text + "' is not of the form " + form);
+  }
+  return numbers;
+}
+
+void MakeOutputFolder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error || !std::filesystem::is_directory(path, error)) {
+    const std::string reason = error ? error.message() : "a file of that name is in the way";
+    throw CommandFailure(kBadInput, "--out " + path + ": cannot be made (" + reason + ")");
+  }
+}
+
+void WriteText(const std::string& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) throw CommandFailure(kBadInput, path + ": cannot be written");
+}
+
+std::string NearestName(std::string_view typed, const std::vector<std::string>& names) {
+  std::string nearest;
+  size_t least = typed.size() / 2 + 1;
+  for (const std::string& name : names) {
+    const size_t distance = EditDistance(typed, name);
+    if (distance < least) {
+      least = distance;
+      nearest = name;
+    }
+  }
+  return nearest;
+}
+
+nlohmann::json JsonNumber(float value) {
+  if (!std::isfinite(value)) return nullptr;
+  std::array<char, 32> text = {};
+  const auto shortest = std::to_chars(text.data(), text.data() + text.size(), value);
+  double number = 0.0;
+  std::from_chars(text.data(), shortest.ptr, number);
+  return number;
+}
+
+}  // namespace hardpack::command
