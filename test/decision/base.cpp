@@ -33,8 +33,8 @@ DecisionHash Vectors() {
   DecisionHash hash;
   Random random(0x5eed0001u);
   for (int i = 0; i < 6000; ++i) {
-    const float x = random.Between(-50.0f, 50.0f);
-    const float y = random.Between(-50.0f, 50.0f);
+    const float x = random.RealBetween(-50.0f, 50.0f);
+    const float y = random.RealBetween(-50.0f, 50.0f);
     hash.AddFloat(Atan2(y, x));
     hash.AddFloat(Sqrt(x * x + y * y));
     hash.AddI32(FloorToInt(x * y));
@@ -67,9 +67,9 @@ DecisionHash Transforms() {
   Random random(0x5eed0003u);
   Transform3 chain;
   for (int i = 0; i < 500; ++i) {
-    const float roll_rad = random.Between(-0.3f, 0.3f);
-    const float pitch_rad = random.Between(-0.3f, 0.3f);
-    const float yaw_rad = random.Between(-3.2f, 3.2f);
+    const float roll_rad = random.RealBetween(-0.3f, 0.3f);
+    const float pitch_rad = random.RealBetween(-0.3f, 0.3f);
+    const float yaw_rad = random.RealBetween(-3.2f, 3.2f);
     chain = TransformFromRollPitchYaw(roll_rad, pitch_rad, yaw_rad, {0.1f, -0.2f, 0.3f}) * chain;
     const Vec3 point = chain.Apply({1.0f, 2.0f, 3.0f});
     hash.AddFloat(point.x_m);

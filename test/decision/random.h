@@ -24,7 +24,7 @@ class Random {
   }
 
   // [low, high] in steps of 1/1024 of the range.
-  float Between(float low, float high) {
+  float RealBetween(float low, float high) {
     return low + (high - low) * (static_cast<float>(Next() % 1025u) / 1024.0f);
   }
 

@@ -58,4 +58,12 @@ void PrintNumber(const char* prefix, uint32_t value) {
   PrintLine(line.text());
 }
 
+void PrintStatus(const char* prefix, Status status) {
+  Line line;
+  line.Append(prefix);
+  line.Append(' ');
+  line.Append(StatusName(status));
+  PrintLine(line.text());
+}
+
 }  // namespace hardpack::decision

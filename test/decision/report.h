@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/base/decision_hash.h"
+#include "core/base/status.h"
 
 // The decision program: a fixed set of seeded scenarios through core and hal, and a hash of what
 // was decided in each. Equal lines on two builds mean equal decisions. The scenarios use no heap,
@@ -29,15 +30,20 @@ class Report {
   DecisionHash total_;
 };
 
-// `prefix` value, in decimal, as a line of its own.
+// `prefix` and a value, as a line of its own, for people: not compared.
 void PrintNumber(const char* prefix, uint32_t value);
+void PrintStatus(const char* prefix, Status status);
 
 // The scenarios, in the order in which they run.
 void RunBase(Report& report);
+void RunCells(Report& report);
+void RunScenes(Report& report);
 
 inline void RunAll() {
   Report report;
   RunBase(report);
+  RunCells(report);
+  RunScenes(report);
   report.PrintTotal();
 }
 
