@@ -191,7 +191,9 @@ void CostmapBuilder::Start(const GridWindow& window, const CostmapParams& params
   pass_ = first_pass;
   row_ = 0;
   const float radius_cells = params.planning_radius_m * kCellsPerMeter;
-  radius2_cells2_ = FloorToInt(radius_cells * radius_cells);
+  // A centre at the radius belongs to the region, also when the radius in float is a rounding less.
+  constexpr float kRounding_cells2 = 0.001f;
+  radius2_cells2_ = FloorToInt(radius_cells * radius_cells + kRounding_cells2);
   HP_LOOP_BOUND(kReach_cells)
   for (int x = 0; x < kReach_cells; ++x) {
     padded_[x] = kFar2;
