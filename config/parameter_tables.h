@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "config/parameters.h"
+
+// What each parameter of config/parameters.h may be: the one table that the checks, the command
+// line and docs/parameters.md go by. An entry names its member by pointer, so that neither a member
+// without an entry nor a default outside its range compiles (config/validate.h), and reading
+// through an entry is plain data access: no call that a static timing analysis could not follow.
+//
+// The ranges are what the stages can compute with and what a vehicle of this kind can sensibly be
+// given. How parameters of different meaning go together is the stages' to check
+// (CheckCostmapParams that the costs of both layers fit one cell, for example).
+
+namespace hardpack {
+
+// One member of a group of parameters; exactly one of the three pointers is set.
+template <typename Group>
+struct ParameterEntry {
+  const char* full_name;      // "group.member": the unit is in it
+  const char* name;           // "member"
+  float Group::*number;       // a number with a unit
+  int32_t Group::*whole;      // a count, or a switch of 0 and 1
+  ObstacleRule Group::*rule;  // by its number
+  float low;                  // both ends included
+  float high;
+  const char* description;
+  float Group::*not_above;  // null, or a member that this one must not exceed
+
+  // A whole number beyond 2^24 may come out rounded, and is as far out of every range as before.
+  constexpr float Get(const Group& group) const {
+    if (number != nullptr) return group.*number;
+    const int32_t value = whole != nullptr ? group.*whole : static_cast<int32_t>(group.*rule);
+    return static_cast<float>(value);
+  }
+};
+
+template <typename Group>
+constexpr ParameterEntry<Group> MakeEntry(const char* full_name, const char* name,
+                                          float Group::*member, float low, float high,
+                                          const char* description,
+                                          float Group::*not_above = nullptr) {
+  return {full_name, name, member, nullptr, nullptr, low, high, description, not_above};
+}
+template <typename Group>
+constexpr ParameterEntry<Group> MakeEntry(const char* full_name, const char* name,
+                                          int32_t Group::*member, float low, float high,
+                                          const char* description) {
+  return {full_name, name, nullptr, member, nullptr, low, high, description, nullptr};
+}
+template <typename Group>
+constexpr ParameterEntry<Group> MakeEntry(const char* full_name, const char* name,
+                                          ObstacleRule Group::*member, float low, float high,
+                                          const char* description) {
+  return {full_name, name, nullptr, nullptr, member, low, high, description, nullptr};
+}
+
+// The member gives the entry its names: they cannot disagree.
+#define HP_ENTRY(group, type, member, ...) \
+  MakeEntry(group "." #member, #member, &type::member, __VA_ARGS__)
+
+#define HP_VEHICLE(...) HP_ENTRY("vehicle", VehicleParams, __VA_ARGS__)
+inline constexpr std::array kVehicleTable = {
+    HP_VEHICLE(length_m, 0.3f, 6.0f, "Overall length."),
+    HP_VEHICLE(width_m, 0.3f, 4.0f, "Overall width."),
+    HP_VEHICLE(footprint_disc_radius_m, 0.1f, 2.5f,
+               "Radius of each of the two discs that together cover the footprint."),
+    HP_VEHICLE(footprint_disc_offset_m, 0.0f, 2.5f,
+               "How far before and behind the vehicle's middle the discs' centres lie."),
+    HP_VEHICLE(pivot_radius_m, 0.1f, 2.5f,
+               "Radius of the circle that the vehicle sweeps when it turns on the spot."),
+    HP_VEHICLE(wheel_radius_m, 0.05f, 1.0f, "Radius of the wheels."),
+    HP_VEHICLE(skid_baseline_m, 0.2f, 5.0f,
+               "Effective distance of the left from the right wheels in a skid-steer turn: more "
+               "than the track, because the wheels slip."),
+    HP_VEHICLE(max_wheel_speed_radps, 0.5f, 200.0f, "Largest wheel speed that the drives reach.")};
+#undef HP_VEHICLE
+
+#define HP_COSTMAP(...) HP_ENTRY("costmap", CostmapParams, __VA_ARGS__)
+inline constexpr std::array kCostmapTable = {
+    HP_COSTMAP(obstacle_rule, 0.0f, 1.0f,
+               "What the height of a return is measured from: 0 the lowest return of its cell (the "
+               "paper), 1 the local ground around it (ours)."),
+    HP_COSTMAP(obstacle_height_m, 0.05f, 2.0f, "A return higher than this is an obstacle.",
+               &CostmapParams::clearance_height_m),
+    HP_COSTMAP(clearance_height_m, 0.1f, 10.0f,
+               "Returns higher than this do not count: the vehicle passes below (ours)."),
+    HP_COSTMAP(ground_window_cells, 1.0f, 31.0f,
+               "Side of the neighbourhood whose lowest return is the local ground; odd (ours)."),
+    HP_COSTMAP(
+        planning_radius_m, 0.0f, 2.0f,
+        "How far obstacles are dilated: half the vehicle's width, a cell's diagonal and an "
+        "allowance of 0.25 m for tracking (ours). The map tells distances apart up to 3.19 m."),
+    HP_COSTMAP(halo_m, 0.0f, 3.0f,
+               "Width of the halo that repels paths around the dilated region (ours)."),
+    HP_COSTMAP(hard_edge_cost, 0.0f, 39.0f,
+               "Hard layer: cost at the edge of the dilated region, where the halo begins (ours)."),
+    HP_COSTMAP(hard_slope_per_m, 0.0f, 100.0f,
+               "Hard layer: growth of the cost with the depth inside; both layers together may "
+               "reach 39 (ours)."),
+    HP_COSTMAP(soft_edge_cost, 0.0f, 39.0f, "Soft layer: the same as hard_edge_cost (ours)."),
+    HP_COSTMAP(soft_slope_per_m, 0.0f, 100.0f, "Soft layer: the same as hard_slope_per_m (ours).")};
+#undef HP_COSTMAP
+
+#define HP_ASTAR(...) HP_ENTRY("astar", AstarParams, __VA_ARGS__)
+inline constexpr std::array kAstarTable = {
+    HP_ASTAR(max_expansions, 1.0f, 262144.0f,
+             "Cells expanded before the search settles for the best partial path; the default is "
+             "every cell of the map (ours)."),
+    HP_ASTAR(move_goal_out_of_obstacle, 0.0f, 1.0f,
+             "1: a goal inside a hard obstacle is moved to the nearest free cell; 0: it is refused "
+             "(ours).")};
+#undef HP_ASTAR
+
+#define HP_PATH(...) HP_ENTRY("path", PathParams, __VA_ARGS__)
+inline constexpr std::array kPathTable = {
+    HP_PATH(step_m, 0.05f, 1.0f,
+            "Distance of the base path's points; a path has at most 256 of them (ours)."),
+    HP_PATH(max_join_heading_rad, 0.0f, 1.5707963f,
+            "Up to this difference the base path is bent to begin along the vehicle's heading; "
+            "beyond it the plan begins with a turn on the spot (60 degrees, ours)."),
+    HP_PATH(pivot_margin_m, 0.0f, 0.5f,
+            "Distance that must be free around the circle of a turn on the spot (ours).")};
+#undef HP_PATH
+
+#define HP_OPTIMIZER(...) HP_ENTRY("optimizer", OptimizerParams, __VA_ARGS__)
+inline constexpr std::array kOptimizerTable = {
+    HP_OPTIMIZER(max_curvature_per_m, 0.01f, 10.0f, "Limit of the curvature."),
+    HP_OPTIMIZER(max_curvature_rate_per_m2, 0.01f, 50.0f,
+                 "Limit of the change of curvature along the path."),
+    HP_OPTIMIZER(curvature_alpha, 0.0f, 1000.0f, "Cost of curvature up to its limit.",
+                 &OptimizerParams::curvature_beta),
+    HP_OPTIMIZER(curvature_beta, 0.0f, 10000.0f,
+                 "Cost of curvature beyond its limit: much more, so that the limit is a steep "
+                 "slope and not a wall."),
+    HP_OPTIMIZER(curvature_rate_alpha, 0.0f, 1000.0f, "Cost of curvature rate up to its limit.",
+                 &OptimizerParams::curvature_rate_beta),
+    HP_OPTIMIZER(curvature_rate_beta, 0.0f, 10000.0f, "Cost of curvature rate beyond its limit."),
+    HP_OPTIMIZER(perturbation_rad, 0.0001f, 0.5f,
+                 "The unit step of Algorithm 1: the change of heading that is tried.",
+                 &OptimizerParams::max_perturbation_rad),
+    HP_OPTIMIZER(max_perturbation_rad, 0.0001f, 1.5f,
+                 "Largest change of heading applied at once (ours)."),
+    HP_OPTIMIZER(perturbation_scale, 0.0f, 1000.0f,
+                 "The step applied is the unit step times this times the decrease of the cost."),
+    HP_OPTIMIZER(
+        window_steps, 2.0f, 255.0f,
+        "N, the steps within which a perturbation is damped away (25 in the paper's figure)."),
+    HP_OPTIMIZER(max_sweeps, 0.0f, 1000.0f, "Sweeps over the path before the descent is ended."),
+    HP_OPTIMIZER(min_relative_decrease, 0.0f, 0.5f,
+                 "A sweep that lowers the cost by a smaller part has converged (ours).")};
+#undef HP_OPTIMIZER
+
+#define HP_SPEED(...) HP_ENTRY("speed", SpeedParams, __VA_ARGS__)
+inline constexpr std::array kSpeedTable = {
+    HP_SPEED(max_speed_mps, 0.1f, 20.0f, "Speed on a straight (the paper's 5 m/s)."),
+    HP_SPEED(min_speed_mps, 0.05f, 20.0f,
+             "Speed where the curvature is gamma or more (the paper's 2 m/s).",
+             &SpeedParams::max_speed_mps),
+    HP_SPEED(gamma_per_m, 0.01f, 10.0f, "Curvature at which min_speed_mps is asked for."),
+    HP_SPEED(max_acceleration_mps2, 0.05f, 10.0f, "Limit of the acceleration along the path."),
+    HP_SPEED(max_deceleration_mps2, 0.05f, 10.0f, "Limit of the deceleration along the path."),
+    HP_SPEED(max_lateral_acceleration_mps2, 0.05f, 10.0f,
+             "Limit of the lateral acceleration; the default is the largest recorded above 3 m/s "
+             "(ours)."),
+    HP_SPEED(max_yaw_rate_radps, 0.05f, 10.0f, "Limit of the yaw rate (ours)."),
+    HP_SPEED(max_wheel_speed_share, 0.05f, 1.0f,
+             "The part of vehicle.max_wheel_speed_radps that a plan may use; the rest is the "
+             "tracker's (ours)."),
+    HP_SPEED(max_curvature_rate_per_ms, 0.05f, 100.0f,
+             "Limit of the squared speed times the change of curvature along the path (ours)."),
+    HP_SPEED(obstacle_start_speed_mps, 0.05f, 5.0f,
+             "Limit of the speed while leaving a hard obstacle at the start (ours)."),
+    HP_SPEED(reaction_time_s, 0.0f, 5.0f,
+             "From a return's stamp to the first command that takes it into account (ours)."),
+    HP_SPEED(stopping_dead_time_s, 0.0f, 5.0f, "Dead time of the drives when stopping (ours)."),
+    HP_SPEED(stopping_lag_s, 0.0f, 5.0f,
+             "Time constant of the drives' first-order lag when stopping (ours)."),
+    HP_SPEED(person_speed_mps, 0.1f, 10.0f, "How fast a person may walk into the way (ours)."),
+    HP_SPEED(person_margin_m, 0.0f, 5.0f,
+             "Distance to be kept from a person when stopping (ours).")};
+#undef HP_SPEED
+
+#define HP_LIDAR_MOUNT(...) HP_ENTRY("mount", LidarMountParams, __VA_ARGS__)
+inline constexpr std::array kLidarMountTable = {
+    HP_LIDAR_MOUNT(x_m, -10.0f, 10.0f, "Where the sensor frame lies in the body frame: forward."),
+    HP_LIDAR_MOUNT(y_m, -10.0f, 10.0f, "The same: to the left."),
+    HP_LIDAR_MOUNT(z_m, 0.0f, 10.0f, "The same: above the ground."),
+    HP_LIDAR_MOUNT(roll_rad, -3.1415927f, 3.1415927f,
+                   "How the sensor frame is turned in the body frame: Rz(yaw) Ry(pitch) Rx(roll)."),
+    HP_LIDAR_MOUNT(pitch_rad, -3.1415927f, 3.1415927f, "The same."),
+    HP_LIDAR_MOUNT(yaw_rad, -3.1415927f, 3.1415927f,
+                   "The same; the Warthog's forward is the -x of its lidar's frame."),
+    HP_LIDAR_MOUNT(self_min_x_m, -10.0f, 10.0f,
+                   "Returns inside a box of the body frame are the vehicle itself: from here ...",
+                   &LidarMountParams::self_max_x_m),
+    HP_LIDAR_MOUNT(self_max_x_m, -10.0f, 10.0f, "... to here,"),
+    HP_LIDAR_MOUNT(self_max_abs_y_m, 0.0f, 10.0f, "up to this far to either side,"),
+    HP_LIDAR_MOUNT(self_max_z_m, 0.0f, 10.0f, "up to this height above the ground."),
+    HP_LIDAR_MOUNT(min_range_m, 0.0f, 50.0f, "Nearer returns are ignored.",
+                   &LidarMountParams::max_range_m),
+    HP_LIDAR_MOUNT(max_range_m, 1.0f, 500.0f, "Farther returns are ignored.")};
+#undef HP_LIDAR_MOUNT
+
+#undef HP_ENTRY
+
+// Each entry is one member of 4 bytes: a member without one would make the sizes differ.
+template <typename Group, size_t kEntries>
+constexpr bool NamesAllMembers(const std::array<ParameterEntry<Group>, kEntries>&) {
+  return kEntries * sizeof(float) == sizeof(Group);
+}
+static_assert(NamesAllMembers(kVehicleTable));
+static_assert(NamesAllMembers(kCostmapTable));
+static_assert(NamesAllMembers(kAstarTable));
+static_assert(NamesAllMembers(kPathTable));
+static_assert(NamesAllMembers(kOptimizerTable));
+static_assert(NamesAllMembers(kSpeedTable));
+static_assert(NamesAllMembers(kLidarMountTable));
+
+}  // namespace hardpack
