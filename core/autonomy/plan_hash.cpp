@@ -56,6 +56,7 @@ void AddCheck(const PathCheckResult& check, DecisionHash& hash) {
   hash.AddFloat(check.smallest_clearance_m);
   hash.AddFloat(check.smallest_hard_distance_m);
   hash.AddI32(check.smallest_clearance_point);
+  hash.AddI32(check.collision_point);
   hash.AddI32(check.overlap_points);
   hash.AddFloat(check.curvature_excess_per_m);
   hash.AddFloat(check.curvature_rate_excess_per_m2);
@@ -89,6 +90,7 @@ void AddToHash(const Plan& plan, DecisionHash& hash) {
   AddBool(plan.pivots_last, hash);
   AddBool(plan.narrow, hash);
   AddBool(plan.is_seed, hash);
+  AddBool(plan.ends_short, hash);
   AddPath(plan.base, hash);
   AddPath(plan.path, hash);
   AddSteps(plan.actuator, hash);

@@ -285,6 +285,7 @@ void Planner::StepOptimize(int units) {
 void Planner::MakePath(const WorldPath& driven) {
   WorldPath& path = plan_.path;
   path.Clear();
+  plan_.ends_short = false;
   if (plan_.pivots_first) {
     path.Resize(1);
     path[0] = {driven[0].x_m, driven[0].y_m, request_.start.pose.theta_rad};
@@ -326,7 +327,32 @@ void Planner::StepCheck(int units) {
   caps_.Begin(costmap().window, params_.speed, params_.vehicle, plan_.path);
 }
 
+bool Planner::MayEndShort() const {
+  const int kept = plan_.check.collision_point;
+  if (plan_.ends_short || kept < 2) return false;
+  float rest_m = 0.0f;
+  HP_LOOP_BOUND(kMaxPathPoints - 1)
+  for (int k = kept; k < plan_.actuator.steps.size(); ++k) {
+    rest_m += Abs(plan_.actuator.steps[k].dr_m);
+  }
+  return rest_m <= kMaxShort_m;
+}
+
+// The point that the collision was met at stays, but without the turn towards what lies behind it.
+void Planner::EndShort() {
+  WorldPath& path = plan_.path;
+  path.Resize(plan_.check.collision_point + 1);
+  if (!HasLength(plan_.actuator.steps[path.size() - 2].dr_m)) path.Resize(path.size() - 1);
+  path.back().theta_rad = path[path.size() - 2].theta_rad;
+  plan_.pivots_last = false;
+  plan_.ends_short = true;
+}
+
 void Planner::TryAgain() {
+  if (MayEndShort()) {
+    EndShort();
+    return BeginCheck();
+  }
   if (!plan_.is_seed) {
     plan_.is_seed = true;
     plan_.cost_after = plan_.cost_before;
@@ -373,6 +399,7 @@ int Planner::SlowPoints() const {
 
 void Planner::Finish() {
   plan_.status = Graver(plan_.base_status, Graver(plan_.optimizer_status, plan_.check_status));
+  if (plan_.ends_short) plan_.status = Graver(plan_.status, Status::kGoalMoved);
   if (plan_.narrow) plan_.status = Graver(plan_.status, Status::kNarrowGap);
   stage_ = PlanStage::kDone;
 }

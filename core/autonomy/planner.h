@@ -27,9 +27,12 @@
 //   radius and half a cell's diagonal), and the plan is marked narrow.
 // - The start heading is more than max_join_heading_rad off the base path: a turn on the spot
 //   first.
-// - The optimized path fails the check by touching: its seed is checked in its place. If that
-//   touches too, and the vehicle stands and has not turned on the spot, it turns first and the rest
-//   is done again.
+// - The path touches something within its last kMaxShort_m only (a goal is a place for the middle
+// of
+//   the vehicle; the check asks for the whole of it): it ends before that, and the goal counts as
+//   moved.
+// - The optimized path touches: its seed is checked in its place. If that touches too, and the
+//   vehicle stands and has not turned on the spot, it turns first and the rest is done again.
 
 namespace hardpack {
 
@@ -51,14 +54,16 @@ struct Plan {
   bool pivots_first = false;
   bool pivots_last = false;  // the goal heading is reached by a turn on the spot
   bool narrow = false;
-  bool is_seed = false;   // path is the seed: the optimized one would have touched
-  WorldPath base;         // resampled base path
-  WorldPath path;         // [n] poses; with pivots_first the first two share their place, with
-                          // pivots_last the last two
-  ActuatorPath actuator;  // [n - 1] steps
-  SpeedProfile speed;     // [n]; empty unless status is usable
-  PathCost cost_before;   // of the seed: the base path, joined
-  PathCost cost_after;    // of what is driven of path, turns on the spot left out
+  bool is_seed = false;     // path is the seed: the optimized one would have touched
+  bool ends_short = false;  // path ends before the base path does: there it would have touched
+  WorldPath base;           // resampled base path
+  WorldPath path;           // [n] poses; with pivots_first the first two share their place, with
+                            // pivots_last the last two
+  ActuatorPath actuator;    // [n - 1] steps
+  SpeedProfile speed;    // [n]; empty unless status is usable. The last one is above 0 only where
+                         // the start speed is too high to stop within the path
+  PathCost cost_before;  // of the seed: the base path, joined
+  PathCost cost_after;   // of path, before turns on the spot were added or it was made to end short
   PathCheckResult check;
   AstarResult search;
 };
@@ -100,6 +105,7 @@ class Planner {
   CostmapBuilder& costmap_builder() { return builder_; }
 
   static constexpr int kPortion_units = 64;
+  static constexpr float kMaxShort_m = 1.0f;
   static constexpr int kMaxTransitions = 32;
   static constexpr int kMaxUnits = kMaxTransitions + 2 * (CostmapBuilder::kUnits + kMapSize_cells) +
                                    2 * AstarSearch::kMaxUnits + 2 * kMapCells + 1 +
@@ -128,6 +134,8 @@ class Planner {
   void MakePath(const WorldPath& driven);
   void BeginCheck();
   void TryAgain();
+  bool MayEndShort() const;
+  void EndShort();
   void BeginSpeed();
   int SlowPoints() const;
   void Finish();

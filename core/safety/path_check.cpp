@@ -186,6 +186,7 @@ void PathCheck::JudgePose(const Costmap& map, const Pose2& pose) {
   const Vec2 middle = {pose.x_m, pose.y_m};
   if (!map.window.Contains(CellAt(middle))) {
     result_.leaves_map = true;
+    Collide();
     return;
   }
   const SinCosPair heading = SinCos(pose.theta_rad);
@@ -219,10 +220,14 @@ void PathCheck::JudgeOverlap(float clearance_m) {
     return;
   }
   const bool first = result_.overlap_points == 0;
-  if (has_been_clear_ || (!first && clearance_m < deepest_m_)) collides_ = true;
+  if (has_been_clear_ || (!first && clearance_m < deepest_m_)) Collide();
   const float deepest_m = clearance_m - kDeeperTolerance_m;
   deepest_m_ = first ? deepest_m : Max(deepest_m_, deepest_m);
   result_.overlap_points = point_ + 2;  // The chord's end too: until there it overlaps.
+}
+
+void PathCheck::Collide() {
+  if (result_.collision_point < 0) result_.collision_point = point_;
 }
 
 void PathCheck::Finish(const WorldPath& path) {
@@ -231,7 +236,7 @@ void PathCheck::Finish(const WorldPath& path) {
   const bool exceeds =
       result_.curvature_excess_per_m > kLimitTolerance * limits_.max_curvature_per_m ||
       result_.curvature_rate_excess_per_m2 > kLimitTolerance * limits_.max_curvature_rate_per_m2;
-  if (result_.leaves_map || collides_ || overlaps_) {
+  if (result_.collision_point >= 0 || overlaps_) {
     result_.status = Status::kCollision;
   } else if (exceeds) {
     result_.status = Status::kLimitExceeded;

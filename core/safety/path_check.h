@@ -30,6 +30,9 @@ struct PathCheckResult {
   // Least distance from the vehicle's middle to a hard cell's centre [m]; saturates too.
   float smallest_hard_distance_m = kClearanceReach_m;
   int32_t smallest_clearance_point = 0;
+  // The first point at which, or on the chord behind which, it collides; -1 when it does not, or
+  // only does because it never gets clear of the start.
+  int32_t collision_point = -1;
   // Points from the start on until the footprint is, and stays, clear; 0 when it always is.
   int32_t overlap_points = 0;
   float curvature_excess_per_m = 0.0f;        // largest |kappa| - max, 0 when within
@@ -74,6 +77,7 @@ class PathCheck {
   void EnterNext(const WorldPath& path);
   void JudgePose(const Costmap& map, const Pose2& pose);
   void JudgeOverlap(float clearance_m);
+  void Collide();
   void Finish(const WorldPath& path);
 
   PathCheckResult result_;
@@ -89,7 +93,6 @@ class PathCheck {
   float deepest_m_ = 0.0f;        // the clearance below which a first overlap has become deeper
   bool overlaps_ = false;         // the last pose did
   bool has_been_clear_ = false;   // some pose so far was
-  bool collides_ = false;
 };
 static_assert(std::is_trivially_copyable_v<PathCheck>);
 

@@ -191,6 +191,7 @@ TEST(PathCheck, FindsACellBetweenTwoFarPoints) {
   EXPECT_EQ(result.status, Status::kCollision);
   EXPECT_NEAR(result.smallest_clearance_m, -VehicleParams{}.footprint_disc_radius_m, 1e-6f);
   EXPECT_EQ(result.smallest_clearance_point, 0);
+  EXPECT_EQ(result.collision_point, 0);
 }
 
 //  the body along the wall clears it, across the way it does not
@@ -267,9 +268,12 @@ TEST(PathCheck, LetsAVehicleDriveOutOfAnOverlapAtItsStart) {
   EXPECT_EQ(Check(ground, StraightPath({0.0f, 0.1f, kPi}, 30, 0.25f)).status, Status::kCollision);
   // Out of it but not clear of it at the end:
   EXPECT_EQ(Check(ground, StraightPath({0.0f, 0.1f, 0.0f}, 2, 0.1f)).status, Status::kCollision);
-  // Out, and into another:
+  EXPECT_EQ(out.collision_point, -1);
+  // Out, and into another, from 6 m on: the front reaches it after 4.83 m.
   ground.SetHard({30, 0});
-  EXPECT_EQ(Check(ground, StraightPath({0.0f, 0.1f, 0.0f}, 30, 0.25f)).status, Status::kCollision);
+  const PathCheckResult into = Check(ground, StraightPath({0.0f, 0.1f, 0.0f}, 30, 0.25f));
+  EXPECT_EQ(into.status, Status::kCollision);
+  EXPECT_EQ(into.collision_point, 19);
 }
 
 TEST(PathCheck, ReportsCurvatureAndItsExcess) {
