@@ -10,7 +10,9 @@
 //
 // In a normal build it writes one record (address of the loop's entry, n) into the non-loaded
 // section .note.hardpack.loops of the object file and no instruction at all; a static timing
-// analyser reads the records from the linked image, in which every inlined copy has its own.
+// analyser reads the records from the linked image, in which every inlined copy has its own. The
+// record of a template's or an inline function's loop joins that function's section group ("?"), so
+// that the linker keeps and drops both together.
 // In a counting build (test/loop_count) the same words count the iterations instead and stop the
 // test when a loop runs more often than it says. A loop without the macro does not compile there.
 //
@@ -52,7 +54,7 @@ class LoopCounter {
   if (!__builtin_is_constant_evaluated()) {                                  \
     asm volatile(                                                            \
         "771:\n"                                                             \
-        ".pushsection .note.hardpack.loops,\"\",%%note\n" HP_LOOP_BOUND_WORD \
+        ".pushsection .note.hardpack.loops,\"?\",%%note\n" HP_LOOP_BOUND_WORD \
         " 771b, %c0\n"                                                       \
         ".popsection\n" ::"i"(static_cast<unsigned long>(n)));               \
   }
