@@ -36,26 +36,34 @@ constexpr void VisitParameters(Params& params, Visit&& visit) {
 
 // False for NaN too.
 template <typename Group>
-constexpr bool IsValid(const ParameterEntry<Group>& entry, const Group& group) {
+constexpr bool IsInRange(const ParameterEntry<Group>& entry, const Group& group) {
   const float value = entry.Get(group);
-  if (!(value >= entry.low && value <= entry.high)) return false;
-  return entry.not_above == nullptr || value <= group.*entry.not_above;
+  return value >= entry.low && value <= entry.high;
 }
 
-// The full name of the first parameter that is not finite, out of its range, or above the one that
-// it must not exceed; nullptr when there is none. Cost: one pass over the tables.
+// Whether it does not exceed the member that it must not exceed.
+template <typename Group>
+constexpr bool IsInOrder(const ParameterEntry<Group>& entry, const Group& group) {
+  return entry.not_above == nullptr || entry.Get(group) <= group.*entry.not_above;
+}
+
+// The full name of the first parameter that is not finite or out of its range; if there is none, of
+// the first that is above the one that it must not exceed; else nullptr. Params: PlannerParams or
+// LidarMountParams. Cost: one pass over the tables.
 template <typename Params>
 constexpr const char* FirstInvalidParameter(const Params& params) {
-  const char* invalid = nullptr;
+  const char* out_of_range = nullptr;
+  const char* out_of_order = nullptr;
   VisitParameters(
-      params, [&invalid]<typename Group, size_t kEntries>(
+      params, [&]<typename Group, size_t kEntries>(
                   const Group& group, const std::array<ParameterEntry<Group>, kEntries>& table) {
         HP_LOOP_BOUND(kEntries)
         for (const ParameterEntry<Group>& entry : table) {
-          if (invalid == nullptr && !IsValid(entry, group)) invalid = entry.full_name;
+          if (out_of_range == nullptr && !IsInRange(entry, group)) out_of_range = entry.full_name;
+          if (out_of_order == nullptr && !IsInOrder(entry, group)) out_of_order = entry.full_name;
         }
       });
-  return invalid;
+  return out_of_range != nullptr ? out_of_range : out_of_order;
 }
 
 // A default outside its range does not compile.
