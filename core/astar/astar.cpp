@@ -325,7 +325,8 @@ void AstarSearch::Expand(const Costmap& map, uint32_t index) {
   }
 }
 
-// A way to the cell at cost g was found.
+// A way to the cell at cost g was found. A closed cell stays closed, even if the caller broke its
+// word and changed the map between two Steps: each cell is expanded once, so every loop is bounded.
 inline void AstarSearch::Relax(uint32_t index, uint32_t direction, uint32_t g) {
   const uint64_t node = nodes_[index];
   const bool seen = (node & kEpochMask) == epoch_;
@@ -371,7 +372,7 @@ inline void AstarSearch::Link(uint32_t index, uint32_t bucket, uint64_t fields) 
   uint32_t next = index;
   if ((bucket_used_[bucket / 64] >> (bucket % 64) & 1u) != 0) {
     next = bucket_head_[bucket];
-    nodes_[next] = (nodes_[next] & ~(kIndexMask << kPrevShift)) | uint64_t{index} << kPrevShift;
+    SetPrev(next, index);
   } else {
     MarkBucket(bucket);
   }
@@ -389,10 +390,20 @@ inline void AstarSearch::Unlink(uint32_t index, uint32_t bucket) {
     return;
   }
   const uint32_t prev = static_cast<uint32_t>(node >> kPrevShift & kIndexMask);
-  const uint32_t after_prev = next == index ? prev : next;
-  nodes_[prev] = (nodes_[prev] & ~(kIndexMask << kNextShift)) | uint64_t{after_prev} << kNextShift;
-  if (next == index) return;
-  nodes_[next] = (nodes_[next] & ~(kIndexMask << kPrevShift)) | uint64_t{prev} << kPrevShift;
+  if (next == index) {
+    SetNext(prev, prev);
+  } else {
+    SetNext(prev, next);
+    SetPrev(next, prev);
+  }
+}
+
+inline void AstarSearch::SetNext(uint32_t index, uint32_t next) {
+  nodes_[index] = (nodes_[index] & ~(kIndexMask << kNextShift)) | uint64_t{next} << kNextShift;
+}
+
+inline void AstarSearch::SetPrev(uint32_t index, uint32_t prev) {
+  nodes_[index] = (nodes_[index] & ~(kIndexMask << kPrevShift)) | uint64_t{prev} << kPrevShift;
 }
 
 inline void AstarSearch::MarkBucket(uint32_t bucket) {

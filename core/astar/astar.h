@@ -104,6 +104,8 @@ class AstarSearch {
   uint32_t PopFirst();
   void Link(uint32_t index, uint32_t bucket, uint64_t fields);
   void Unlink(uint32_t index, uint32_t bucket);
+  void SetNext(uint32_t index, uint32_t next);
+  void SetPrev(uint32_t index, uint32_t prev);
   void MarkBucket(uint32_t bucket);
   void UnmarkBucket(uint32_t bucket);
   uint32_t Heuristic(uint32_t index) const;
@@ -118,8 +120,8 @@ class AstarSearch {
   // list through nodes_. Only the heads of marked buckets are valid.
   uint32_t bucket_head_[kBuckets];
   uint64_t bucket_used_[kBucketWords];  // a bit a bucket
-  uint64_t bucket_words_used_;          // a bit a word of bucket_used_
-  uint32_t least_f_;                    // of the cell expanded last: not above any in the open set
+  uint64_t bucket_words_used_ = 0;      // a bit a word of bucket_used_
+  uint32_t least_f_ = 0;                // of the cell expanded last: not above any in the open set
 
   AstarResult result_;
   GridWindow window_;

@@ -228,6 +228,20 @@ TEST_F(AstarOutcome, PartialPathGoesBackToTheBestCellOfACup) {
   EXPECT_EQ(result.end, (Cell{106, 103}));
 }
 
+TEST_F(AstarOutcome, PartialPathEndsAtTheCheapestOfEquallyNearCells) {
+  // Both arms of the bay are expanded to their ends, but not all of what is left of the start.
+  AstarParams params;
+  params.max_expansions = 6;
+  const AstarResult& result = SolveSketch(Draw({
+                                              ".a.####",
+                                              ".S####G",
+                                              "...####",
+                                          }),
+                                          params);
+  EXPECT_EQ(result.status, Status::kPartialPath);
+  EXPECT_EQ(result.end, (Cell{102, 102}));
+}
+
 TEST_F(AstarOutcome, PartialPathOfOneCellWhenOnlyTheStartMayBeExpanded) {
   AstarParams params;
   params.max_expansions = 1;

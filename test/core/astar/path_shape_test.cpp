@@ -179,6 +179,20 @@ TEST_F(AstarPath, DoesNotDependOnWhereTheWindowLies) {
   }
 }
 
+TEST_F(AstarPath, KeepsTheFirstOfEquallyCheapParents) {
+  // The lower row was reached before the upper one (towards -y) at the start, so the upper one goes
+  // first, as far as the corner; there the lower one was reached last. Both then reach the goal,
+  // which is dear, at the same cost: it keeps the lower one.
+  Sketch sketch = Draw({
+      ".....",
+      "S###h",
+      ".....",
+  });
+  sketch.goal = {104, 101};
+  SolveAndCheck(sketch);
+  EXPECT_EQ(PathOf(*search_)[1], (Cell{100, 102}));
+}
+
 TEST_F(AstarPath, IsTheSameEachTimeWhereManyAreEquallyGood) {
   // A wall right across a symmetric map: over and under it cost the same.
   auto map = UniformMap(false);
@@ -188,8 +202,8 @@ TEST_F(AstarPath, IsTheSameEachTimeWhereManyAreEquallyGood) {
   SolveAndCheck(*map, start, goal);
   const std::vector<Cell> first = PathOf(*search_);
   for (int repetition = 0; repetition < 10; ++repetition) {
-    SolveAndCheck(*map, goal, start);
-    SolveAndCheck(*map, start, goal);
+    Solve(*search_, *map, goal, start);
+    Solve(*search_, *map, start, goal);
     EXPECT_EQ(PathOf(*search_), first);
   }
 }

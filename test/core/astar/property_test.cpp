@@ -50,12 +50,15 @@ RandomProblem MakeProblem(Random& random, Costmap& map) {
   const int lethal_percent = Pick(random, 0, 5) * 10;
   const int largest_cost_q8 = Pick(random, 0, 3) == 0 ? 0 : Pick(random, 0, kMaxCost_q8);
   const int largest_depth2 = Pick(random, 0, 1) == 0 ? 255 : Pick(random, 1, 4);
+  const bool free_cells_have_depth = Pick(random, 0, 4) == 0;  // wrong, and of no consequence
   for (int y = problem.bottom; y < problem.bottom + problem.height; ++y) {
     for (int x = problem.left; x < problem.left + problem.width; ++x) {
       const int index = y * kMapSize_cells + x;
       const bool lethal = Pick(random, 1, 100) <= lethal_percent;
       map.flags[index] = lethal ? Costmap::kHard | Costmap::kLethal : 0;
-      map.hard_depth2[index] = static_cast<uint8_t>(lethal ? Pick(random, 1, largest_depth2) : 0);
+      const bool has_depth = lethal || free_cells_have_depth;
+      map.hard_depth2[index] =
+          static_cast<uint8_t>(has_depth ? Pick(random, 1, largest_depth2) : 0);
       map.cost_q8[index] = static_cast<uint16_t>(Pick(random, 0, largest_cost_q8));
     }
   }
@@ -250,6 +253,31 @@ TEST(AstarSearch, GivesTheSameResultInStepsOfAnySize) {
     ExpectEqual(*whole, *sliced);
     Erase(problem, *map);
     if (HasFailure()) break;
+  }
+}
+
+TEST(AstarSearch, EndsEvenIfTheMapIsChangedMeanwhile) {
+  const auto map = UniformMap(false);
+  const auto search = std::make_unique<AstarSearch>();
+  for (int query = 0; query < 10; ++query) {
+    SCOPED_TRACE("seed " + std::to_string(query));
+    Random random(static_cast<unsigned>(query) + 5000000);
+    ASSERT_EQ(search->Begin(*map, {}, {2.0f, 3.0f}, {90.0f, 80.0f}), Status::kOk);
+    int units = 0;
+    while (search->Step(*map, 500) == Progress::kBusy) {
+      ASSERT_LE(units += 500, AstarSearch::kMaxUnits);
+      for (int change = 0; change < 2000; ++change) {
+        const int index = Pick(random, 0, kMapCells - 1);
+        map->flags[index] = static_cast<uint8_t>(Pick(random, 0, 4) == 0 ? Costmap::kLethal : 0);
+        map->hard_depth2[index] = static_cast<uint8_t>(Pick(random, 0, 255));
+        map->cost_q8[index] = static_cast<uint16_t>(Pick(random, 0, 65535));
+      }
+    }
+    const AstarResult& result = search->result();
+    EXPECT_NE(result.status, Status::kNotStarted);
+    if (IsUsable(result.status)) {
+      EXPECT_EQ(PathOf(*search).size(), static_cast<size_t>(result.path_cells));
+    }
   }
 }
 

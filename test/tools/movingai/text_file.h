@@ -2,6 +2,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <fstream>
@@ -9,12 +10,11 @@
 
 namespace hardpack {
 
-// A file of the running test with the given content; removed at the end.
+// A file of this process with the given content; removed at the end.
 class TextFile {
  public:
   TextFile(const std::string& name, const std::string& content)
-      : path_(::testing::TempDir() +
-              ::testing::UnitTest::GetInstance()->current_test_info()->name() + "_" + name) {
+      : path_(::testing::TempDir() + "movingai_" + std::to_string(getpid()) + "_" + name) {
     std::ofstream(path_, std::ios::binary) << content;
   }
   ~TextFile() { std::remove(path_.c_str()); }
