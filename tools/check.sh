@@ -110,7 +110,7 @@ build_and_test() {
   local preset=$1
   shift
   step "$preset configure" cmake --preset "$preset" || return 0
-  step "$preset build" cmake --build --preset "$preset" -j "$jobs" || return 0
+  step "$preset build" cmake --build --preset "$preset" -j "$jobs" -- -k 0 || return 0
   step "$preset tests" ctest --preset "$preset" -j "$jobs" "$@" || true
 }
 
