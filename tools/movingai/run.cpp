@@ -73,7 +73,7 @@ std::string Run::Judge(const MovingaiProblem& problem) {
     return "the path does not join start and goal";
   }
   double length_cells = 0.0;
-  const std::string fault = WalkPath(length_cells);
+  std::string fault = WalkPath(length_cells);
   if (!fault.empty()) return fault;
   ++report_.solved;
   const double error_cells = std::abs(length_cells - problem.optimum_cells);
@@ -145,8 +145,11 @@ MovingaiOr<MovingaiReport> RunMovingai(const std::string& map_path, const std::s
   Run run(std::get<MovingaiMap>(map));
   for (size_t i = 0; i < problems.size(); i += static_cast<size_t>(stride)) {
     if (!IsFor(std::get<MovingaiMap>(map), problems[i])) {
-      return scen_path + ":" + std::to_string(problems[i].line) +
-             ": the problem is for a map of another size than " + map_path;
+      std::string complaint = scen_path;
+      complaint += ":" + std::to_string(problems[i].line);
+      complaint += ": the problem is for a map of another size than ";
+      complaint += map_path;
+      return complaint;
     }
     run.Solve(problems[i]);
   }
