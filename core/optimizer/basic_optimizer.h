@@ -35,6 +35,7 @@ Status BasicOptimizer<Model>::Begin(const Costmap& map, const OptimizerParams& p
   end_points_ = keep_end_heading ? 2 : 1;
   unit_step_rad_ = params.perturbation_rad;
   halvings_ = 0;
+  Unsettle(0, kMaxPathPoints - 1);
   path_ = seed;
   SetHeadingsFromChords(path_);
   HP_LOOP_BOUND(kMaxPathPoints)
@@ -43,6 +44,11 @@ Status BasicOptimizer<Model>::Begin(const Costmap& map, const OptimizerParams& p
   HP_LOOP_BOUND(kMaxPathPoints)
   while (at_ < points_) CostNextPoint(map, line_, points_);
   cost_ = SumOf(line_, points_);
+  if (!IsFinite(cost_.total())) {
+    path_.Clear();
+    End(Status::kNotFinite);
+    return result_.status;
+  }
   result_.before = cost_;
   result_.after = cost_;
   BeginSweep();
@@ -108,7 +114,7 @@ Progress BasicOptimizer<Model>::Step(const Costmap& map, int units) {
 template <typename Model>
 void BasicOptimizer<Model>::DoUnit(const Costmap& map) {
   if (phase_ == Phase::kSweep) {
-    TryPoint(map, at_);
+    if (!settled_[at_]) settled_[at_] = !TryPoint(map, at_);
     ++at_;
     if (WindowEnd(at_) - at_ < 2) EndSweep();
   } else if (phase_ == Phase::kSpread) {
@@ -148,24 +154,28 @@ void BasicOptimizer<Model>::BeginSweep() {
   if (result_.sweeps >= params_.max_sweeps) End(Status::kIterationLimit);
 }
 
-// One step of Algorithm 1.
+// One step of Algorithm 1. False: neither perturbation lowers the cost.
 template <typename Model>
-void BasicOptimizer<Model>::TryPoint(const Costmap& map, int pivot) {
+bool BasicOptimizer<Model>::TryPoint(const Costmap& map, int pivot) {
   // A smaller decrease than this share of the window's cost may be nothing but rounding.
   constexpr float kLeastGain = 1.0e-6f;
   const Window window = WindowAt(pivot);
   const float useful = window.cost - kLeastGain * window.cost;
   const float left = TryTurn(map, window, unit_step_rad_, useful, candidate_[0]);
-  const float right = TryTurn(map, window, -unit_step_rad_, Min(left, useful), candidate_[1]);
-  int best = right < left ? 1 : 0;
-  float cost = Min(left, right);
-  if (!(cost < useful)) return;
+  const float to_beat = left < useful ? left : useful;
+  const float right = TryTurn(map, window, -unit_step_rad_, to_beat, candidate_[1]);
+  int best = right < to_beat ? 1 : 0;
+  const float cost = best == 1 ? right : left;
+  if (!(cost < useful)) return false;
 
-  const float scaled_rad = Clamp(unit_step_rad_ * params_.perturbation_scale * (window.cost - cost),
-                                 0.0f, params_.max_perturbation_rad);
-  const float signed_rad = best == 0 ? scaled_rad : -scaled_rad;
-  if (TryTurn(map, window, signed_rad, cost, candidate_[1 - best]) < cost) best = 1 - best;
+  const float scaled_rad = Min(unit_step_rad_ * params_.perturbation_scale * (window.cost - cost),
+                               params_.max_perturbation_rad);
+  if (scaled_rad > unit_step_rad_) {
+    const float signed_rad = best == 0 ? scaled_rad : -scaled_rad;
+    if (TryTurn(map, window, signed_rad, cost, candidate_[1 - best]) < cost) best = 1 - best;
+  }
   Keep(window, candidate_[best]);
+  return true;
 }
 
 // The window's cost when the heading change at its pivot grows by delta_rad; candidate's points and
@@ -220,8 +230,18 @@ void BasicOptimizer<Model>::Keep(const Window& window, const Line& candidate) {
     line_.map_cost[k] = candidate.map_cost[k];
     line_.path_cost[k] = candidate.path_cost[k];
   }
+  Unsettle(window.pivot - params_.window_steps - 2, window.last + 1);
   moved_ = true;
   ++result_.perturbations_kept;
+}
+
+// Pivots first .. last look at something that has changed, so they are worth another try.
+template <typename Model>
+void BasicOptimizer<Model>::Unsettle(int first, int last) {
+  const int from = ClampInt(first, 0, kMaxPathPoints - 1);
+  const int to = ClampInt(last, 0, kMaxPathPoints - 1);
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = from; k <= to; ++k) settled_[k] = false;
 }
 
 // The points' costs are what a walk over the whole path would find, so their sum is exact: nothing
@@ -233,6 +253,8 @@ void BasicOptimizer<Model>::EndSweep() {
   if (!(result_.after.total() < cost_.total())) {
     line_ = sweep_start_;
     result_.after = cost_;
+    Unsettle(0, kMaxPathPoints - 1);
+    moved_ = true;
   }
   if (!BeginSpread()) JudgeSweep();
 }
@@ -241,7 +263,7 @@ void BasicOptimizer<Model>::EndSweep() {
 // evenly and have curvatures that mean what they say. False: they are even enough.
 template <typename Model>
 bool BasicOptimizer<Model>::BeginSpread() {
-  constexpr float kEvenShare = 0.005f;
+  constexpr float kEvenShare = 0.02f;
   const int end = points_ - end_points_;
   float length_m = 0.0f;
   float shortest_m = cost_terms::kShortestChord_m;
@@ -302,6 +324,7 @@ void BasicOptimizer<Model>::EndSpread() {
     line_ = candidate_[0];
     points_ = spread_points_;
     result_.after = spread;
+    Unsettle(0, kMaxPathPoints - 1);
     moved_ = true;
     ++result_.spreads_kept;
   }
@@ -317,6 +340,7 @@ void BasicOptimizer<Model>::JudgeSweep() {
   if (stalled) {
     ++halvings_;
     unit_step_rad_ *= 0.5f;
+    Unsettle(0, kMaxPathPoints - 1);
   }
   BeginSweep();
 }

@@ -61,12 +61,15 @@ struct OptimizerResult {
 };
 
 // Algorithm 1 over a vehicle model (see PlanarModel). What we add, each bounded:
-// - the better of the left and the right perturbation is taken, and the step scaled by its decrease
-//   is kept only where it beats the unit step, so that every kept change lowers F;
+// - the better of the left and the right perturbation is taken; the step scaled by its decrease is
+//   tried where it is larger than the unit step, and kept only where it beats it, so that every
+//   kept change lowers F;
 // - after each sweep the points are spread evenly along the path again, where that does not raise
 // F;
 // - a sweep that gains less than min_relative_decrease halves the unit step, and ends the descent
-//   when it has been halved kMaxHalvings times.
+//   when it has been halved kMaxHalvings times;
+// - a point tried in vain is not tried again before something in its window has changed, which
+//   gives the same path sooner.
 template <typename Model>
 class BasicOptimizer {
  public:
@@ -78,9 +81,9 @@ class BasicOptimizer {
 
   // seed: forward steps only; its first chord is kept as it is (join it first, see JoinStart), and
   // so are both end points; the last chord too when keep_end_heading (see JoinEnd).
-  // kPathTooShort: fewer than kMinPoints points; kNotFinite; kInvalidArgument: a chord is shorter
-  // than 0.1 mm; kParameterOutOfRange. On a failure path() is empty.
-  // Cost: the seed's, one pass over its points.
+  // kPathTooShort: fewer than kMinPoints points; kNotFinite (the seed's cost too);
+  // kInvalidArgument: a chord is shorter than 0.1 mm; kParameterOutOfRange. On a failure path() is
+  // empty. Cost: the seed's, one pass over its points.
   Status Begin(const Costmap& map, const OptimizerParams& params, const PathParams& path_params,
                const WorldPath& seed, float start_curvature_per_m, bool keep_end_heading);
 
@@ -126,11 +129,12 @@ class BasicOptimizer {
   int WindowEnd(int pivot) const;
   Window WindowAt(int pivot) const;
   void BeginSweep();
-  void TryPoint(const Costmap& map, int pivot);
+  bool TryPoint(const Costmap& map, int pivot);
   float TryTurn(const Costmap& map, const Window& window, float delta_rad, float limit,
                 Line& candidate);
   void MovePoints(const Window& window, float delta_rad, Line& candidate) const;
   void Keep(const Window& window, const Line& candidate);
+  void Unsettle(int first, int last);
   void EndSweep();
 
   bool BeginSpread();
@@ -151,7 +155,8 @@ class BasicOptimizer {
   int32_t at_ = 0;          // the phase's next point
   float unit_step_rad_ = 0.0f;
   int32_t halvings_ = 0;
-  cost_terms::Walk walk_;  // of a whole line's cost
+  bool settled_[kMaxPathPoints] = {};  // tried in vain, and nothing it looks at has changed since
+  cost_terms::Walk walk_;              // of a whole line's cost
 
   Line line_;
   Line candidate_[2];
