@@ -22,21 +22,6 @@ constexpr size_t kFrameIdOffset = 2;
 constexpr size_t kInitIdOffset = 4;
 constexpr size_t kSerialNumberOffset = 7;
 
-// One pixel: its length is part of the type, so that the reads below, whose offsets are constants,
-// stay inside by construction; what is cut from the column is checked once a column.
-using PixelBytes = std::span<const uint8_t, kPixelBytes>;
-
-template <size_t kOffset>
-uint32_t U16(PixelBytes pixel) {
-  static_assert(kOffset + 2 <= kPixelBytes);
-  return uint32_t{pixel[kOffset]} | uint32_t{pixel[kOffset + 1]} << 8;
-}
-
-template <size_t kOffset>
-uint32_t U32(PixelBytes pixel) {
-  return U16<kOffset>(pixel) | U16<kOffset + 2>(pixel) << 16;
-}
-
 // What the two profiles place differently in a pixel: range below, flags above some bit, and how
 // wide reflectivity is.
 struct PixelFormat {
@@ -49,19 +34,20 @@ struct PixelFormat {
 constexpr PixelFormat kLegacyPixel{0xfffffu, 28, 0xfu, 0xffffu};
 constexpr PixelFormat kRng19Pixel{0x7ffffu, 19, 0x1fu, 0xffu};
 
-// Precondition: pixels.size() == beams * kPixelBytes, beams <= kMaxBeams.
-void DecodePixels(const PixelFormat& format, std::span<const uint8_t> pixels, int32_t beams,
+// `column` receives what the rows of `bytes` (the whole column) say.
+void DecodePixels(const PixelFormat& format, const PacketLayout& layout, ByteReader& bytes,
                   LidarColumn& column) {
+  size_t pixel = static_cast<size_t>(layout.column_header_bytes);
   HP_LOOP_BOUND(kMaxBeams)
-  for (int32_t row = 0; row < beams; ++row) {
-    const PixelBytes pixel =
-        pixels.subspan(static_cast<size_t>(row) * kPixelBytes).first<kPixelBytes>();
-    const uint32_t word = U32<0>(pixel);
+  for (int32_t row = 0; row < layout.beams; ++row) {
+    const uint32_t word = bytes.U32(pixel);
     column.range_mm[row] = word & format.range_mask;
     column.flags[row] = static_cast<uint8_t>((word >> format.flags_shift) & format.flags_mask);
-    column.reflectivity[row] = static_cast<uint16_t>(U16<4>(pixel) & format.reflectivity_mask);
-    column.signal[row] = static_cast<uint16_t>(U16<6>(pixel));
-    column.near_ir[row] = static_cast<uint16_t>(U16<8>(pixel));
+    column.reflectivity[row] =
+        static_cast<uint16_t>(bytes.U16(pixel + 4) & format.reflectivity_mask);
+    column.signal[row] = bytes.U16(pixel + 6);
+    column.near_ir[row] = bytes.U16(pixel + 8);
+    pixel += kPixelBytes;
   }
 }
 
@@ -143,10 +129,7 @@ Status DecodeColumn(const PacketLayout& layout, std::span<const uint8_t> packet,
   ByteReader bytes(
       whole.Sub(static_cast<size_t>(layout.packet_header_bytes + index * layout.column_bytes),
                 static_cast<size_t>(layout.column_bytes)));
-  const std::span<const uint8_t> pixels =
-      bytes.Sub(static_cast<size_t>(layout.column_header_bytes),
-                static_cast<size_t>(layout.beams * layout.pixel_bytes));
-  if (!IsUsable(whole.status()) || !IsUsable(bytes.status())) return Status::kTruncated;
+  if (!IsUsable(whole.status())) return Status::kTruncated;
 
   column.timestamp_ns = bytes.U64(0);
   column.measurement_id = bytes.U16(8);
@@ -157,13 +140,13 @@ Status DecodeColumn(const PacketLayout& layout, std::span<const uint8_t> packet,
     column.status =
         bytes.U32(static_cast<size_t>(layout.column_bytes - layout.column_footer_bytes));
     column.valid = column.status == 0xffffffffu;
-    DecodePixels(kLegacyPixel, pixels, layout.beams, column);
+    DecodePixels(kLegacyPixel, layout, bytes, column);
   } else {
     column.frame_id = whole.U16(kFrameIdOffset);
     column.encoder_ticks = 0;
     column.status = bytes.U16(10);
     column.valid = (column.status & 1u) != 0;
-    DecodePixels(kRng19Pixel, pixels, layout.beams, column);
+    DecodePixels(kRng19Pixel, layout, bytes, column);
   }
   if (!column.valid) return Status::kColumnInvalid;
   return column.measurement_id < layout.columns_per_frame ? Status::kOk : Status::kBadColumn;

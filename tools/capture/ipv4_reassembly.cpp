@@ -6,12 +6,10 @@
 
 namespace hardpack::capture {
 
-Ipv4Reassembly::Ipv4Reassembly() : slots_(std::make_unique<std::array<Slot, kMaxInFlight>>()) {}
-
 // The slot of the fragment's datagram, a free one, or the oldest one's.
 Ipv4Reassembly::Slot& Ipv4Reassembly::SlotFor(const Fragment& fragment) {
   Slot* chosen = nullptr;
-  for (Slot& slot : *slots_) {
+  for (Slot& slot : slots_) {
     // The 16-bit identification comes round again: what is old is another datagram's.
     if (slot.used && std::abs(fragment.time_ns - slot.first_time_ns) > kMaxAge_ns) {
       slot.used = false;
@@ -29,7 +27,8 @@ Ipv4Reassembly::Slot& Ipv4Reassembly::SlotFor(const Fragment& fragment) {
   chosen->total_bytes = 0;
   chosen->end_bytes = 0;
   chosen->filled_bytes = 0;
-  chosen->filled.fill(0);
+  chosen->bytes.resize(kMaxBytes);
+  chosen->filled.assign(kMaxBytes, 0);
   return *chosen;
 }
 
@@ -74,7 +73,7 @@ std::span<const uint8_t> Ipv4Reassembly::Add(const Fragment& fragment) {
 }
 
 void Ipv4Reassembly::Finish() {
-  for (Slot& slot : *slots_) {
+  for (Slot& slot : slots_) {
     if (slot.used) ++counters_.incomplete;
     slot.used = false;
   }

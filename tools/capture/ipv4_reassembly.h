@@ -4,8 +4,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
+#include <vector>
 
 // Fragments of IPv4 datagrams back into whole ones (RFC 791): a lidar packet of 12.6 kB crosses an
 // Ethernet in nine. Bounded: a fixed number of datagrams in flight, each of at most 64 KiB. Tells
@@ -43,8 +43,6 @@ class Ipv4Reassembly {
   static constexpr size_t kMaxBytes = 65535;
   static constexpr int64_t kMaxAge_ns = 2'000'000'000;
 
-  Ipv4Reassembly();
-
   // Takes one fragment, in any order, repeated or overlapping. Returns the payload of the datagram
   // that it completes, valid until the next call; else nothing. Bytes that two fragments carry
   // must agree: otherwise the datagram is given up.
@@ -63,14 +61,14 @@ class Ipv4Reassembly {
     size_t total_bytes = 0;  // 0: the last fragment has not come
     size_t end_bytes = 0;    // end of the farthest fragment
     size_t filled_bytes = 0;
-    std::array<uint8_t, kMaxBytes> bytes;
-    std::array<uint8_t, kMaxBytes> filled;  // [bytes] 1 where a fragment has put something
+    std::vector<uint8_t> bytes;   // [kMaxBytes] once used
+    std::vector<uint8_t> filled;  // [kMaxBytes] 1 where a fragment has put something
   };
 
   Slot& SlotFor(const Fragment& fragment);
   static bool Place(const Fragment& fragment, Slot& slot);
 
-  std::unique_ptr<std::array<Slot, kMaxInFlight>> slots_;
+  std::array<Slot, kMaxInFlight> slots_;
   ReassemblyCounters counters_;
 };
 

@@ -3,7 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <initializer_list>
+#include <utility>
+#include <vector>
 
 #include "test/tools/capture/capture_files.h"
 
@@ -13,7 +14,7 @@ namespace {
 using test::TextFile;
 
 TEST(RellisLabels, SplitsTheOntologyAsDocumented) {
-  const std::pair<ReturnClass, std::initializer_list<int>> split[] = {
+  const std::pair<ReturnClass, std::vector<int>> split[] = {
       {ReturnClass::kHard, {4, 5, 6, 8, 9, 12, 15, 18, 27, 34}},
       {ReturnClass::kPerson, {17}},
       {ReturnClass::kSoft, {19, 31, 33}},
