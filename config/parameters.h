@@ -95,7 +95,7 @@ struct LidarMountParams {
   float z_m = 1.284f;  // height of the sensor frame above the ground
   float roll_rad = 0.0f;
   float pitch_rad = 0.0f;
-  float yaw_rad = 3.14159265f;  // the Warthog's forward is the os1 frame's -x
+  float yaw_rad = 0.0f;  // the sensor frame's x points forward; pi where it points backward
   // Self filter: returns inside this box of the body frame are the vehicle itself.
   float self_min_x_m = -2.7f;
   float self_max_x_m = 0.95f;
