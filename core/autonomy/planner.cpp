@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/autonomy/planner.h"
 
+#include "config/validate.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 
@@ -31,31 +32,11 @@ Vec2 PlaceOf(const Pose2& pose) {
   return {pose.x_m, pose.y_m};
 }
 
-bool ArePositive(std::initializer_list<float> values) {
-  bool positive = true;
-  HP_LOOP_BOUND(16)
-  for (const float value : values) positive = positive && IsFinite(value) && value > 0.0f;
-  return positive;
-}
-
-// What the stages themselves do not check when they begin.
+// Each by itself, and those of the costmap together. What else must go together the stages say when
+// they begin.
 Status CheckParams(const PlannerParams& params) {
-  const VehicleParams& vehicle = params.vehicle;
-  const SpeedParams& speed = params.speed;
-  const bool good = ArePositive({vehicle.length_m, vehicle.width_m, vehicle.footprint_disc_radius_m,
-                                 vehicle.pivot_radius_m, vehicle.wheel_radius_m,
-                                 vehicle.skid_baseline_m, vehicle.max_wheel_speed_radps}) &&
-                    ArePositive({speed.min_speed_mps, speed.gamma_per_m,
-                                 speed.max_acceleration_mps2, speed.max_deceleration_mps2,
-                                 speed.max_lateral_acceleration_mps2, speed.max_yaw_rate_radps,
-                                 speed.max_wheel_speed_share, speed.max_curvature_rate_per_ms,
-                                 speed.obstacle_start_speed_mps, speed.person_speed_mps}) &&
-                    speed.max_speed_mps >= speed.min_speed_mps &&
-                    speed.max_speed_mps <= kMaxRequestSpeed_mps && speed.reaction_time_s >= 0.0f &&
-                    speed.stopping_dead_time_s >= 0.0f && speed.stopping_lag_s >= 0.0f &&
-                    speed.person_margin_m >= 0.0f && params.path.max_join_heading_rad >= 0.0f &&
-                    params.path.pivot_margin_m >= 0.0f;
-  return good ? CheckCostmapParams(params.costmap) : Status::kParameterOutOfRange;
+  if (FirstInvalidParameter(params) != nullptr) return Status::kParameterOutOfRange;
+  return CheckCostmapParams(params.costmap);
 }
 
 Status CheckRequest(const PlanRequest& request) {
@@ -65,8 +46,9 @@ Status CheckRequest(const PlanRequest& request) {
                       IsFinite(request.goal_odom.y_m) &&
                       (!request.has_goal_heading || IsFinite(request.goal_heading_rad));
   if (!finite) return Status::kNotFinite;
-  const bool speed_fits = start.speed_mps >= 0.0f && start.speed_mps <= kMaxRequestSpeed_mps;
-  return speed_fits ? Status::kOk : Status::kInvalidArgument;
+  const bool fits = start.speed_mps >= 0.0f && start.speed_mps <= kMaxRequestSpeed_mps &&
+                    Abs(start.curvature_per_m) <= kCurvatureCeiling_per_m;
+  return fits ? Status::kOk : Status::kInvalidArgument;
 }
 
 }  // namespace

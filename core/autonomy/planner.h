@@ -82,8 +82,8 @@ enum class PlanStage : uint8_t {
 class Planner {
  public:
   // kParameterOutOfRange; kNotFinite: a number of the request; kInvalidArgument: its speed is
-  // negative or above kMaxRequestSpeed_mps. Then nothing is started, and result().status says the
-  // same.
+  // negative or above kMaxRequestSpeed_mps, or its curvature beyond kCurvatureCeiling_per_m. Then
+  // nothing is started, and result().status says the same.
   Status Begin(const HeightGrid& heights, const PlannerParams& params, const PlanRequest& request);
 
   // The same on given cells: between BeginCells and the first StepCells, call

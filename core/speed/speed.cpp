@@ -10,10 +10,6 @@ namespace {
 constexpr float kLeastFreeWay_m = 1.0e-6f;
 // Covers the eight roundings between ReactionSpeedCap and StoppingDistance, each 2^-24 at most.
 constexpr float kBelowTheInverse = 1.0f - 1.0f / 1048576.0f;
-// Below these a limit lies far above every speed that may be asked for.
-constexpr float kLeastCurvature_per_m = 1.0e-6f;
-constexpr float kLeastCurvatureRate_per_m2 = 1.0e-6f;
-
 float Squared(float value) {
   return value * value;
 }
@@ -23,37 +19,41 @@ float ClampCurvature(float curvature_per_m) {
 }
 
 // The parameters as CurvatureSpeedLimit uses them: what is the same for all points is computed
-// once, and squared speeds are compared, so that a point costs three divisions and no root.
+// once, squared speeds are compared, and a division is made only for a limit that binds.
 struct ShapeLimits {
   ShapeLimits(const SpeedParams& params, const VehicleParams& vehicle)
       : per_gamma_m(1.0f / params.gamma_per_m),
         min_mps(params.min_speed_mps),
         span_mps(params.max_speed_mps - params.min_speed_mps),
         lateral_mps2(params.max_lateral_acceleration_mps2),
-        yaw_radps(params.max_yaw_rate_radps),
-        wheel_mps(params.max_wheel_speed_share * vehicle.max_wheel_speed_radps *
-                  vehicle.wheel_radius_m),
+        yaw2_rad2ps2(Squared(params.max_yaw_rate_radps)),
+        wheel2_m2ps2(Squared(params.max_wheel_speed_share * vehicle.max_wheel_speed_radps *
+                             vehicle.wheel_radius_m)),
         half_baseline_m(0.5f * vehicle.skid_baseline_m),
         curvature_rate_per_ms(params.max_curvature_rate_per_ms) {}
 
   float Squared_m2ps2(float curvature_per_m, float curvature_rate_per_m2) const {
     const float kappa = Abs(curvature_per_m);
-    const float radius_m = 1.0f / Max(kappa, kLeastCurvature_per_m);
-    const float rate = Max(Abs(curvature_rate_per_m2), kLeastCurvatureRate_per_m2);
-    const float paper = Squared(min_mps + span_mps * (1.0f - Min(kappa * per_gamma_m, 1.0f)));
-    const float lateral = lateral_mps2 * radius_m;
-    const float yaw = Squared(yaw_radps * radius_m);
-    const float wheel = Squared(wheel_mps / (1.0f + kappa * half_baseline_m));
-    const float steering = curvature_rate_per_ms / rate;
-    return Min(Min(Min(paper, lateral), Min(yaw, wheel)), steering);
+    const float rate = Abs(curvature_rate_per_m2);
+    const float wheel_share = 1.0f + kappa * half_baseline_m;
+    float limit = Squared(min_mps + span_mps * (1.0f - Min(kappa * per_gamma_m, 1.0f)));
+    limit = MinQuotient(limit, lateral_mps2, kappa);
+    limit = MinQuotient(limit, yaw2_rad2ps2, kappa * kappa);
+    limit = MinQuotient(limit, wheel2_m2ps2, wheel_share * wheel_share);
+    return MinQuotient(limit, curvature_rate_per_ms, rate);
+  }
+
+  // min(limit, dividend / divisor); divisor may be 0.
+  static float MinQuotient(float limit, float dividend, float divisor) {
+    return limit * divisor > dividend ? dividend / divisor : limit;
   }
 
   float per_gamma_m;
   float min_mps;
   float span_mps;
   float lateral_mps2;
-  float yaw_radps;
-  float wheel_mps;
+  float yaw2_rad2ps2;
+  float wheel2_m2ps2;
   float half_baseline_m;
   float curvature_rate_per_ms;
 };
@@ -92,37 +92,36 @@ Status CheckInput(const ActuatorPath& path, const SpeedRequest& request) {
   return CheckCaps(path, request.cap_mps);
 }
 
-// True where the vehicle must stand: at both ends of a turn on the spot, and between driving
-// forward and driving in reverse. Precondition: 1 <= point <= steps.size().
-bool MustStand(const ActuatorPath& path, int point) {
-  const float before_m = path.steps[point - 1].dr_m;
-  if (!HasLength(before_m)) return true;
-  if (point == path.steps.size()) return false;
-  const float after_m = path.steps[point].dr_m;
-  return !HasLength(after_m) || (before_m < 0.0f) != (after_m < 0.0f);
+// True where the vehicle must stand between two steps: at both ends of a turn on the spot, and
+// between driving forward and driving in reverse.
+bool MustStand(const ActuatorStep& before, const ActuatorStep& after) {
+  return !HasLength(before.dr_m) || !HasLength(after.dr_m) ||
+         (before.dr_m < 0.0f) != (after.dr_m < 0.0f);
 }
 
 // Squared limit of every point but the first, which is given.
 void LimitPoints(const ShapeLimits& limits, const ActuatorPath& path, const SpeedRequest& request,
                  float everywhere_mps, float slow_mps, SpeedProfile& squared) {
   const int last = path.steps.size();
+  const ActuatorStep* steps = path.steps.begin();
+  float* limit2 = squared.begin();
   float kappa_before = ClampCurvature(request.start_curvature_per_m);
   HP_LOOP_BOUND(kMaxPathPoints - 1)
   for (int k = 1; k <= last; ++k) {
-    if (MustStand(path, k)) {
-      squared[k] = 0.0f;
-      kappa_before = 0.0f;  // A standing vehicle may leave in any direction.
-      continue;
+    const ActuatorStep& before = steps[k - 1];
+    const ActuatorStep& after = steps[k < last ? k : k - 1];
+    float kappa = 0.0f;  // A standing vehicle may leave in any direction.
+    limit2[k] = 0.0f;
+    if (!MustStand(before, after)) {
+      const float per_m = 1.0f / MeanChord(Abs(before.dr_m), Abs(after.dr_m));
+      kappa = ClampCurvature(before.phi_rad * per_m);
+      const float rate = (kappa - kappa_before) * per_m;
+      const float cap_mps = k < request.slow_points ? slow_mps : everywhere_mps;
+      limit2[k] = Min(limits.Squared_m2ps2(kappa, rate), Squared(cap_mps));
     }
-    const float before_m = Abs(path.steps[k - 1].dr_m);
-    const float after_m = k < last ? Abs(path.steps[k].dr_m) : before_m;
-    const float kappa = CurvatureBetween(path.steps[k - 1].phi_rad, before_m, after_m);
-    const float rate = (kappa - kappa_before) / MeanChord(before_m, after_m);
-    const float cap_mps = k < request.slow_points ? slow_mps : everywhere_mps;
-    squared[k] = Min(limits.Squared_m2ps2(kappa, rate), Squared(cap_mps));
     kappa_before = kappa;
   }
-  squared[last] = Min(squared[last], Squared(request.goal_speed_mps));
+  limit2[last] = Min(limit2[last], Squared(request.goal_speed_mps));
 }
 
 void LimitByCaps(std::span<const float> cap_mps, SpeedProfile& squared) {
@@ -135,32 +134,39 @@ void LimitByCaps(std::span<const float> cap_mps, SpeedProfile& squared) {
 
 // v_k^2 <= v_{k+1}^2 + 2 a |dr_k|, from the end.
 void LimitDeceleration(const ActuatorPath& path, float deceleration_mps2, SpeedProfile& squared) {
+  const float loss_per_m = 2.0f * deceleration_mps2;
+  float behind = squared.back();
   HP_LOOP_BOUND(kMaxPathPoints - 1)
   for (int k = squared.size() - 2; k >= 1; --k) {
-    const float gain = 2.0f * deceleration_mps2 * Abs(path.steps[k].dr_m);
-    squared[k] = Min(squared[k], squared[k + 1] + gain);
+    behind = Min(squared[k], behind + loss_per_m * Abs(path.steps[k].dr_m));
+    squared[k] = behind;
   }
 }
 
-// v_k^2 <= v_{k-1}^2 + 2 a |dr_{k-1}|, from the start speed. A vehicle that starts faster than the
-// limits let it brake is slowed at the deceleration limit until it is within them.
-void LimitAcceleration(const ActuatorPath& path, const SpeedParams& params, float start_mps,
-                       SpeedProfile& squared) {
-  squared[0] = Squared(start_mps);
-  bool too_fast = true;
+// A vehicle that starts faster than the limits let it brake is slowed at the deceleration limit
+// until it is within them. Returns the first point where it is; the points before are final.
+int BrakeFromStart(const ActuatorPath& path, float deceleration_mps2, SpeedProfile& squared) {
+  const int last = path.steps.size();
+  int k = 1;
   HP_LOOP_BOUND(kMaxPathPoints - 1)
-  for (int k = 1; k < squared.size(); ++k) {
-    const float way_m = Abs(path.steps[k - 1].dr_m);
-    if (too_fast) {
-      const float braked = squared[k - 1] - 2.0f * params.max_deceleration_mps2 * way_m;
-      too_fast = braked > squared[k];
-      if (too_fast) {
-        squared[k] = MustStand(path, k) ? 0.0f : braked;
-        continue;
-      }
-    }
-    const float reached = squared[k - 1] + 2.0f * params.max_acceleration_mps2 * way_m;
-    squared[k] = Min(squared[k], reached);
+  for (; k <= last; ++k) {
+    const ActuatorStep& before = path.steps[k - 1];
+    const float braked = squared[k - 1] - 2.0f * deceleration_mps2 * Abs(before.dr_m);
+    if (braked <= squared[k]) break;
+    squared[k] = MustStand(before, path.steps[k < last ? k : k - 1]) ? 0.0f : braked;
+  }
+  return k;
+}
+
+// v_k^2 <= v_{k-1}^2 + 2 a |dr_{k-1}|, from a point whose predecessor is final.
+void LimitAcceleration(const ActuatorPath& path, float acceleration_mps2, int from,
+                       SpeedProfile& squared) {
+  const float gain_per_m = 2.0f * acceleration_mps2;
+  float before = squared[from - 1];
+  HP_LOOP_BOUND(kMaxPathPoints - 1)
+  for (int k = from; k < squared.size(); ++k) {
+    before = Min(squared[k], before + gain_per_m * Abs(path.steps[k - 1].dr_m));
+    squared[k] = before;
   }
 }
 
@@ -219,7 +225,9 @@ Status PlanSpeed(const SpeedParams& params, const VehicleParams& vehicle, const 
   LimitPoints(ShapeLimits(params, vehicle), path, request, everywhere_mps, slow_mps, speed);
   LimitByCaps(request.cap_mps, speed);
   LimitDeceleration(path, params.max_deceleration_mps2, speed);
-  LimitAcceleration(path, params, request.start_speed_mps, speed);
+  speed[0] = Squared(request.start_speed_mps);
+  const int within = BrakeFromStart(path, params.max_deceleration_mps2, speed);
+  LimitAcceleration(path, params.max_acceleration_mps2, within, speed);
   HP_LOOP_BOUND(kMaxPathPoints)
   for (float& value : speed) value = Sqrt(value);
   speed[0] = request.start_speed_mps;

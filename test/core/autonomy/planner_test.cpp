@@ -20,17 +20,30 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr GridWindow kWindow{{-256, -256}};
 
+// Cells low .. high, both included.
+struct Block {
+  Cell low;
+  Cell high;
+  uint8_t flags;
+};
+
 struct Scene {
-  std::vector<std::pair<Cell, uint8_t>> cells;
+  std::vector<Block> blocks;
   PlannerParams params;
   PlanRequest request;
 
   void Add(int low_x, int low_y, int high_x, int high_y, uint8_t flags = Costmap::kHard) {
-    for (int y = low_y; y <= high_y; ++y) {
-      for (int x = low_x; x <= high_x; ++x) cells.push_back({{x, y}, flags});
-    }
+    blocks.push_back({{low_x, low_y}, {high_x, high_y}, flags});
   }
 };
+
+void SetCells(const Block& block, CostmapBuilder& builder) {
+  for (int y = block.low.y; y <= block.high.y; ++y) {
+    for (int x = block.low.x; x <= block.high.x; ++x) {
+      if (kWindow.Contains({x, y})) builder.SetCell(kWindow.Index({x, y}), block.flags);
+    }
+  }
+}
 
 Scene SceneTo(Vec2 goal, Pose2 start = {0.1f, 0.1f, 0.0f}) {
   Scene scene;
@@ -50,9 +63,7 @@ const Plan& PlanIn(const Scene& scene, int units = 1 << 20) {
   const Status status = planner.BeginCells(kWindow, scene.params, scene.request);
   EXPECT_EQ(status, Status::kOk) << StatusName(status);
   if (!IsUsable(status)) return planner.result();
-  for (const auto& [cell, flags] : scene.cells) {
-    planner.costmap_builder().SetCell(kWindow.Index(cell), flags);
-  }
+  for (const Block& block : scene.blocks) SetCells(block, planner.costmap_builder());
   while (planner.StepCells(units) == Progress::kBusy) {
   }
   return planner.result();
@@ -64,19 +75,19 @@ uint64_t HashOf(const Plan& plan) {
   return hash.value();
 }
 
-double NearestSquare_m(const Scene& scene, double x_m, double y_m) {
-  double nearest = 1e9;
-  for (const auto& [cell, flags] : scene.cells) {
-    if ((flags & (Costmap::kHard | Costmap::kPerson)) == 0) continue;
-    const double dx = std::max({0.0, 0.2 * cell.x - x_m, x_m - 0.2 * (cell.x + 1)});
-    const double dy = std::max({0.0, 0.2 * cell.y - y_m, y_m - 0.2 * (cell.y + 1)});
-    nearest = std::min(nearest, std::hypot(dx, dy));
+double NearestHard_m(const Scene& scene, double x_m, double y_m) {
+  double nearest2 = 1e18;
+  for (const Block& block : scene.blocks) {
+    if ((block.flags & (Costmap::kHard | Costmap::kPerson)) == 0) continue;
+    const double dx = std::max({0.0, 0.2 * block.low.x - x_m, x_m - 0.2 * (block.high.x + 1)});
+    const double dy = std::max({0.0, 0.2 * block.low.y - y_m, y_m - 0.2 * (block.high.y + 1)});
+    nearest2 = std::min(nearest2, dx * dx + dy * dy);
   }
-  return nearest;
+  return std::sqrt(nearest2);
 }
 
 // Clearance of the footprint's two discs along a whole plan, cut every 3 cm, in double and over
-// every hard cell.
+// every hard block.
 double ClearanceOf(const Scene& scene, const Plan& plan) {
   const VehicleParams& vehicle = scene.params.vehicle;
   double clearance = 1e9;
@@ -84,7 +95,7 @@ double ClearanceOf(const Scene& scene, const Plan& plan) {
     for (const double side : {-1.0, 1.0}) {
       const double arm = side * double{vehicle.footprint_disc_offset_m};
       const double nearest =
-          NearestSquare_m(scene, x + arm * std::cos(theta), y + arm * std::sin(theta));
+          NearestHard_m(scene, x + arm * std::cos(theta), y + arm * std::sin(theta));
       clearance = std::min(clearance, nearest - double{vehicle.footprint_disc_radius_m});
     }
   };
@@ -141,7 +152,7 @@ void ExpectSound(const Scene& scene, const Plan& plan) {
   EXPECT_NEAR(driven.back().x_m, end.x_m, 1e-3f);
   EXPECT_NEAR(driven.back().y_m, end.y_m, 1e-3f);
   EXPECT_LE(plan.cost_after.total(), plan.cost_before.total());
-  if (!scene.cells.empty()) {
+  if (!scene.blocks.empty()) {
     const double clearance = ClearanceOf(scene, plan);
     EXPECT_GT(clearance, plan.check.overlap_points == 0 ? -0.005 : -0.8);
     EXPECT_NEAR(std::min(clearance, double{kClearanceReach_m}), plan.check.smallest_clearance_m,
@@ -450,6 +461,9 @@ TEST(Planner, RefusesARequestThatIsNotFinite) {
     PlanRequest request = SceneTo({5.0f, 0.0f}).request;
     request.start.speed_mps = bad;
     EXPECT_EQ(planner.BeginCells(kWindow, {}, request), Status::kInvalidArgument);
+    request.start = {};
+    request.start.curvature_per_m = bad * 1e9f;
+    EXPECT_EQ(planner.BeginCells(kWindow, {}, request), Status::kInvalidArgument);
   }
 }
 
@@ -460,9 +474,11 @@ TEST(Planner, SurvivesExtremeRequests) {
     EXPECT_TRUE(IsUsable(PlanIn(scene).status)) << far;
     scene = SceneTo({0.0f, 0.0f}, {far, far, far});
     EXPECT_EQ(PlanIn(scene).status, Status::kStartOutsideMap) << far;
-    scene = SceneTo({5.0f, 0.0f});
-    scene.request.start.curvature_per_m = far;
-    EXPECT_EQ(PlanIn(scene).status, Status::kLimitExceeded) << far;
+  }
+  for (const float curvature_per_m : {1e6f, -1e6f}) {
+    Scene scene = SceneTo({5.0f, 0.0f});
+    scene.request.start.curvature_per_m = curvature_per_m;
+    EXPECT_EQ(PlanIn(scene).status, Status::kLimitExceeded) << curvature_per_m;
   }
 }
 
@@ -531,9 +547,11 @@ Scene RandomForest(uint32_t seed) {
     const int x = static_cast<int>(120.0f * unit(random));
     const int y = static_cast<int>(120.0f * unit(random));
     const int size = static_cast<int>(random() % 4u);
-    const bool bush = random() % 4u == 0;
-    scene.Add(x, y, x + size, y + size, bush ? Costmap::kSoft : Costmap::kHard);
+    scene.Add(x, y, x + size, y + size, i % 4 == 0 ? Costmap::kSoft : Costmap::kHard);
   }
+  // Bushes first, so that none takes a trunk's place.
+  std::stable_partition(scene.blocks.begin(), scene.blocks.end(),
+                        [](const Block& block) { return block.flags == Costmap::kSoft; });
   scene.request.start.curvature_per_m = 0.3f * unit(random);
   scene.request.start.speed_mps = seed % 2u == 0 ? 0.0f : 1.0f + unit(random);
   return scene;
