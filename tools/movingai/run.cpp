@@ -146,7 +146,8 @@ MovingaiOr<MovingaiReport> RunMovingai(const std::string& map_path, const std::s
   for (size_t i = 0; i < problems.size(); i += static_cast<size_t>(stride)) {
     if (!IsFor(std::get<MovingaiMap>(map), problems[i])) {
       std::string complaint = scen_path;
-      complaint += ":" + std::to_string(problems[i].line);
+      complaint += ':';
+      complaint += std::to_string(problems[i].line);
       complaint += ": the problem is for a map of another size than ";
       complaint += map_path;
       return complaint;
