@@ -22,16 +22,29 @@
 
 namespace hardpack {
 
-// Counts one loop's iterations during one entry. Defined by the counting build's tests.
+// Counts one loop's iterations during one entry. Its out-of-line members are the counting build's
+// (test/loop_count/loop_counter.cpp). During constant evaluation nothing is recorded, and one
+// iteration too many is not a constant expression.
 class LoopCounter {
  public:
-  LoopCounter(unsigned long long bound, const char* file, int line);
-  ~LoopCounter();
+  constexpr LoopCounter(unsigned long long bound, const char* file, int line)
+      : bound_(bound), file_(file), line_(line) {}
+  constexpr ~LoopCounter() {
+    if (!__builtin_is_constant_evaluated()) Record();
+  }
   LoopCounter(const LoopCounter&) = delete;
   LoopCounter& operator=(const LoopCounter&) = delete;
-  bool Tick();  // Returns true, so that it can stand in a condition.
+
+  // Before each iteration. Returns true, so that it can stand in a condition.
+  constexpr bool Tick() {
+    if (++count_ > bound_) Exceed();
+    return true;
+  }
 
  private:
+  void Record() const;
+  [[noreturn]] void Exceed() const;
+
   unsigned long long bound_;
   unsigned long long count_ = 0;
   const char* file_;
@@ -50,13 +63,13 @@ class LoopCounter {
 #define HP_LOOP_BOUND_WORD ".long"
 #endif
 
-#define HP_LOOP_BOUND(n)                                                     \
-  if (!__builtin_is_constant_evaluated()) {                                  \
-    asm volatile(                                                            \
-        "771:\n"                                                             \
+#define HP_LOOP_BOUND(n)                                                      \
+  if (!__builtin_is_constant_evaluated()) {                                   \
+    asm volatile(                                                             \
+        "771:\n"                                                              \
         ".pushsection .note.hardpack.loops,\"?\",%%note\n" HP_LOOP_BOUND_WORD \
-        " 771b, %c0\n"                                                       \
-        ".popsection\n" ::"i"(static_cast<unsigned long>(n)));               \
+        " 771b, %c0\n"                                                        \
+        ".popsection\n" ::"i"(static_cast<unsigned long>(n)));                \
   }
 
 #endif

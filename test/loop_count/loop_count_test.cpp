@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// The counting build counts: compiled as the tests of the stages are there.
+#include <csignal>
+
+#include "core/base/loop_bound.h"
+#include "gtest/gtest.h"
+
+namespace hardpack {
+namespace {
+
+// Planted: with 6 it runs once more than it says.
+int RunFor(int times) {
+  int runs = 0;
+  HP_LOOP_BOUND(5)
+  for (int i = 0; i < times; ++i) ++runs;
+  return runs;
+}
+
+int RunWhile(int times) {
+  int runs = 0;
+  HP_LOOP_BOUND(5)
+  while (runs < times) ++runs;
+  return runs;
+}
+
+int RunOver(std::initializer_list<int> numbers) {
+  int sum = 0;
+  HP_LOOP_BOUND(3)
+  for (const int number : numbers) {
+    if (number < 0) break;
+    if (number == 0) continue;
+    sum += number;
+  }
+  return sum;
+}
+
+// An inner loop is entered anew in each iteration of the outer one.
+int RunNested(int outer, int inner) {
+  int runs = 0;
+  HP_LOOP_BOUND(4)
+  for (int i = 0; i < outer; ++i) {
+    HP_LOOP_BOUND(2)
+    for (int j = 0; j < inner; ++j) ++runs;
+  }
+  return runs;
+}
+
+template <typename Action>
+void ExpectStop(Action action) {
+  EXPECT_EXIT(action(), testing::KilledBySignal(SIGABRT),
+              "loop_count_test.cpp:[0-9]+: the loop runs more often than its bound of [0-9]+");
+}
+
+TEST(LoopCount, LetsLoopsRunToTheirBounds) {
+  EXPECT_EQ(RunFor(5), 5);
+  EXPECT_EQ(RunFor(0), 0);
+  EXPECT_EQ(RunFor(5), 5);  // an entry has its own count
+  EXPECT_EQ(RunWhile(5), 5);
+  EXPECT_EQ(RunOver({1, 2, 3}), 6);
+  EXPECT_EQ(RunNested(4, 2), 8);
+}
+
+TEST(LoopCount, LeavesBreakAndContinueToTheLoop) {
+  EXPECT_EQ(RunOver({1, 0, 2}), 3);
+  EXPECT_EQ(RunOver({1, -1, 2, 3, 4, 5}), 1);
+}
+
+TEST(LoopCountDeathTest, StopsALoopThatRunsOnceMoreThanItSays) {
+  ExpectStop([] { RunFor(6); });
+  ExpectStop([] { RunWhile(6); });
+  ExpectStop([] { RunOver({1, 2, 3, 4}); });
+  ExpectStop([] { RunNested(5, 1); });
+  ExpectStop([] { RunNested(1, 3); });
+}
+
+TEST(LoopCount, LeavesLoopsOfTestsUncounted) {
+  int runs = 0;
+  for (int i = 0; i < 100; ++i) ++runs;
+  while (runs < 200) ++runs;
+  do {
+    ++runs;
+  } while (runs < 300);
+  EXPECT_EQ(runs, 300);
+}
+
+constexpr int CountAtCompileTime(int times) {
+  int runs = 0;
+  HP_LOOP_BOUND(5)
+  for (int i = 0; i < times; ++i) ++runs;
+  return runs;
+}
+static_assert(CountAtCompileTime(5) == 5);
+
+}  // namespace
+}  // namespace hardpack

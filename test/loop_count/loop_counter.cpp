@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the counting build does with its counts: stops at a loop that runs more often than it says,
+// and, at the end of the program, adds a line `file:line bound largest_count` for each loop that
+// was entered to the file that the environment variable HARDPACK_LOOP_REPORT names. A loop has a
+// line a program run (ctest runs each test on its own) and a line a bound; the largest counts.
+//
+//   HARDPACK_LOOP_REPORT=/tmp/loops ctest -R counted/ && sort -u /tmp/loops
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+
+#include "core/base/loop_bound.h"
+
+namespace hardpack {
+namespace {
+
+struct Site {
+  const char* file = nullptr;  // null: free
+  int line = 0;
+  unsigned long long bound = 0;
+  unsigned long long largest = 0;
+};
+
+constexpr uint32_t kSites = 4096;  // a power of two, several times the loops there are
+
+Site g_sites[kSites];
+uint32_t g_sites_used = 0;
+
+void WriteReport() {
+  const char* name = std::getenv("HARDPACK_LOOP_REPORT");
+  std::FILE* report = name == nullptr ? nullptr : std::fopen(name, "a");
+  if (report == nullptr) return;
+  for (const Site& site : g_sites) {
+    if (site.file == nullptr) continue;
+    std::fprintf(report, "%s:%d %llu %llu\n", site.file, site.line, site.bound, site.largest);
+  }
+  std::fclose(report);
+}
+
+[[noreturn]] void Stop() {
+  std::fflush(nullptr);
+  std::abort();
+}
+
+// Open addressing; the file by its address: one header may have several, one a translation unit.
+Site& SiteOf(const char* file, int line, unsigned long long bound) {
+  uint64_t hash = reinterpret_cast<uintptr_t>(file);
+  hash = (hash ^ static_cast<uint64_t>(line) ^ (bound << 20)) * 0x9e3779b97f4a7c15u;
+  uint32_t at = static_cast<uint32_t>(hash >> 40) % kSites;
+  while (g_sites[at].file != nullptr) {
+    Site& site = g_sites[at];
+    if (site.file == file && site.line == line && site.bound == bound) return site;
+    at = (at + 1) % kSites;
+  }
+  if (++g_sites_used == kSites) {
+    std::fprintf(stderr, "loop_count: more than %u loops: raise kSites\n", kSites);
+    Stop();
+  }
+  if (g_sites_used == 1) std::atexit(WriteReport);
+  g_sites[at] = {file, line, bound, 0};
+  return g_sites[at];
+}
+
+}  // namespace
+
+void LoopCounter::Record() const {
+  Site& site = SiteOf(file_, line_, bound_);
+  if (count_ > site.largest) site.largest = count_;
+}
+
+void LoopCounter::Exceed() const {
+  std::fprintf(stderr, "%s:%d: the loop runs more often than its bound of %llu\n", file_, line_,
+               bound_);
+  Stop();
+}
+
+}  // namespace hardpack
