@@ -5,6 +5,8 @@
 
 #include <memory>
 #include <random>
+#include <string>
+#include <tuple>
 #include <vector>
 
 #include "test/hal/ouster/ouster_packets.h"
@@ -197,7 +199,12 @@ TEST_P(OusterCodec, StaysWithinItsTypesOnRandomBytes) {
 INSTANTIATE_TEST_SUITE_P(Profiles, OusterCodec,
                          testing::Combine(testing::Values(Profile::kLegacy,
                                                           Profile::kRng19Rfl8Sig16Nir16),
-                                          testing::Values(16, 64, 128)));
+                                          testing::Values(16, 64, 128)),
+                         [](const testing::TestParamInfo<std::tuple<Profile, int>>& info) {
+                           const bool legacy = std::get<0>(info.param) == Profile::kLegacy;
+                           return std::string(legacy ? "Legacy" : "Rng19") + "x" +
+                                  std::to_string(std::get<1>(info.param));
+                         });
 
 TEST(OusterCheckPacket, RefusesOtherSensorsAndPackets) {
   std::mt19937 random(7005);
