@@ -163,7 +163,6 @@ Status CheckCostmapParams(const CostmapParams& params) {
   const float soft = InsideCost(radius_m, params.soft_edge_cost, params.soft_slope_per_m, radius_m);
   const bool costs_fit = params.hard_edge_cost >= 0.0f && params.hard_slope_per_m >= 0.0f &&
                          params.soft_edge_cost >= 0.0f && params.soft_slope_per_m >= 0.0f &&
-                         IsFinite(params.hard_slope_per_m) && IsFinite(params.soft_slope_per_m) &&
                          hard <= kMaxCost && soft <= kMaxCost &&
                          Quantized(hard) + Quantized(soft) <= kMaxCost_q8;
   return costs_fit ? Status::kOk : Status::kParameterOutOfRange;

@@ -29,11 +29,12 @@
 //   else                                                    not hard: a kerb, a root
 // A cell that is not hard is soft where highest soft - ground > obstacle_height, and free
 // otherwise. On a slope, or beside a ditch, `ground` lies below the ground under the cell by up to
-// slope x half the square. Obstacles are then seen rather than missed, but what hangs over the way
-// is lifted as well: clearance_height must exceed the vehicle's height by that much (0.7 m: slope
-// 0.5).
+// slope x half the square. So obstacles are rather seen than missed, but what hangs over the way is
+// held to be higher than it is: clearance_height must exceed the vehicle's height by as much (0.7 m
+// at the default square allows a slope of 0.5).
 //
-// The rule kInCell ([OS]): `ground` is the lowest return of the same cell, and nothing is overhead.
+// The rule kInCell ([OS]): `ground` is the lowest return of the same cell, and nothing is overhead;
+// a person is hard there too (ours).
 
 namespace hardpack {
 
