@@ -14,7 +14,7 @@
 namespace hardpack::command {
 namespace {
 
-constexpr float kLargestNumber = 1.0e6f;
+constexpr double kLargestNumber = 1.0e6;
 
 size_t EditDistance(std::string_view a, std::string_view b) {
   std::vector<size_t> row(b.size() + 1);
@@ -33,8 +33,8 @@ size_t EditDistance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-float ParseNumber(const std::string& option, const std::string& text) {
-  float value = 0.0f;
+double ParseNumber(const std::string& option, const std::string& text) {
+  double value = 0.0;
   const char* first = text.data();
   const char* last = first + text.size();
   if (first != last && *first == '+') ++first;
@@ -54,7 +54,7 @@ std::vector<float> ParseNumbers(const std::string& option, const std::string& te
   size_t from = 0;
   while (from <= text.size()) {
     const size_t comma = std::min(text.find(',', from), text.size());
-    numbers.push_back(ParseNumber(option, text.substr(from, comma - from)));
+    numbers.push_back(static_cast<float>(ParseNumber(option, text.substr(from, comma - from))));
     from = comma + 1;
   }
   if (numbers.size() < least || numbers.size() > most) {

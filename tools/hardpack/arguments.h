@@ -18,7 +18,7 @@ std::vector<float> ParseNumbers(const std::string& option, const std::string& te
                                 size_t most, const std::string& form);
 
 // One finite number, the whole of the text.
-float ParseNumber(const std::string& option, const std::string& text);
+double ParseNumber(const std::string& option, const std::string& text);
 
 // Makes the folder, and those above it, where they are missing.
 void MakeOutputFolder(const std::string& path);

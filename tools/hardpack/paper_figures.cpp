@@ -63,11 +63,11 @@ ActuatorPath ActuatorOf(const WorldPath& path) {
   return actuator;
 }
 
-// Heading change of each step over its number.
+// Heading change at each point that has a chord on both sides: phi of step i turns at point i + 1.
 std::vector<DataPoint> HeadingChanges(const ActuatorPath& path) {
   std::vector<DataPoint> points;
-  for (const ActuatorStep& step : path.steps) {
-    points.push_back({static_cast<double>(points.size()), double{step.phi_rad}});
+  for (int i = 0; i + 1 < path.steps.size(); ++i) {
+    points.push_back({static_cast<double>(i + 1), double{path.steps[i].phi_rad}});
   }
   return points;
 }
@@ -88,12 +88,17 @@ std::vector<DataPoint> Curvatures(const ActuatorPath& path) {
 struct LegendLine {
   const char* text;
   picture::Colour colour;
+  bool dashed = false;
 };
 
 void DrawLegend(Canvas& canvas, double left_px, double y_px,
                 const std::vector<LegendLine>& entries) {
   for (const LegendLine& entry : entries) {
-    canvas.Line(left_px, y_px - 5.0, left_px + 30.0, y_px - 5.0, entry.colour, 3.5);
+    canvas.Line(left_px, y_px - 5.0, left_px + (entry.dashed ? 12.0 : 30.0), y_px - 5.0,
+                entry.colour, 3.0);
+    if (entry.dashed) {
+      canvas.Line(left_px + 20.0, y_px - 5.0, left_px + 30.0, y_px - 5.0, entry.colour, 3.0);
+    }
     canvas.Text(left_px + 38.0, y_px, entry.text, {.size_px = 15.0});
     left_px += 62.0 + canvas.TextWidth(entry.text, {.size_px = 15.0});
   }
@@ -120,11 +125,13 @@ std::unique_ptr<Planner> PlanAroundSquare(const PlannerParams& params) {
 }
 
 void DrawSquareWorld(Canvas& canvas, const Planner& planner) {
-  Axes axes = Axes::OfMap(canvas, {80.0, 78.0, 1180.0, 480.0}, {-15.5, 15.5}, {-7.0, 5.0});
+  Axes axes = Axes::OfMap(canvas, {80.0, 84.0, 1180.0, 560.0}, {-15.5, 15.5}, {-9.5, 5.0});
   picture::DrawCostmap(canvas, axes, planner.costmap());
+  axes.ClipBegin();
   axes.Line(PointsOf(planner.result().base), {.colour = picture::kBasePath, .line_px = 3.0});
   axes.Line(PointsOf(planner.result().path), {.colour = picture::kOptimizedPath, .line_px = 3.5});
   canvas.Disc(axes.X(14.0), axes.Y(-0.5), 9.0, picture::kGoal);
+  axes.ClipEnd();
   picture::DrawScaleBar(canvas, axes);
   axes.Frame("World space", "x [m]", "y [m]");
 }
@@ -160,7 +167,7 @@ WorldPath GentleBend() {
 
 WorldPath Perturbed(const WorldPath& path, bool damped) {
   constexpr int kStep = 5;
-  constexpr float kDelta_rad = 0.3f;
+  constexpr float kDelta_rad = 0.5f;
   constexpr int kWindow = 25;
   WorldPath perturbed;
   RequireUsable(Perturb(path, kStep, kDelta_rad, kWindow, damped, perturbed), "perturbation");
@@ -174,19 +181,19 @@ Canvas SquareFigure() {
   const auto planner = PlanAroundSquare(params);
   const ActuatorPath base = ActuatorOf(planner->result().base);
   const ActuatorPath& optimized = planner->result().actuator;
-  Canvas canvas(1300, 1060);
+  Canvas canvas(1300, 1130);
   canvas.Text(80.0, 36.0, "A path around a square obstacle in world and in actuator space",
               {.size_px = 20.0, .bold = true});
-  DrawLegend(canvas, 780.0, 68.0,
+  DrawLegend(canvas, 720.0, 68.0,
              {{"base path (A*)", picture::kBasePath},
               {"optimized path", picture::kOptimizedPath},
-              {"limit", picture::kFaintInk}});
+              {"curvature limit", picture::kFaintInk, true}});
   DrawSquareWorld(canvas, *planner);
   const double max_curvature_per_m = double{params.optimizer.max_curvature_per_m};
-  DrawTwo(canvas, {80.0, 660.0, 540.0, 330.0}, HeadingChanges(base), HeadingChanges(optimized),
+  DrawTwo(canvas, {80.0, 736.0, 530.0, 330.0}, HeadingChanges(base), HeadingChanges(optimized),
           max_curvature_per_m * double{params.path.step_m}, "Actuator space: heading change",
-          "step i", "φ [rad]");
-  DrawTwo(canvas, {720.0, 660.0, 540.0, 330.0}, Curvatures(base), Curvatures(optimized),
+          "point i", "φ [rad]");
+  DrawTwo(canvas, {730.0, 736.0, 530.0, 330.0}, Curvatures(base), Curvatures(optimized),
           max_curvature_per_m, "The same per metre: curvature", "distance along the path [m]",
           "κ [1/m]");
   return canvas;
@@ -199,24 +206,24 @@ Canvas PerturbationFigure() {
   };
   const WorldPath path = GentleBend();
   const std::array<Curve, 3> curves = {
-      Curve{path, {.colour = picture::kUnperturbed, .line_px = 2.5, .dots_px = 3.5}},
-      Curve{Perturbed(path, false), {.colour = picture::kBasePath, .line_px = 2.5, .dots_px = 3.5}},
+      Curve{path, {.colour = picture::kUnperturbed, .line_px = 7.0, .dots_px = 5.5}},
+      Curve{Perturbed(path, false), {.colour = picture::kBasePath, .line_px = 5.0, .dots_px = 4.5}},
       Curve{Perturbed(path, true),
-            {.colour = picture::kOptimizedPath, .line_px = 2.5, .dots_px = 3.5}}};
+            {.colour = picture::kOptimizedPath, .line_px = 2.0, .dots_px = 3.0}}};
   Canvas canvas(1500, 700);
-  canvas.Text(80.0, 36.0, "A perturbation of 0.3 rad at step 5, damped over N = 25 steps",
+  canvas.Text(80.0, 36.0, "A perturbation of 0.5 rad at step 5, damped over N = 25 steps",
               {.size_px = 20.0, .bold = true});
   DrawLegend(canvas, 80.0, 68.0,
              {{"unperturbed", picture::kUnperturbed},
               {"perturbed, no correction", picture::kBasePath},
               {"perturbed, with correction", picture::kOptimizedPath}});
-  Axes actuator(canvas, {90.0, 112.0, 600.0, 510.0}, {0.0, 40.0}, {-0.12, 0.35});
+  Axes actuator(canvas, {90.0, 112.0, 600.0, 510.0}, {0.0, 40.0}, {-0.14, 0.56});
   actuator.Grid(picture::kGridLine);
   for (const Curve& curve : curves) {
     actuator.Line(HeadingChanges(ActuatorOf(curve.path)), curve.style);
   }
-  actuator.Frame("Actuator space", "step i", "heading change φ [rad]");
-  Axes world = Axes::OfMap(canvas, {790.0, 112.0, 670.0, 510.0}, {-0.5, 11.5}, {-0.8, 5.6});
+  actuator.Frame("Actuator space", "point i", "heading change φ [rad]");
+  Axes world = Axes::OfMap(canvas, {790.0, 112.0, 670.0, 510.0}, {-0.4, 11.4}, {-1.0, 6.6});
   world.Grid(picture::kGridLine);
   for (const Curve& curve : curves) world.Line(PointsOf(curve.path), curve.style);
   world.Frame("World space", "x [m]", "y [m]");

@@ -127,6 +127,7 @@ picture::PlanPicture PictureOf(const PlanReport& report, const Costmap& map) {
   picture.title = std::string(StatusName(plan.status));
   if (IsUsable(plan.status)) picture.title += ": " + Summary(plan, report.params.speed);
   if (plan.pivots_first) picture.title += ", begins with a turn on the spot";
+  if (plan.is_seed) picture.title += "; the base path: optimized it would touch";
   const auto add = [&picture](const char* what, const std::string& value) {
     picture.figures.emplace_back(what, value);
   };

@@ -138,6 +138,8 @@ json PlanToJson(const PlanReport& report) {
                             {"optimizer", StatusName(plan.optimizer_status)},
                             {"check", StatusName(plan.check_status)}};
   object["pivots_first"] = plan.pivots_first;
+  object["pivots_last"] = plan.pivots_last;
+  object["is_seed"] = plan.is_seed;
   object["narrow"] = plan.narrow;
   object["length_m"] = JsonNumber(PlanLength(plan));
   object["duration_s"] = JsonNumber(PlanDuration(plan, report.params.speed));

@@ -7,7 +7,7 @@
 namespace hardpack::command {
 namespace {
 
-constexpr int kSliceUnits = 32;
+constexpr int kSliceUnits = Planner::kPortion_units;
 
 template <typename StepSlice>
 StageTimes Run(const Planner& planner, StepSlice&& step_slice) {

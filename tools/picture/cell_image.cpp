@@ -76,9 +76,12 @@ void DrawCostmap(Canvas& canvas, const Axes& axes, const Costmap& map) {
 }
 
 void DrawScaleBar(Canvas& canvas, const Axes& axes) {
-  const auto steps = Ticks({0.0, axes.x().span() / 3.0}, 1);
-  if (steps.size() < 2) return;
-  const double length_m = steps[1];
+  // The largest of 1, 2, 5, 10 ... that fits into a third of the width.
+  const double third_m = axes.x().span() / 3.0;
+  const double power = std::pow(10.0, std::floor(std::log10(third_m)));
+  const double length_m = power * (third_m >= 5.0 * power   ? 5.0
+                                   : third_m >= 2.0 * power ? 2.0
+                                                            : 1.0);
   const double length_px = length_m * axes.PixelsPerUnit();
   const double left_px = axes.area().left_px + 16.0;
   const double y_px = axes.area().bottom_px() - 18.0;

@@ -14,11 +14,11 @@ namespace {
 
 constexpr int kWidth_px = 1500;
 constexpr int kHeight_px = 1100;
-constexpr double kPanel_px = 400.0;
+constexpr double kPanel_px = 376.0;
 
 Rectangle PanelArea(int index) {
-  const double left_px = 80.0 + 478.0 * (index % 3);
-  const double top_px = 88.0 + 512.0 * (index / 3);
+  const double left_px = 80.0 + 482.0 * (index % 3);
+  const double top_px = 118.0 + 484.0 * (index / 3);
   return {left_px, top_px, kPanel_px, kPanel_px};
 }
 
@@ -51,7 +51,7 @@ class Panels {
     axes.Frame(caption, "x [m]", "y [m]");
   }
 
-  // The layer's costs, each panel with its own scale, drawn as a bar inside it.
+  // The layer's costs; each panel has its own scale, drawn as a bar beside it.
   void DrawCosts(int index, const std::string& caption, const Costmap& layer) {
     const double largest = std::max(LargestCost(layer), 1.0);
     Draw(index, caption, [&layer, largest](int cell) {
@@ -62,18 +62,16 @@ class Panels {
 
  private:
   void DrawBar(const Rectangle& panel, double largest) {
-    const Rectangle bar = {panel.right_px() - 24.0, panel.top_px + 34.0, 12.0, 130.0};
-    canvas_.Fill({bar.left_px - 40.0, bar.top_px - 26.0, 60.0, bar.height_px + 40.0},
-                 {1.0, 1.0, 1.0, 0.9});
+    const Rectangle bar = {panel.right_px() + 10.0, panel.top_px + 22.0, 12.0, 150.0};
     for (double row = 0.0; row < bar.height_px; row += 1.0) {
       canvas_.Fill({bar.left_px, bar.bottom_px() - row - 1.0, bar.width_px, 1.5},
                    CostColour(row / bar.height_px));
     }
     canvas_.Outline(bar, kFaintInk, 0.8);
-    const TextStyle style = {.size_px = 12.0, .align = Align::kRight};
-    canvas_.Text(bar.left_px - 4.0, bar.bottom_px() + 4.0, "0", style);
-    canvas_.Text(bar.left_px - 4.0, bar.top_px + 6.0, TickText(largest, 0.1), style);
-    canvas_.Text(bar.right_px(), bar.top_px - 11.0, "cost", style);
+    const TextStyle style = {.size_px = 12.0};
+    canvas_.Text(bar.right_px() + 4.0, bar.bottom_px() + 4.0, "0", style);
+    canvas_.Text(bar.right_px() + 4.0, bar.top_px + 6.0, TickText(largest, 0.1), style);
+    canvas_.Text(bar.left_px, bar.top_px - 10.0, "cost", style);
   }
 
   Canvas& canvas_;
@@ -81,6 +79,24 @@ class Panels {
   Range x_;
   Range y_;
 };
+
+void DrawLegend(Canvas& canvas) {
+  struct Patch {
+    const char* text;
+    Colour colour;
+  };
+  static constexpr std::array<Patch, 6> kPatches = {
+      Patch{"hard obstacle", kHard}, {"person (hard)", kPerson},     {"soft obstacle", kSoft},
+      {"free ground", kFree},        {"not observed", kNotObserved}, {"off the map", kOffMap}};
+  double left_px = 80.0;
+  for (const Patch& patch : kPatches) {
+    const Rectangle box = {left_px, 56.0, 26.0, 15.0};
+    canvas.Fill(box, patch.colour);
+    canvas.Outline(box, kFaintInk, 0.8);
+    canvas.Text(left_px + 34.0, 69.0, patch.text, {.size_px = 14.5});
+    left_px += 64.0 + canvas.TextWidth(patch.text, {.size_px = 14.5});
+  }
+}
 
 }  // namespace
 
@@ -90,6 +106,7 @@ Canvas DrawCostPanels(const Costmap& map, const CostmapParams& params, Range x, 
   const auto soft = BuildLayer(map, params, Costmap::kSoft);
   Canvas canvas(kWidth_px, kHeight_px);
   canvas.Text(80.0, 38.0, title, {.size_px = 20.0, .bold = true});
+  DrawLegend(canvas);
   Panels panels(canvas, map, x, y);
   constexpr uint8_t kShown =
       Costmap::kHard | Costmap::kSoft | Costmap::kPerson | Costmap::kObserved;

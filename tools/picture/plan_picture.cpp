@@ -19,29 +19,6 @@ constexpr double kMargin_px = 1112.0;  // left edge of what stands beside the ma
 constexpr double kAround_m = 4.0;      // shown around everything of interest
 constexpr double kSmallestView_m = 16.0;
 
-// Everything of interest: start, goal and both paths.
-void FindView(const PlanPicture& picture, Range& x, Range& y) {
-  const Pose2& start = picture.request.start.pose;
-  x = {double{start.x_m}, double{start.x_m}};
-  y = {double{start.y_m}, double{start.y_m}};
-  const auto include = [&x, &y](float x_m, float y_m) {
-    x.Include(double{x_m});
-    y.Include(double{y_m});
-  };
-  // A goal far off the map would shrink everything else to nothing; the frame says where it is.
-  const GridWindow& window = picture.map->window;
-  if (window.Contains(CellAt(picture.request.goal_odom))) {
-    include(picture.request.goal_odom.x_m, picture.request.goal_odom.y_m);
-  }
-  for (const Pose2& pose : picture.plan->base) include(pose.x_m, pose.y_m);
-  for (const Pose2& pose : picture.plan->path) include(pose.x_m, pose.y_m);
-  const auto grown = [](Range range) {
-    return range.WidenedBy(kAround_m + std::max(kSmallestView_m - range.span(), 0.0) / 2.0);
-  };
-  x = grown(x);
-  y = grown(y);
-}
-
 std::vector<DataPoint> PointsOf(const WorldPath& path) {
   std::vector<DataPoint> points;
   for (const Pose2& pose : path) points.push_back({double{pose.x_m}, double{pose.y_m}});
@@ -165,6 +142,28 @@ void DrawSpeed(Canvas& canvas, const PlanPicture& picture, double top_px) {
 
 }  // namespace
 
+void FindView(const PlanPicture& picture, Range& x, Range& y) {
+  const Pose2& start = picture.request.start.pose;
+  x = {double{start.x_m}, double{start.x_m}};
+  y = {double{start.y_m}, double{start.y_m}};
+  const auto include = [&x, &y](float x_m, float y_m) {
+    x.Include(double{x_m});
+    y.Include(double{y_m});
+  };
+  // A goal far off the map would shrink everything else to nothing; the frame says where it is.
+  const GridWindow& window = picture.map->window;
+  if (window.Contains(CellAt(picture.request.goal_odom))) {
+    include(picture.request.goal_odom.x_m, picture.request.goal_odom.y_m);
+  }
+  for (const Pose2& pose : picture.plan->base) include(pose.x_m, pose.y_m);
+  for (const Pose2& pose : picture.plan->path) include(pose.x_m, pose.y_m);
+  const auto grown = [](Range range) {
+    return range.WidenedBy(kAround_m + std::max(kSmallestView_m - range.span(), 0.0) / 2.0);
+  };
+  x = grown(x);
+  y = grown(y);
+}
+
 Canvas DrawPlan(const PlanPicture& picture) {
   Canvas canvas(kWidth_px, kHeight_px);
   Range x;
@@ -174,7 +173,7 @@ Canvas DrawPlan(const PlanPicture& picture) {
   DrawCostmap(canvas, axes, *picture.map);
   DrawPathsAndMarks(canvas, axes, picture);
   DrawScaleBar(canvas, axes);
-  axes.Frame("", "x, forward at the start of odometry [m]", "y, left [m]");
+  axes.Frame("", "x [m]", "y [m]");
   canvas.Text(kMapArea.left_px, 36.0, picture.title, {.size_px = 21.0, .bold = true});
   const double legend_end_px = DrawLegend(canvas, kMapArea.top_px + 10.0);
   const double figures_end_px = DrawFigures(canvas, picture, legend_end_px + 18.0);

@@ -7,6 +7,7 @@
 
 #include "config/parameters.h"
 #include "core/autonomy/planner.h"
+#include "tools/picture/axes.h"
 #include "tools/picture/canvas.h"
 
 // plan.png: the costmap in the paper's colours, the base path, the optimized path, start, goal, a
@@ -23,6 +24,9 @@ struct PlanPicture {
   // Shown in the margin, in this order: what, and its value with the unit.
   std::vector<std::pair<std::string, std::string>> figures;
 };
+
+// The part of the map that is of interest: start, goal and both paths, with a margin [m, odom].
+void FindView(const PlanPicture& picture, Range& x, Range& y);
 
 Canvas DrawPlan(const PlanPicture& picture);
 

@@ -79,16 +79,20 @@ Ray RayInLidar(int column, int beam) {
            std::sin(angle_rad) * std::cos(altitude_rad), std::sin(altitude_rad)}};
 }
 
-// The sensor is mounted with its -x ahead, and the lidar turned against the sensor: the two half
-// turns cancel, so lidar axes are odom axes.
+// The sensor frame looks ahead; the lidar frame is turned against it by half a turn.
+Vector SensorFromLidar(const Vector& lidar) {
+  return {-lidar[0], -lidar[1], lidar[2]};
+}
+
 Return CastReturn(const World& world, int column, int beam, Chance& chance) {
   const Ray ray = RayInLidar(column, beam);
-  const Vector origin = {ray.origin[0], ray.origin[1],
-                         ray.origin[2] + kLidarAboveSensor_m + kSensorHeight_m};
+  Vector origin = SensorFromLidar(ray.origin);
+  origin[2] += kLidarAboveSensor_m + kSensorHeight_m;
+  const Vector direction = SensorFromLidar(ray.direction);
   const double luck = chance.Uniform();
   const double noise_m = kRangeNoise_m * chance.Normal();
   const bool lost = chance.Uniform() < kLostShare;
-  const auto hit = world.Cast(origin, ray.direction, kReach_m, luck);
+  const auto hit = world.Cast(origin, direction, kReach_m, luck);
   if (!hit || lost) return {};
   const double range_m = std::max(hit->distance_m + noise_m + kOriginToBeam_m, 0.1);
   Return result;
@@ -96,9 +100,9 @@ Return CastReturn(const World& world, int column, int beam, Chance& chance) {
   result.label = hit->label;
   const double along_m = result.range_mm / 1000.0 - kOriginToBeam_m;
   for (size_t axis = 0; axis < 3; ++axis) {
-    const double lidar_m = ray.origin[axis] + along_m * ray.direction[axis];
-    result.point_sensor[axis] = axis == 2 ? lidar_m + kLidarAboveSensor_m : -lidar_m;
+    result.point_sensor[axis] = origin[axis] + along_m * direction[axis];
   }
+  result.point_sensor[2] -= kSensorHeight_m;
   return result;
 }
 
@@ -188,7 +192,6 @@ std::string MetadataJson() {
   return metadata.dump(1) + "\n";
 }
 
-// x ahead and y left of the vehicle, in the sensor's frame turned by half a turn.
 std::string LabelsCsv(const Revolution& revolution) {
   std::string csv =
       "x_fwd_m,y_left_m,z_up_m(os1_sensor frame),ring,meas_id,range_mm,reflectivity,signal,"
@@ -199,7 +202,7 @@ std::string LabelsCsv(const Revolution& revolution) {
       if (one.range_mm == 0) continue;
       std::array<char, 128> line = {};
       std::snprintf(line.data(), line.size(), "%.3f,%.3f,%.3f,%d,%d,%u,40,0,300,%d\n",
-                    -one.point_sensor[0], -one.point_sensor[1], one.point_sensor[2], beam, column,
+                    one.point_sensor[0], one.point_sensor[1], one.point_sensor[2], beam, column,
                     one.range_mm, static_cast<int>(one.label));
       csv += line.data();
     }

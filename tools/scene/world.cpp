@@ -136,15 +136,15 @@ std::optional<Hit> World::Cast(const Vector& origin, const Vector& direction, do
 
 World DemoWorld() {
   World world;
-  AddFence(world, 13.0, -14.0, 2.6);
-  AddFence(world, 13.0, 5.8, 16.0);
-  AddBush(world, 8.0, 1.2, 1.0);
+  AddFence(world, 13.0, -14.0, 2.2);
+  AddFence(world, 13.0, 6.0, 16.0);
+  AddBush(world, 8.5, 0.6, 1.0);
   AddBush(world, 18.5, 6.6, 1.2);
   AddBush(world, -6.0, -7.0, 1.3);
   AddBox(world, 19.0, -1.0, {2.2, 4.6, 1.5}, kObject);  // a boat on its trailer, say
   AddBox(world, 6.5, -4.5, {1.2, 1.2, 0.9}, kObject);
   AddBox(world, -9.0, 11.0, {5.0, 4.0, 3.0}, kBuilding);
-  for (const auto& [x_m, y_m] : {std::pair{9.5, 8.5},
+  for (const auto& [x_m, y_m] : {std::pair{10.0, 10.5},
                                  {17.5, 11.0},
                                  {24.0, -6.0},
                                  {25.5, 8.0},
@@ -154,10 +154,10 @@ World DemoWorld() {
                                  {28.0, 0.5}}) {
     AddTree(world, x_m, y_m, 0.18, 1.5);
   }
-  const double person_ground_m = World::Ground(9.0, 5.2);
+  const double person_ground_m = World::Ground(6.0, 9.0);
   world.cylinders.push_back(
-      {9.0, 5.2, 0.22, person_ground_m - 0.1, person_ground_m + 1.55, kPerson});
-  world.spheres.push_back({{9.0, 5.2, person_ground_m + 1.66}, 0.13, kPerson});
+      {6.0, 9.0, 0.22, person_ground_m - 0.1, person_ground_m + 1.55, kPerson});
+  world.spheres.push_back({{6.0, 9.0, person_ground_m + 1.66}, 0.13, kPerson});
   world.boxes.push_back({{-1.25, -0.25, 0.9}, {-1.05, 0.25, 1.75}, kVoid});  // the vehicle's mast
   return world;
 }

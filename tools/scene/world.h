@@ -64,7 +64,7 @@ struct World {
                           double luck) const;
 };
 
-// The demonstration: a fence with a gap of 3.2 m, a bush beside it, trees, boxes, a hut and a
+// The demonstration: a fence with a gap of 3.8 m, a bush beside it, trees, boxes, a hut and a
 // person, and the mast on the vehicle's own rear deck.
 World DemoWorld();
 

@@ -86,12 +86,11 @@ TEST(MapOnGrid, LosesNoObstacleAtAnyResolution) {
         if (map.pixels[static_cast<size_t>(row * map.width_px + column)] != Occupancy::kHard) {
           continue;
         }
-        constexpr int kSamples = 60;
+        constexpr int kSamples = 60;  // along each side, from edge to edge
+        const auto along = [](int sample) { return 1.0e-4 + 0.9998 * sample / (kSamples - 1); };
         for (int s = 0; s < kSamples * kSamples; ++s) {
-          const double x_m =
-              map.origin_x_m + (column + (s % kSamples + 0.5) / kSamples) * resolution_m;
-          const double y_m =
-              map.origin_y_m + (row + (s / kSamples + 0.5) / kSamples) * resolution_m;
+          const double x_m = map.origin_x_m + (column + along(s % kSamples)) * resolution_m;
+          const double y_m = map.origin_y_m + (row + along(s / kSamples)) * resolution_m;
           const int index =
               window.Index(CellAt({static_cast<float>(x_m), static_cast<float>(y_m)}));
           ASSERT_NE(flags[static_cast<size_t>(index)] & Costmap::kHard, 0);

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/hardpack/parameter_list.h"
+
+#include <array>
+#include <sstream>
+
+#include "config/validate.h"
+#include "tools/hardpack/arguments.h"
+#include "tools/hardpack/command.h"
+
+namespace hardpack::command {
+namespace {
+
+// Calls visit(entry, group) for every parameter.
+template <typename ParametersType, typename Visit>
+void ForEachParameter(ParametersType& parameters, Visit&& visit) {
+  const auto visit_table = [&visit](auto& group, const auto& table) {
+    for (const auto& entry : table) visit(entry, group);
+  };
+  VisitParameters(parameters.planner, visit_table);
+  VisitParameters(parameters.mount, visit_table);
+}
+
+std::vector<std::string> AllNames() {
+  std::vector<std::string> names;
+  const Parameters parameters;
+  ForEachParameter(parameters,
+                   [&names](const auto& entry, const auto&) { names.push_back(entry.full_name); });
+  return names;
+}
+
+void SetFromText(const std::string& assignment, Parameters& parameters) {
+  const size_t equals = assignment.find('=');
+  if (equals == std::string::npos) {
+    throw CommandFailure(kBadInput, "--param: '" + assignment + "' is not GROUP.NAME=VALUE");
+  }
+  const std::string name = assignment.substr(0, equals);
+  const std::string text = assignment.substr(equals + 1);
+  bool found = false;
+  ForEachParameter(parameters, [&](const auto& entry, auto& group) {
+    if (entry.full_name != name) return;
+    found = true;
+    const double value = ParseNumber("--param " + name, text);
+    if (IsUsable(SetParameter(entry, value, group))) return;
+    std::ostringstream reason;
+    reason << "--param " << name << ": " << text << " is not "
+           << (entry.number == nullptr ? "a whole number " : "") << "within " << entry.low << " .. "
+           << entry.high;
+    throw CommandFailure(kBadInput, reason.str());
+  });
+  if (found) return;
+  const std::string nearest = NearestName(name, AllNames());
+  throw CommandFailure(kBadInput, "--param: there is no parameter '" + name + "'" +
+                                      (nearest.empty() ? "" : ", did you mean '" + nearest + "'?"));
+}
+
+}  // namespace
+
+void SetParameters(const std::vector<std::string>& assignments, Parameters& parameters) {
+  for (const std::string& assignment : assignments) SetFromText(assignment, parameters);
+  // Each is within its own range; what is left is that one exceeds another that it must not.
+  for (const char* name :
+       {FirstInvalidParameter(parameters.planner), FirstInvalidParameter(parameters.mount)}) {
+    if (name == nullptr) continue;
+    throw CommandFailure(kBadInput,
+                         "--param " + std::string(name) +
+                             ": exceeds the parameter that it must not (docs/parameters.md)");
+  }
+}
+
+nlohmann::json ParametersToJson(const Parameters& parameters) {
+  nlohmann::json groups;
+  ForEachParameter(parameters, [&groups](const auto& entry, const auto& group) {
+    const std::string full_name = entry.full_name;
+    nlohmann::json& value = groups[full_name.substr(0, full_name.find('.'))][entry.name];
+    if (entry.number != nullptr) {
+      value = JsonNumber(group.*entry.number);
+    } else {
+      value = static_cast<int>(entry.Get(group));
+    }
+  });
+  return groups;
+}
+
+}  // namespace hardpack::command
