@@ -80,7 +80,10 @@ Status JoinEnd(const WorldPath& base, const PathParams& params, const OptimizerP
                float end_heading_rad, WorldPath& seed) {
   seed = base;
   Reverse(seed);
-  const Status status = JoinStart(seed, params, optimizer, WrapAngle(end_heading_rad + kPi), seed);
+  // WrapAngle would make a number of what is none.
+  const float back_rad =
+      IsFinite(end_heading_rad) ? WrapAngle(end_heading_rad + kPi) : end_heading_rad;
+  const Status status = JoinStart(seed, params, optimizer, back_rad, seed);
   Reverse(seed);
   SetHeadingsFromChords(seed);
   return status;
