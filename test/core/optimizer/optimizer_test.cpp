@@ -101,13 +101,7 @@ TEST_F(OptimizerTest, SmoothsStaircasesWithinTheLimits) {
     const OptimizerResult& result = Run(Staircase(seed, 150, {-20.0f, 0.0f}));
     EXPECT_LT(result.after.total(), 0.1f * result.before.total());
     const Shape shape = ShapeOf(optimizer_->path(), 0.0f);
-    if (shape.largest_curvature_per_m <= 0.505f && shape.largest_rate_per_m2 <= 0.505f)
-      ++within;
-    else
-      printf("DBG %u F %f->%f k %f r %f status %s sweeps %d dr %f %f n %d\n", seed,
-             result.before.total(), result.after.total(), shape.largest_curvature_per_m,
-             shape.largest_rate_per_m2, StatusName(result.status), result.sweeps,
-             shape.shortest_step_m, shape.longest_step_m, optimizer_->path().size());
+    if (shape.largest_curvature_per_m <= 0.505f && shape.largest_rate_per_m2 <= 0.505f) ++within;
   }
   EXPECT_GE(within, kSeeds * 9 / 10);
 }

@@ -159,7 +159,7 @@ TEST(CostOf, IsTheSumOfItsTerms) {
 }
 
 TEST(CostOf, DoesNotDependOnHowFinelyTheMapIsCut) {
-  const auto map = MapOf([](float x, float) { return 0.2f * (x + 20.0f); });
+  const auto map = MapOf([](float x, float) { return 0.2f * std::max(0.0f, x + 20.0f); });
   const OptimizerParams params;
   const float coarse = CostOf(*map, params, Along({{-15, 0}, {15, 0}}, 0.3f), 0.0f).map;
   const float fine = CostOf(*map, params, Along({{-15, 0}, {15, 0}}, 0.15f), 0.0f).map;
