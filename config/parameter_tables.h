@@ -194,7 +194,7 @@ inline constexpr std::array kLidarMountTable = {
                    "How the sensor frame is turned in the body frame: Rz(yaw) Ry(pitch) Rx(roll)."),
     HP_LIDAR_MOUNT(pitch_rad, -3.1415927f, 3.1415927f, "The same."),
     HP_LIDAR_MOUNT(yaw_rad, -3.1415927f, 3.1415927f,
-                   "The same; the Warthog's forward is the -x of its lidar's frame."),
+                   "The same; pi where the sensor's x points backward."),
     HP_LIDAR_MOUNT(self_min_x_m, -10.0f, 10.0f,
                    "Returns inside a box of the body frame are the vehicle itself: from here ...",
                    &LidarMountParams::self_max_x_m),

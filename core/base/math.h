@@ -22,7 +22,7 @@ struct SinCosPair {
 // larger angles, infinite ones too, are clamped to that magnitude, and NaN counts as 0: callers
 // validate angles first. sin(-a) = -sin(a) and cos(-a) = cos(a), bit for bit.
 inline constexpr float kSinCosMaxAngle_rad = 8192.0f;
-inline constexpr float kSinCosMaxError = 1.2e-7f;
+inline constexpr float kSinCosMaxError = 9.5e-8f;
 SinCosPair SinCos(float angle_rad);
 float Sin(float angle_rad);
 float Cos(float angle_rad);
@@ -30,13 +30,13 @@ float Cos(float angle_rad);
 // Angle of the vector (x, y), in [-pi, pi]; Atan2(0, 0) is 0. Error at most kAtan2MaxError_rad, for
 // subnormal and for the largest arguments too. Atan2(-y, x) = -Atan2(y, x), bit for bit, and a zero
 // has no sign. Arguments that are not finite give 0: callers validate first.
-inline constexpr float kAtan2MaxError_rad = 4.0e-7f;
+inline constexpr float kAtan2MaxError_rad = 3.0e-7f;
 float Atan2(float y, float x);
 
 // The same angle in (-kPi, kPi]: itself where it lies there; else less a multiple of 2 pi, with an
 // error of at most kWrapAngleMaxError_rad for |angle_rad| <= kSinCosMaxAngle_rad. Larger angles and
 // NaN as in SinCos.
-inline constexpr float kWrapAngleMaxError_rad = 4.0e-7f;
+inline constexpr float kWrapAngleMaxError_rad = 3.0e-7f;
 float WrapAngle(float angle_rad);
 
 // Square root; correctly rounded on every target. Negative or NaN gives 0: callers validate first.
