@@ -115,6 +115,7 @@ Status FillRing(const Revolution& revolution, const LidarScanRequest& request,
                 const ScanLabels* labels, ScanRing& ring, LidarScanReport& report) {
   const Transform3 odom_from_sensor = request.odom_from_body * BodyFromSensor(request.mount);
   const auto column_labels = std::make_unique<ColumnLabels>();
+  // Without labels nothing may be lost before GuessGround has seen it.
   const ReturnClass unlabelled = labels == nullptr ? ReturnClass::kHard : ReturnClass::kIgnored;
   for (const LidarColumn& column : revolution.columns) {
     if (!column.valid) continue;
@@ -134,9 +135,9 @@ Status FillRing(const Revolution& revolution, const LidarScanRequest& request,
   return Status::kOk;
 }
 
-// Offers every return of the ring to the grid.
-Status FillGrid(const ScanRing& ring, const BeamModel& model, const LidarScanRequest& request,
-                HeightGrid& grid, LidarScanReport& report) {
+// The returns of the ring that are neither the vehicle itself nor to be ignored.
+void CollectPoints(const ScanRing& ring, const BeamModel& model, const LidarScanRequest& request,
+                   LidarScanReport& report) {
   const Transform3 body_from_sensor = BodyFromSensor(request.mount);
   for (int slot = 0; slot < ring.columns(); ++slot) {
     if (!ring.column(slot).present) continue;
@@ -147,21 +148,24 @@ Status FillGrid(const ScanRing& ring, const BeamModel& model, const LidarScanReq
       ++report.returns;
       const Vec3 point_body =
           body_from_sensor.Apply(PointInSensor(model, encoder, row, packed.range_mm()));
-      if (IsSelfReturn(request.mount, point_body,
-                       static_cast<float>(packed.range_mm()) / 1000.0f)) {
+      const float range_m = static_cast<float>(packed.range_mm()) / 1000.0f;
+      if (packed.return_class() != ReturnClass::kPerson &&
+          IsSelfReturn(request.mount, point_body, range_m)) {
         ++report.self_returns;
-        continue;
-      }
-      if (packed.return_class() == ReturnClass::kIgnored) {
+      } else if (packed.return_class() == ReturnClass::kIgnored) {
         ++report.ignored_returns;
-        continue;
+      } else {
+        report.points.push_back({request.odom_from_body.Apply(point_body), packed.return_class()});
       }
-      const Vec3 point_odom = request.odom_from_body.Apply(point_body);
-      report.points.push_back({point_odom, packed.return_class()});
-      const Status status = grid.Insert(point_odom, packed.return_class());
-      if (status == Status::kNotFinite) return status;
-      if (!IsUsable(status)) ++report.returns_off_grid;
     }
+  }
+}
+
+Status FillGrid(HeightGrid& grid, LidarScanReport& report) {
+  for (const ClassedPoint& point : report.points) {
+    const Status status = grid.Insert(point.point_odom, point.return_class);
+    if (status == Status::kNotFinite) return status;
+    if (!IsUsable(status)) ++report.returns_off_grid;
   }
   return Status::kOk;
 }
@@ -221,7 +225,11 @@ ReadOutcome LoadLidarScan(const LidarScanRequest& request, ScanRing& ring, Heigh
   }
   const ScanLabels* const labels = request.labels_path.empty() ? nullptr : &ready->labels;
   Status status = FillRing(*revolution, request, labels, ring, report);
-  if (IsUsable(status)) status = FillGrid(ring, ready->model, request, grid, report);
+  if (IsUsable(status)) {
+    CollectPoints(ring, ready->model, request, report);
+    if (labels == nullptr) GuessGround(position, report.points);
+    status = FillGrid(grid, report);
+  }
   if (!IsUsable(status)) return Failure(request.capture_path, "cannot be placed", status);
   report.frame_id = revolution->frame_id;
   report.columns = revolution->received;

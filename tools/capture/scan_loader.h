@@ -12,6 +12,7 @@
 #include "core/scan/scan.h"
 #include "hal/ouster/ouster.h"
 #include "port_linux/read_outcome.h"
+#include "tools/capture/ground_guess.h"
 
 // One revolution of a recorded lidar into the ring of columns and the grid of heights: a capture
 // (pcap), the sensor's metadata (JSON) and, where there are any, the classes of its returns (CSV).
@@ -26,12 +27,6 @@ struct LidarScanRequest {
   std::string labels_path;  // empty: no labels
   LidarMountParams mount;
   Transform3 odom_from_body;  // pose of the vehicle while the revolution was taken
-};
-
-// One return that was offered to the grid.
-struct ClassedPoint {
-  Vec3 point_odom;
-  ReturnClass return_class = ReturnClass::kIgnored;
 };
 
 // What was found on the way. Reading ends with the revolution that is taken, and so do the counts.
@@ -57,10 +52,8 @@ struct LidarScanReport {
 // elsewhere is foreign. Empties `ring` and configures it; empties `grid` and centres it on the
 // body.
 // With labels a return has the class its label stands for (rellis_labels.h), and one that the file
-// does not name is kIgnored. Without labels every return is kHard: the local-ground rule makes
-// obstacles only of what stands higher above the ground around it than a threshold, so ground stays
-// ground; what is lost is that soft obstacles are told from hard ones. (The in-cell rule is not
-// meant for that.)
+// does not name is kIgnored. Without labels GuessGround tells ground from hard by height alone. A
+// return labelled as a person is never taken for the vehicle itself.
 // On failure the status and a one-line message that names the file.
 ReadOutcome LoadLidarScan(const LidarScanRequest& request, ScanRing& ring, HeightGrid& grid,
                           LidarScanReport& report);

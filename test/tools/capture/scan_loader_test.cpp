@@ -180,6 +180,16 @@ TEST_F(ScanLoader, LeavesOutTheVehicleItself) {
   }
 }
 
+// A person who stands where the vehicle's own returns are expected is still a person.
+TEST_F(ScanLoader, NeverTakesALabelledPersonForTheVehicle) {
+  AddRevolution(8, 0, kPacketsPerRevolution, 1500);
+  const TextFile labels("ring,meas_id,label\n0,256,17\n1,256,4\n");
+  request_.labels_path = labels.path();
+  ASSERT_TRUE(Load().ok());
+  ASSERT_EQ(report_.points.size(), 1u);
+  EXPECT_EQ(report_.points[0].return_class, ReturnClass::kPerson);
+}
+
 TEST_F(ScanLoader, ClassesReturnsByTheirLabels) {
   AddRevolution(8, 0, kPacketsPerRevolution, 4000);
   const TextFile labels("ring,meas_id,label\n0,0,17\n1,0,19\n2,0,3\n3,0,0\n4,0,4\n");
