@@ -32,7 +32,8 @@ struct ParameterEntry {
   float Group::*not_above;  // null, or a member that this one must not exceed
 
   // A whole number beyond 2^24 may come out rounded, and is as far out of every range as before.
-  constexpr float Get(const Group& group) const {
+  // Not inlined: GCC 12 would warn of the members' types that a group does not have.
+  [[gnu::noinline]] constexpr float Get(const Group& group) const {
     if (number != nullptr) return group.*number;
     const int32_t value = whole != nullptr ? group.*whole : static_cast<int32_t>(group.*rule);
     return static_cast<float>(value);
