@@ -2,8 +2,10 @@
 #include <exception>
 #include <iostream>
 #include <string>
+#include <vector>
 
 #include "CLI/CLI.hpp"
+#include "tools/hardpack/arguments.h"
 #include "tools/hardpack/bench_command.h"
 #include "tools/hardpack/command.h"
 #include "tools/hardpack/figures_command.h"
@@ -28,6 +30,18 @@ int Fail(const CLI::App& app, ExitCode exit_code, std::string reason) {
   return exit_code;
 }
 
+// CLI11 says that a command is required where there is one, but an unknown one.
+std::string UsageReason(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<std::string> unknown = app.remaining();
+  if (!app.get_subcommands().empty() || unknown.empty()) return error.what();
+  if (unknown.front().starts_with('-')) return "there is no option '" + unknown.front() + "'";
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+  const std::string nearest = hardpack::command::NearestName(unknown.front(), names);
+  return "there is no command '" + unknown.front() + "'" +
+         (nearest.empty() ? "" : ", did you mean '" + nearest + "'?");
+}
+
 int Run(CLI::App& app, int argc, char** argv) {
   try {
     app.parse(argc, argv);
@@ -36,7 +50,7 @@ int Run(CLI::App& app, int argc, char** argv) {
     // Help and version are "errors" with exit code 0; all others are bad usage, whatever CLI11's
     // own number is.
     if (error.get_exit_code() == 0) return app.exit(error);
-    return Fail(app, hardpack::command::kBadInput, std::string(error.what()) + " (see --help)");
+    return Fail(app, hardpack::command::kBadInput, UsageReason(app, error) + " (see --help)");
   } catch (const hardpack::command::CommandFailure& failure) {
     return Fail(app, failure.exit_code(), failure.what());
   } catch (const std::exception& error) {

@@ -206,10 +206,10 @@ Canvas PerturbationFigure() {
   };
   const WorldPath path = GentleBend();
   const std::array<Curve, 3> curves = {
-      Curve{path, {.colour = picture::kUnperturbed, .line_px = 7.0, .dots_px = 5.5}},
-      Curve{Perturbed(path, false), {.colour = picture::kBasePath, .line_px = 5.0, .dots_px = 4.5}},
+      Curve{path, {.colour = picture::kUnperturbed, .line_px = 5.0, .dots_px = 4.5}},
+      Curve{Perturbed(path, false), {.colour = picture::kBasePath, .line_px = 3.2, .dots_px = 3.6}},
       Curve{Perturbed(path, true),
-            {.colour = picture::kOptimizedPath, .line_px = 2.0, .dots_px = 3.0}}};
+            {.colour = picture::kOptimizedPath, .line_px = 1.8, .dots_px = 2.8}}};
   Canvas canvas(1500, 700);
   canvas.Text(80.0, 36.0, "A perturbation of 0.5 rad at step 5, damped over N = 25 steps",
               {.size_px = 20.0, .bold = true});

@@ -76,12 +76,11 @@ void DrawCostmap(Canvas& canvas, const Axes& axes, const Costmap& map) {
 }
 
 void DrawScaleBar(Canvas& canvas, const Axes& axes) {
-  // The largest of 1, 2, 5, 10 ... that fits into a third of the width.
-  const double third_m = axes.x().span() / 3.0;
-  const double power = std::pow(10.0, std::floor(std::log10(third_m)));
-  const double length_m = power * (third_m >= 5.0 * power   ? 5.0
-                                   : third_m >= 2.0 * power ? 2.0
-                                                            : 1.0);
+  // The largest of 1, 2, 5, 10 ... that fits into a fifth of the width.
+  const double fifth_m = axes.x().span() / 5.0;
+  const double power = std::pow(10.0, std::floor(std::log10(fifth_m)));
+  const double factor = fifth_m >= 5.0 * power ? 5.0 : fifth_m >= 2.0 * power ? 2.0 : 1.0;
+  const double length_m = factor * power;
   const double length_px = length_m * axes.PixelsPerUnit();
   const double left_px = axes.area().left_px + 16.0;
   const double y_px = axes.area().bottom_px() - 18.0;
