@@ -57,18 +57,17 @@ Status Planner::Begin(const HeightGrid& heights, const PlannerParams& params,
                       const PlanRequest& request) {
   Status status = Prepare(params, request);
   if (IsUsable(status)) status = builder_.Begin(heights, params.costmap);
-  if (IsUsable(status)) {
-    stage_ = PlanStage::kCostmap;
-  } else {
-    plan_.status = status;
-  }
-  return status;
+  return Started(status);
 }
 
 Status Planner::BeginCells(const GridWindow& window, const PlannerParams& params,
                            const PlanRequest& request) {
   Status status = Prepare(params, request);
   if (IsUsable(status)) status = builder_.BeginCells(window, params.costmap);
+  return Started(status);
+}
+
+Status Planner::Started(Status status) {
   if (IsUsable(status)) {
     stage_ = PlanStage::kCostmap;
   } else {

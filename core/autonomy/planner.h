@@ -27,10 +27,9 @@
 //   radius and half a cell's diagonal), and the plan is marked narrow.
 // - The start heading is more than max_join_heading_rad off the base path: a turn on the spot
 //   first.
-// - The path touches something within its last kMaxShort_m only (a goal is a place for the middle
-// of
-//   the vehicle; the check asks for the whole of it): it ends before that, and the goal counts as
-//   moved.
+// - The path touches something, but within its last kMaxShort_m only: it ends before that, and the
+//   goal counts as moved. (The search takes a goal that has room for the vehicle's middle; the
+//   check asks for the whole vehicle.)
 // - The optimized path touches: its seed is checked in its place. If that touches too, and the
 //   vehicle stands and has not turned on the spot, it turns first and the rest is done again.
 
@@ -91,11 +90,11 @@ class Planner {
   Status BeginCells(const GridWindow& window, const PlannerParams& params,
                     const PlanRequest& request);
 
-  // At most `units` units of the stages' (see there). They are handed on in portions of
-  // kPortion_units; what a stage leaves of its last portion is lost. Between stages a unit may also
-  // join, assemble or begin, which costs a few passes over the path. kMaxUnits steps of one unit
-  // end any plan. Any split of the units gives the same plan.
-  // Results: those of the stages, and kPivotBlocked.
+  // The same kind of Step as of Begin: StepCells asserts that cells were begun. At most `units`
+  // units of the stages' (see there). They are handed on in portions of kPortion_units; what a
+  // stage leaves of its last portion is lost. Between stages a unit may also join, assemble or
+  // begin, which costs a few passes over the path. kMaxUnits steps of one unit end any plan. Any
+  // split of the units gives the same plan. Results: those of the stages, and kPivotBlocked.
   Progress Step(const HeightGrid& heights, int units);
   Progress StepCells(int units);
 
@@ -109,12 +108,13 @@ class Planner {
   static constexpr int kMaxTransitions = 32;
   static constexpr int kMaxUnits = kMaxTransitions + 2 * (CostmapBuilder::kUnits + kMapSize_cells) +
                                    2 * AstarSearch::kMaxUnits + 2 * kMapCells + 1 +
-                                   2 * Optimizer::kMaxUnits + 4 * PathCheck::kMaxUnits +
+                                   2 * Optimizer::kMaxUnits + 8 * PathCheck::kMaxUnits +
                                    SpeedCaps::kMaxUnits;
 
  private:
   enum class MapPhase : uint8_t { kBuild, kKeep, kRestore, kRebuild };
 
+  Status Started(Status status);
   Status Prepare(const PlannerParams& params, const PlanRequest& request);
   Progress Run(const HeightGrid* heights, int units);
   void StepStage(const HeightGrid* heights, int units);
@@ -136,7 +136,6 @@ class Planner {
   void TryAgain();
   bool MayEndShort() const;
   void EndShort();
-  void BeginSpeed();
   int SlowPoints() const;
   void Finish();
   void Fail(Status status);
