@@ -136,7 +136,7 @@ void LimitByCaps(std::span<const float> cap_mps, SpeedProfile& squared) {
 void LimitDeceleration(const ActuatorPath& path, float deceleration_mps2, SpeedProfile& squared) {
   const float loss_per_m = 2.0f * deceleration_mps2;
   float behind = squared.back();
-  HP_LOOP_BOUND(kMaxPathPoints - 1)
+  HP_LOOP_BOUND(kMaxPathPoints - 2)
   for (int k = squared.size() - 2; k >= 1; --k) {
     behind = Min(squared[k], behind + loss_per_m * Abs(path.steps[k].dr_m));
     squared[k] = behind;
