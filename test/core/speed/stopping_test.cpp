@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "core/speed/speed.h"
+
+// Stopping distances and the caps that follow from them.
+
+namespace hardpack {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+TEST(StoppingDistance, IsTheWayOfASimulatedLaggedRamp) {
+  const SpeedParams params;
+  for (const double start : {0.5, 2.0, 5.0}) {
+    // Reaction and dead time at full speed, then v' = (command - v) / tau behind a ramp to zero.
+    const double delay_s = double{params.reaction_time_s} + double{params.stopping_dead_time_s};
+    double way_m = start * delay_s;
+    double command = start;
+    double v = start;
+    const double dt = 1e-4;
+    for (int i = 0; i < 200000; ++i) {
+      way_m += v * dt;
+      v += (command - v) / double{params.stopping_lag_s} * dt;
+      command = std::max(0.0, command - double{params.max_deceleration_mps2} * dt);
+    }
+    EXPECT_NEAR(StoppingDistance(params, static_cast<float>(start)), way_m, 2e-3 * way_m);
+  }
+}
+
+TEST(ReactionSpeedCap, IsTheLargestSpeedThatStopsAndNeverAboveIt) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  for (int i = 0; i < 200000; ++i) {
+    SpeedParams params;
+    params.max_deceleration_mps2 = 0.2f + 8.0f * unit(random);
+    params.reaction_time_s = unit(random);
+    params.stopping_dead_time_s = 0.5f * unit(random);
+    params.stopping_lag_s = i % 10 == 0 ? 0.0f : unit(random);
+    const float free_m = std::pow(10.0f, -6.0f + 8.0f * unit(random));
+    const float cap = ReactionSpeedCap(params, free_m);
+    ASSERT_LE(StoppingDistance(params, cap), free_m) << "free " << free_m << " case " << i;
+    ASSERT_LE(cap, params.max_speed_mps);
+    if (cap < params.max_speed_mps) {
+      ASSERT_GT(StoppingDistance(params, cap * 1.00001f), free_m) << "free " << free_m;
+    }
+  }
+}
+
+TEST(ReactionSpeedCap, NeverFallsAsTheFreeWayGrows) {
+  const SpeedParams params;
+  float before = 0.0f;
+  for (int i = 0; i < 200000; ++i) {
+    const float cap = ReactionSpeedCap(params, 1e-4f * static_cast<float>(i));
+    ASSERT_GE(cap, before * 0.999999f) << i;
+    before = cap;
+  }
+  EXPECT_EQ(before, params.max_speed_mps);
+}
+
+TEST(ReactionSpeedCap, IsZeroWithoutAFreeWay) {
+  const SpeedParams params;
+  for (const float free_m : {0.0f, -0.0f, -1.0f, -kInf, kNan, 1e-40f}) {
+    EXPECT_EQ(ReactionSpeedCap(params, free_m), 0.0f) << free_m;
+  }
+  EXPECT_EQ(ReactionSpeedCap(params, kInf), params.max_speed_mps);
+  EXPECT_EQ(ReactionSpeedCap(params, std::numeric_limits<float>::max()), params.max_speed_mps);
+}
+
+//      person
+//        |  lateral
+//   [>]=====================  corridor
+TEST(PersonSpeedCap, SlowsForAPersonWhoCanReachTheWay) {
+  const SpeedParams params;
+  const VehicleParams vehicle;
+  const float cap = PersonSpeedCap(params, vehicle, 6.0f, 1.0f);
+  EXPECT_LT(cap, params.max_speed_mps);
+  EXPECT_GT(cap, 0.0f);
+  EXPECT_LE(StoppingDistance(params, cap), 6.0f - 0.5f * vehicle.length_m - params.person_margin_m);
+}
+
+TEST(PersonSpeedCap, IgnoresAPersonTooFarAsideOrAlreadyPassed) {
+  const SpeedParams params;
+  const VehicleParams vehicle;
+  EXPECT_EQ(PersonSpeedCap(params, vehicle, 6.0f, 30.0f), params.max_speed_mps);
+  EXPECT_EQ(PersonSpeedCap(params, vehicle, -2.0f, 0.5f), params.max_speed_mps);
+  EXPECT_EQ(PersonSpeedCap(params, vehicle, 40.0f, 0.0f), params.max_speed_mps);
+}
+
+TEST(PersonSpeedCap, StandsForAPersonInTheWayHoweverClose) {
+  const SpeedParams params;
+  const VehicleParams vehicle;
+  for (const float along_m : {-0.7f, 0.0f, 0.5f, 1.2f}) {
+    EXPECT_EQ(PersonSpeedCap(params, vehicle, along_m, 0.0f), 0.0f) << along_m;
+  }
+}
+
+// Of 4000 walkers who cross the way of a vehicle that keeps to the cap of each moment, brakes at
+// the limit and sees the walker a reaction time late, the number that is touched: in the way and
+// beside the vehicle while it moves. `told_m` turns the walker's distance into what the cap is
+// told.
+template <typename Told>
+int CountTouchedWalkers(Told told_m) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  const SpeedParams params;
+  const VehicleParams vehicle;
+  const double half_length_m = 0.5 * double{vehicle.length_m};
+  const double dt = 0.02;
+  int touched_walkers = 0;
+  for (int scene = 0; scene < 4000; ++scene) {
+    const double walker_mps = 0.7 + 1.3 * unit(random);
+    const double walker_at_m = 5.0 + 25.0 * unit(random);
+    double lateral_m = 1.0 + 20.0 * unit(random);
+    double position_m = 0.0;
+    const auto cap = [&] {
+      const double seen_m = lateral_m + walker_mps * double{params.reaction_time_s};
+      return double{PersonSpeedCap(params, vehicle, static_cast<float>(walker_at_m - position_m),
+                                   static_cast<float>(told_m(seen_m)))};
+    };
+    double v = std::min(2.0 + 3.0 * unit(random), cap());
+    bool touched = false;
+    while (lateral_m > -double{vehicle.width_m}) {
+      v = std::max(std::max(0.0, v - double{params.max_deceleration_mps2} * dt),
+                   std::min(v + double{params.max_acceleration_mps2} * dt, cap()));
+      position_m += v * dt;
+      lateral_m -= walker_mps * dt;
+      const bool beside = std::abs(walker_at_m - position_m) < half_length_m;
+      touched = touched || (lateral_m <= 0.0 && beside && v > 0.05);
+    }
+    touched_walkers += touched ? 1 : 0;
+  }
+  return touched_walkers;
+}
+
+TEST(PersonSpeedCap, TouchesNoWalkerWhereBrakingForTheCorridorAloneTouchesMany) {
+  EXPECT_EQ(CountTouchedWalkers([](double lateral_m) { return lateral_m; }), 0);
+  EXPECT_GT(CountTouchedWalkers([](double lateral_m) { return lateral_m > 0.5 ? 1e6 : lateral_m; }),
+            40);
+}
+
+}  // namespace
+}  // namespace hardpack
