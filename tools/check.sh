@@ -10,7 +10,7 @@ Installs what is missing (Debian packages, tools/packages.txt), builds the relea
 its tests, the static checks among them: at most 15 minutes on two cores.
 
   --all         the slow ones too: Debug, clang and sanitizer builds and their tests, aarch64 and
-                Cortex-M7 under QEMU, clang-tidy, the tests labelled slow: at most 60 minutes
+                Cortex-M7 under QEMU, the tests labelled slow: at most 60 minutes
   --deps        only install; with --all, what --all needs as well
   --deps-bench  only install what the comparisons of `hardpack bench` need
   --help        this text
@@ -115,13 +115,13 @@ build_and_test() {
 }
 
 build_and_test release -LE slow
+step "clang-tidy" tools/check_tidy.sh build/release || true
 if $all; then
   build_and_test dev -LE slow
   build_and_test release-clang -LE slow
   build_and_test asan -LE slow
   build_and_test aarch64
   build_and_test cortex-m7
-  step "clang-tidy" tools/check_tidy.sh build/release-clang || true
   step "slow tests" ctest --preset release -j "$jobs" -L slow || true
 fi
 
