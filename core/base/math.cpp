@@ -60,24 +60,22 @@ float AtanPolynomial(float x) {
                             s * (0.10743731471265837f + s * -0.06451928161206197f))));
 }
 
-// The sign bit where bit 1 of the quarter is set, else 0.
-uint32_t SignOf(uint32_t quarter) {
-  return (quarter & 2u) << 30;
+// value, its sign changed where bit 1 of `flags` is set.
+float FlipSign(float value, uint32_t flags) {
+  return std::bit_cast<float>(std::bit_cast<uint32_t>(value) ^ ((flags & 2u) << 30));
 }
 
 }  // namespace
 
-// By bits rather than by branches: which quarter an angle lies in cannot be predicted.
 SinCosPair SinCos(float angle_rad) {
   const float angle = ClampAngle(angle_rad);
   const float shifted = angle * kQuartersPerRad + kRoundingShift;
   const uint32_t quarter = std::bit_cast<uint32_t>(shifted);  // its low bits
   const float rest_rad = MinusQuarters(angle, shifted - kRoundingShift);
-  const uint32_t s = std::bit_cast<uint32_t>(SinPolynomial(rest_rad));
-  const uint32_t c = std::bit_cast<uint32_t>(CosPolynomial(rest_rad));
-  const uint32_t swapped = (s ^ c) & (0u - (quarter & 1u));  // in odd quarters
-  return {std::bit_cast<float>(s ^ swapped ^ SignOf(quarter)),
-          std::bit_cast<float>(c ^ swapped ^ SignOf(quarter + 1u))};
+  const float s = SinPolynomial(rest_rad);
+  const float c = CosPolynomial(rest_rad);
+  const bool odd = (quarter & 1u) != 0;
+  return {FlipSign(odd ? c : s, quarter), FlipSign(odd ? s : c, quarter + 1u)};
 }
 
 float Sin(float angle_rad) {
