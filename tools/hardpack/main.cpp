@@ -11,6 +11,7 @@
 #include "tools/hardpack/figures_command.h"
 #include "tools/hardpack/plan_command.h"
 #include "tools/hardpack/scene_command.h"
+#include "tools/picture/canvas.h"
 
 namespace {
 
@@ -72,5 +73,7 @@ int main(int argc, char** argv) {
   hardpack::command::AddFiguresCommand(app);
   hardpack::command::AddBenchCommand(app);
   hardpack::command::AddSceneCommand(app);
-  return Run(app, argc, argv);
+  const int exit_code = Run(app, argc, argv);
+  hardpack::picture::ReleaseFonts();
+  return exit_code;
 }

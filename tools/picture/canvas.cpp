@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/picture/canvas.h"
 
+#include <fontconfig/fontconfig.h>
+
 #include <numbers>
 #include <stdexcept>
 
@@ -14,6 +16,11 @@ Colour Mix(const Colour& from, const Colour& to, double share) {
 
 void SetColour(cairo_t* context, const Colour& colour) {
   cairo_set_source_rgba(context, colour.red, colour.green, colour.blue, colour.alpha);
+}
+
+void ReleaseFonts() {
+  cairo_debug_reset_static_data();
+  FcFini();
 }
 
 Canvas::Canvas(int width_px, int height_px)

@@ -77,4 +77,8 @@ class Canvas {
 
 void SetColour(cairo_t* context, const Colour& colour);
 
+// Gives back what the font libraries keep for the next picture, so that a leak checker finds
+// nothing. For the end of a program, when no Canvas is left.
+void ReleaseFonts();
+
 }  // namespace hardpack::picture
