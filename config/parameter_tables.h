@@ -121,6 +121,10 @@ inline constexpr std::array kAstarTable = {
 inline constexpr std::array kPathTable = {
     HP_PATH(step_m, 0.05f, 1.0f,
             "Distance of the base path's points; a path has at most 256 of them (ours)."),
+    HP_PATH(
+        smoothing_passes, 0.0f, 200.0f,
+        "Averaging passes that take A*'s staircase out of the optimizer's seed (ours); kept only "
+        "where that costs less. 0: the paper's seed."),
     HP_PATH(max_join_heading_rad, 0.0f, 1.5707963f,
             "Up to this difference the base path is bent to begin along the vehicle's heading; "
             "beyond it the plan begins with a turn on the spot (60 degrees, ours)."),

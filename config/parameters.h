@@ -48,6 +48,7 @@ struct AstarParams {
 
 struct PathParams {
   float step_m = 0.275f;                 // resampling step of the base path
+  int32_t smoothing_passes = 40;         // averaging passes over the seed; 0: the staircase itself
   float max_join_heading_rad = 1.0472f;  // larger start heading errors begin with a pivot
   float pivot_margin_m = 0.15f;          // free distance around the pivot circle
 };
@@ -56,16 +57,16 @@ struct PathParams {
 struct OptimizerParams {
   float max_curvature_per_m = 0.5f;
   float max_curvature_rate_per_m2 = 0.5f;
-  float curvature_alpha = 0.2f;       // in-bounds weight of |curvature|
-  float curvature_beta = 40.0f;       // out-of-bounds weight
-  float curvature_rate_alpha = 0.2f;  // in-bounds weight of |curvature rate|
-  float curvature_rate_beta = 20.0f;  // out-of-bounds weight
-  float perturbation_rad = 0.02f;     // the unit step delta of Algorithm 1
-  float max_perturbation_rad = 0.2f;  // clamp of the scaled step
-  float perturbation_scale = 1.0f;    // scaled step = unit step * scale * decrease of cost
-  int32_t window_steps = 25;          // N, the damping length
+  float curvature_alpha = 1.0f;        // in-bounds weight of |curvature|
+  float curvature_beta = 40.0f;        // out-of-bounds weight
+  float curvature_rate_alpha = 0.1f;   // in-bounds weight of |curvature rate|
+  float curvature_rate_beta = 20.0f;   // out-of-bounds weight
+  float perturbation_rad = 0.02f;      // the unit step delta of Algorithm 1
+  float max_perturbation_rad = 0.04f;  // clamp of the scaled step
+  float perturbation_scale = 0.1f;     // scaled step = unit step * scale * decrease of cost
+  int32_t window_steps = 25;           // N, the damping length
   int32_t max_sweeps = 60;
-  float min_relative_decrease = 1.0e-4f;  // a sweep that lowers F by less ends the descent
+  float min_relative_decrease = 0.01f;  // a sweep that lowers F by less ends the descent
 };
 
 // [OS] Speed Control; values below the blank line are ours.

@@ -11,11 +11,6 @@ namespace {
 // An end heading further off than this is turned to on the spot.
 constexpr float kGoalHeadingTolerance_rad = 0.05f;
 
-// What a cell is, as opposed to what its surroundings make of it.
-constexpr uint8_t kCellFlags =
-    Costmap::kHard | Costmap::kSoft | Costmap::kPerson | Costmap::kObserved;
-static_assert(kCellFlags < 16, "two cells to a byte");
-
 // Copied from, since a temporary would not fit on the stack.
 constexpr Plan kNoPlan;
 
@@ -84,8 +79,6 @@ Status Planner::Prepare(const PlannerParams& params, const PlanRequest& request)
   params_ = params;
   request_ = request;
   request_.start.pose.theta_rad = WrapAngle(request.start.pose.theta_rad);
-  map_phase_ = MapPhase::kBuild;
-  map_row_ = 0;
   keeps_end_heading_ = false;
   has_goal_heading_ = false;
   return Status::kOk;
@@ -129,55 +122,12 @@ void Planner::StepStage(const HeightGrid* heights, int units) {
   }
 }
 
-// The narrow try keeps the cells and builds anew from them: the grid may have moved on meanwhile.
+// The narrow try builds from the cells of the first: the grid may have moved on meanwhile.
 void Planner::StepCostmap(const HeightGrid* heights, int units) {
-  switch (map_phase_) {
-    case MapPhase::kBuild: {
-      const Progress progress =
-          heights != nullptr ? builder_.Step(*heights, units) : builder_.StepCells(units);
-      if (progress == Progress::kDone) BeginSearch();
-      return;
-    }
-    case MapPhase::kKeep:
-      HP_LOOP_BOUND(kPortion_units)
-      for (int unit = 0; unit < units && map_phase_ == MapPhase::kKeep; ++unit) KeepRow();
-      return;
-    case MapPhase::kRestore:
-      HP_LOOP_BOUND(kPortion_units)
-      for (int unit = 0; unit < units && map_phase_ == MapPhase::kRestore; ++unit) RestoreRow();
-      return;
-    case MapPhase::kRebuild:
-      if (builder_.StepCells(units) == Progress::kDone) BeginSearch();
-      return;
-  }
-}
-
-void Planner::KeepRow() {
-  const int first = map_row_ * kMapSize_cells;
-  const uint8_t* flags = costmap().flags + first;
-  HP_LOOP_BOUND(kMapSize_cells / 2)
-  for (int i = 0; i < kMapSize_cells / 2; ++i) {
-    kept_flags_[first / 2 + i] =
-        static_cast<uint8_t>((flags[2 * i] & kCellFlags) | (flags[2 * i + 1] & kCellFlags) << 4);
-  }
-  if (++map_row_ < kMapSize_cells) return;
-  CostmapParams narrow = params_.costmap;
-  narrow.planning_radius_m = NarrowRadius(params_.vehicle);
-  const Status status = builder_.BeginCells(costmap().window, narrow);
-  if (!IsUsable(status)) return Fail(status);
-  map_row_ = 0;
-  map_phase_ = MapPhase::kRestore;
-}
-
-void Planner::RestoreRow() {
-  const int first = map_row_ * kMapSize_cells;
-  HP_LOOP_BOUND(kMapSize_cells / 2)
-  for (int i = 0; i < kMapSize_cells / 2; ++i) {
-    const uint8_t two = kept_flags_[first / 2 + i];
-    builder_.SetCell(first + 2 * i, two & kCellFlags);
-    builder_.SetCell(first + 2 * i + 1, two >> 4);
-  }
-  if (++map_row_ == kMapSize_cells) map_phase_ = MapPhase::kRebuild;
+  const bool from_heights = heights != nullptr && !plan_.narrow;
+  const Progress progress =
+      from_heights ? builder_.Step(*heights, units) : builder_.StepCells(units);
+  if (progress == Progress::kDone) BeginSearch();
 }
 
 void Planner::BeginSearch() {
@@ -190,17 +140,22 @@ void Planner::StepSearch(int units) {
   if (search_.Step(costmap(), units) == Progress::kBusy) return;
   plan_.search = search_.result();
   plan_.base_status = plan_.search.status;
-  if (MayTryNarrow()) {
-    plan_.narrow = true;
-    stage_ = PlanStage::kCostmap;
-    map_phase_ = MapPhase::kKeep;
-    return;
-  }
+  if (MayTryNarrow()) return BeginNarrow();
   if (!IsUsable(plan_.base_status)) return Fail(plan_.base_status);
   plan_.base_status =
       sampler_.Begin(search_, params_.path, PlaceOf(request_.start.pose), request_.goal_odom);
   if (!IsUsable(plan_.base_status)) return Fail(plan_.base_status);
+  sampled_ = false;
   stage_ = PlanStage::kSample;
+}
+
+void Planner::BeginNarrow() {
+  CostmapParams narrow = params_.costmap;
+  narrow.planning_radius_m = NarrowRadius(params_.vehicle);
+  const Status status = builder_.BeginAgain(narrow);
+  if (!IsUsable(status)) return Fail(status);
+  plan_.narrow = true;
+  stage_ = PlanStage::kCostmap;
 }
 
 bool Planner::MayTryNarrow() const {
@@ -211,13 +166,10 @@ bool Planner::MayTryNarrow() const {
 }
 
 void Planner::StepSample(int units) {
-  if (sampler_.Step(search_, units) == Progress::kBusy) return;
-  plan_.base_status = Graver(plan_.search.status, sampler_.status());
-  if (!IsUsable(plan_.base_status)) return Fail(plan_.base_status);
-  plan_.base = sampler_.result();
-  has_goal_heading_ = request_.has_goal_heading && !plan_.search.partial &&
-                      !plan_.search.goal_outside_map && sampler_.status() == Status::kOk;
-  const float error_rad = WrapAngle(request_.start.pose.theta_rad - BaseHeading(plan_.base));
+  if (!sampled_) return StepSampler(units);
+  if (smoother_.Step(units) == Progress::kBusy) return;
+  const float error_rad =
+      WrapAngle(request_.start.pose.theta_rad - BaseHeading(smoother_.result()));
   plan_.pivots_first = Abs(error_rad) > params_.path.max_join_heading_rad;
   if (plan_.pivots_first &&
       !PivotIsFree(costmap(), params_.vehicle, params_.path, PlaceOf(request_.start.pose))) {
@@ -226,36 +178,60 @@ void Planner::StepSample(int units) {
   BeginSeed();
 }
 
+void Planner::StepSampler(int units) {
+  if (sampler_.Step(search_, units) == Progress::kBusy) return;
+  plan_.base_status = Graver(plan_.search.status, sampler_.status());
+  if (!IsUsable(plan_.base_status)) return Fail(plan_.base_status);
+  plan_.base = sampler_.result();
+  has_goal_heading_ = request_.has_goal_heading && !plan_.search.partial &&
+                      !plan_.search.goal_outside_map && sampler_.status() == Status::kOk;
+  const Status status = smoother_.Begin(plan_.base, params_.path.smoothing_passes);
+  if (!IsUsable(status)) return Fail(status);
+  sampled_ = true;
+}
+
+// The optimizer starts from the smoothed base path unless that costs more than the base path as it
+// is: a corner cut may lead closer to an obstacle.
 void Planner::BeginSeed() {
-  MakeSeed();
-  const float curvature_per_m = plan_.pivots_first ? 0.0f : request_.start.curvature_per_m;
+  MakeSeed(plan_.base);
+  plan_.cost_before = SeedCost();
+  MakeSeed(smoother_.result());
+  if (!(SeedCost().total() <= plan_.cost_before.total())) MakeSeed(plan_.base);
   plan_.optimizer_status = optimizer_.Begin(costmap(), params_.optimizer, params_.path, seed_,
-                                            curvature_per_m, keeps_end_heading_);
+                                            StartCurvature(), keeps_end_heading_);
   if (!IsUsable(plan_.optimizer_status)) return Fail(plan_.optimizer_status);
   stage_ = PlanStage::kOptimize;
 }
 
-// The base path joined to the heading that the vehicle has, or will have turned to, and where it
-// can be to the goal's heading. The start comes last, so that it is exact on a short path too. What
+PathCost Planner::SeedCost() const {
+  return CostOf(costmap(), params_.optimizer, seed_, StartCurvature());
+}
+
+float Planner::StartCurvature() const {
+  return plan_.pivots_first ? 0.0f : request_.start.curvature_per_m;
+}
+
+// A base path joined to the heading that the vehicle has, or will have turned to, and where it can
+// be to the goal's heading. The start comes last, so that it is exact on a short path too. What
 // cannot be joined at the end is turned on the spot there.
-void Planner::MakeSeed() {
+void Planner::MakeSeed(const WorldPath& base) {
   const float heading_rad =
-      plan_.pivots_first ? BaseHeading(plan_.base) : request_.start.pose.theta_rad;
+      plan_.pivots_first ? BaseHeading(smoother_.result()) : request_.start.pose.theta_rad;
+  keeps_end_heading_ = false;
   if (has_goal_heading_) {
     const Status end =
-        JoinEnd(plan_.base, params_.path, params_.optimizer, request_.goal_heading_rad, seed_);
+        JoinEnd(base, params_.path, params_.optimizer, request_.goal_heading_rad, seed_);
     keeps_end_heading_ = IsUsable(end) && IsUsable(JoinStart(seed_, params_.path, params_.optimizer,
                                                              heading_rad, seed_));
     if (keeps_end_heading_) return;
   }
   // A failure leaves the seed empty, which the optimizer reports.
-  static_cast<void>(JoinStart(plan_.base, params_.path, params_.optimizer, heading_rad, seed_));
+  static_cast<void>(JoinStart(base, params_.path, params_.optimizer, heading_rad, seed_));
 }
 
 void Planner::StepOptimize(int units) {
   if (optimizer_.Step(costmap(), units) == Progress::kBusy) return;
   plan_.optimizer_status = optimizer_.result().status;
-  plan_.cost_before = optimizer_.result().before;
   plan_.cost_after = optimizer_.result().after;
   plan_.is_seed = false;
   MakePath(optimizer_.path());
@@ -336,7 +312,7 @@ void Planner::TryAgain() {
   }
   if (!plan_.is_seed) {
     plan_.is_seed = true;
-    plan_.cost_after = plan_.cost_before;
+    plan_.cost_after = optimizer_.result().before;
     MakePath(seed_);
     return BeginCheck();
   }

@@ -14,6 +14,7 @@
 #include "core/costmap/height_grid.h"
 #include "core/optimizer/optimizer.h"
 #include "core/path/path.h"
+#include "core/path/path_smoother.h"
 #include "core/safety/path_check.h"
 #include "core/speed/speed.h"
 
@@ -61,7 +62,7 @@ struct Plan {
   ActuatorPath actuator;    // [n - 1] steps
   SpeedProfile speed;    // [n]; empty unless status is usable. The last one is above 0 only where
                          // the start speed is too high to stop within the path
-  PathCost cost_before;  // of the seed: the base path, joined
+  PathCost cost_before;  // of the base path, joined to the start's heading
   PathCost cost_after;   // of path, before turns on the spot were added or it was made to end short
   PathCheckResult check;
   AstarResult search;
@@ -106,14 +107,12 @@ class Planner {
   static constexpr int kPortion_units = 64;
   static constexpr float kMaxShort_m = 1.0f;
   static constexpr int kMaxTransitions = 32;
-  static constexpr int kMaxUnits = kMaxTransitions + 2 * (CostmapBuilder::kUnits + kMapSize_cells) +
-                                   2 * AstarSearch::kMaxUnits + 2 * kMapCells + 1 +
-                                   2 * Optimizer::kMaxUnits + 8 * PathCheck::kMaxUnits +
-                                   SpeedCaps::kMaxUnits;
+  static constexpr int kMaxUnits =
+      kMaxTransitions + CostmapBuilder::kUnits + CostmapBuilder::kCellUnits +
+      2 * AstarSearch::kMaxUnits + 2 * kMapCells + 1 + PathSmoother::kMaxPasses +
+      2 * Optimizer::kMaxUnits + 8 * PathCheck::kMaxUnits + SpeedCaps::kMaxUnits;
 
  private:
-  enum class MapPhase : uint8_t { kBuild, kKeep, kRestore, kRebuild };
-
   Status Started(Status status);
   Status Prepare(const PlannerParams& params, const PlanRequest& request);
   Progress Run(const HeightGrid* heights, int units);
@@ -121,16 +120,18 @@ class Planner {
   void StepCostmap(const HeightGrid* heights, int units);
   void StepSearch(int units);
   void StepSample(int units);
+  void StepSampler(int units);
   void StepOptimize(int units);
   void StepCheck(int units);
   void StepSpeed(int units);
 
   void BeginSearch();
   bool MayTryNarrow() const;
-  void KeepRow();
-  void RestoreRow();
+  void BeginNarrow();
   void BeginSeed();
-  void MakeSeed();
+  void MakeSeed(const WorldPath& base);
+  PathCost SeedCost() const;
+  float StartCurvature() const;
   void MakePath(const WorldPath& driven);
   void BeginCheck();
   void TryAgain();
@@ -141,8 +142,6 @@ class Planner {
   void Fail(Status status);
 
   PlanStage stage_ = PlanStage::kIdle;
-  MapPhase map_phase_ = MapPhase::kBuild;
-  int32_t map_row_ = 0;  // of kKeep and kRestore
   bool keeps_end_heading_ = false;
   bool has_goal_heading_ = false;  // and the path ends at the goal
   PlannerParams params_;
@@ -152,10 +151,11 @@ class Planner {
   CostmapBuilder builder_;
   AstarSearch search_;
   PathSampler sampler_;
+  bool sampled_ = false;  // and the smoother has begun
+  PathSmoother smoother_;
   Optimizer optimizer_;
   PathCheck check_;
   SpeedCaps caps_;
-  uint8_t kept_flags_[kMapCells / 2] = {};  // of the cells, for the narrow try; two in a byte
 };
 static_assert(std::is_trivially_copyable_v<Planner>);
 

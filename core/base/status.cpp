@@ -1,44 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/status.h"
 
+#include "core/base/loop_bound.h"
+
 namespace hardpack {
+namespace {
+
+struct Named {
+  Status status;
+  const char* name;
+};
+
+constexpr Named kNames[] = {
+    {Status::kOk, "ok"},
+    {Status::kGoalOutsideMap, "goal_outside_map"},
+    {Status::kGoalMoved, "goal_moved"},
+    {Status::kStartInObstacle, "start_in_obstacle"},
+    {Status::kPartialPath, "partial_path"},
+    {Status::kPathCut, "path_cut"},
+    {Status::kIterationLimit, "iteration_limit"},
+    {Status::kNarrowGap, "narrow_gap"},
+    {Status::kLimitExceeded, "limit_exceeded"},
+    {Status::kNotStarted, "not_started"},
+    {Status::kInvalidArgument, "invalid_argument"},
+    {Status::kNotFinite, "not_finite"},
+    {Status::kParameterOutOfRange, "parameter_out_of_range"},
+    {Status::kCapacityExceeded, "capacity_exceeded"},
+    {Status::kNoPath, "no_path"},
+    {Status::kStartOutsideMap, "start_outside_map"},
+    {Status::kStartEnclosed, "start_enclosed"},
+    {Status::kGoalInObstacle, "goal_in_obstacle"},
+    {Status::kPivotBlocked, "pivot_blocked"},
+    {Status::kCollision, "collision"},
+    {Status::kPathTooShort, "path_too_short"},
+    {Status::kTruncated, "truncated"},
+    {Status::kOversized, "oversized"},
+    {Status::kWrongPacketType, "wrong_packet_type"},
+    {Status::kWrongSensor, "wrong_sensor"},
+    {Status::kBadColumn, "bad_column"},
+    {Status::kColumnInvalid, "column_invalid"},
+    {Status::kUnsupported, "unsupported"},
+    {Status::kBadCrc, "bad_crc"},
+    {Status::kDuplicate, "duplicate"},
+};
+constexpr int kNameCount = sizeof(kNames) / sizeof(kNames[0]);
+
+}  // namespace
 
 const char* StatusName(Status status) {
-  // A switch, so that the compiler names a code that is missing; a code a line.
-  // clang-format off
-  switch (status) {
-    case Status::kOk: return "ok";
-    case Status::kGoalOutsideMap: return "goal_outside_map";
-    case Status::kGoalMoved: return "goal_moved";
-    case Status::kStartInObstacle: return "start_in_obstacle";
-    case Status::kPartialPath: return "partial_path";
-    case Status::kPathCut: return "path_cut";
-    case Status::kIterationLimit: return "iteration_limit";
-    case Status::kNarrowGap: return "narrow_gap";
-    case Status::kLimitExceeded: return "limit_exceeded";
-    case Status::kNotStarted: return "not_started";
-    case Status::kInvalidArgument: return "invalid_argument";
-    case Status::kNotFinite: return "not_finite";
-    case Status::kParameterOutOfRange: return "parameter_out_of_range";
-    case Status::kCapacityExceeded: return "capacity_exceeded";
-    case Status::kNoPath: return "no_path";
-    case Status::kStartOutsideMap: return "start_outside_map";
-    case Status::kStartEnclosed: return "start_enclosed";
-    case Status::kGoalInObstacle: return "goal_in_obstacle";
-    case Status::kPivotBlocked: return "pivot_blocked";
-    case Status::kCollision: return "collision";
-    case Status::kPathTooShort: return "path_too_short";
-    case Status::kTruncated: return "truncated";
-    case Status::kOversized: return "oversized";
-    case Status::kWrongPacketType: return "wrong_packet_type";
-    case Status::kWrongSensor: return "wrong_sensor";
-    case Status::kBadColumn: return "bad_column";
-    case Status::kColumnInvalid: return "column_invalid";
-    case Status::kUnsupported: return "unsupported";
-    case Status::kBadCrc: return "bad_crc";
-    case Status::kDuplicate: return "duplicate";
+  HP_LOOP_BOUND(kNameCount)
+  for (const Named& named : kNames) {
+    if (named.status == status) return named.name;
   }
-  // clang-format on
   return "unknown";
 }
 

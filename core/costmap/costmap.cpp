@@ -13,6 +13,10 @@ constexpr uint8_t kFar = 16;  // squared, it is beyond the saturation
 
 constexpr float kCentimetersPerMeter = 100.0f;
 
+// What a cell holds, as opposed to what its surroundings make of it.
+constexpr uint8_t kCellFlags =
+    Costmap::kHard | Costmap::kSoft | Costmap::kPerson | Costmap::kObserved;
+
 // Heights in the cost plane, which is free until the first costs: shifted, so that their order is
 // that of unsigned numbers.
 uint16_t Biased(int16_t height_cm) {
@@ -184,9 +188,20 @@ Status CostmapBuilder::BeginCells(const GridWindow& window, const CostmapParams&
   return Status::kOk;
 }
 
+Status CostmapBuilder::BeginAgain(const CostmapParams& params) {
+  if (!built_) return Status::kNotStarted;
+  const Status status = CheckCostmapParams(params);
+  if (status != Status::kOk) return status;
+  Start(map_.window, params, kHeightPasses);
+  HP_LOOP_BOUND(kMapCells)
+  for (uint8_t& flags : map_.flags) flags &= kCellFlags;
+  return Status::kOk;
+}
+
 void CostmapBuilder::Start(const GridWindow& window, const CostmapParams& params, int first_pass) {
   map_.window = window;
   params_ = params;
+  built_ = false;
   pass_ = first_pass;
   row_ = 0;
   const float radius_cells = params.planning_radius_m * kCellsPerMeter;
@@ -205,7 +220,7 @@ void CostmapBuilder::Start(const GridWindow& window, const CostmapParams& params
 void CostmapBuilder::SetCell(int index, uint8_t flags) {
   HP_ASSERT(index >= 0 && index < kMapCells);
   HP_ASSERT(pass_ == kHeightPasses && row_ == 0);
-  uint8_t kept = flags & (Costmap::kHard | Costmap::kSoft | Costmap::kPerson | Costmap::kObserved);
+  uint8_t kept = flags & kCellFlags;
   if ((kept & Costmap::kPerson) != 0) kept |= Costmap::kHard;
   if ((kept & Costmap::kHard) != 0) kept &= static_cast<uint8_t>(~Costmap::kSoft);
   map_.flags[index] = kept;
@@ -240,6 +255,7 @@ void CostmapBuilder::EndUnit() {
   if (++row_ < kMapSize_cells) return;
   row_ = 0;
   ++pass_;
+  built_ = pass_ == kPasses;
 }
 
 // First half of the neighbourhood's lowest return and of whether ground was seen in it: along x.
@@ -249,12 +265,11 @@ void CostmapBuilder::LoadGround(const HeightGrid& heights) {
   uint8_t* unseen = padded_ + kReach_cells;
   HP_LOOP_BOUND(kMapSize_cells / kStrip)
   for (int start = 0; start < kMapSize_cells; start += kStrip) {
-    HeightGrid::Strip strip;
-    heights.Read({map_.window.origin.x + start, map_.window.origin.y + row_}, strip);
+    heights.Read({map_.window.origin.x + start, map_.window.origin.y + row_}, strip_);
     HP_LOOP_BOUND(kStrip)
     for (int i = 0; i < kStrip; ++i) {
-      lowest[start + i] = Biased(strip.lowest_cm[i]);
-      unseen[start + i] = strip.ground[i] ^ 1;
+      lowest[start + i] = Biased(strip_.lowest_cm[i]);
+      unseen[start + i] = strip_.ground[i] ^ 1;
     }
   }
   SmallestAlongRow(lowest, half, map_.cost_q8 + row_ * kMapSize_cells);
@@ -276,13 +291,12 @@ void CostmapBuilder::ClassifyRow(const HeightGrid& heights) {
   uint8_t* flags = map_.flags + row_ * kMapSize_cells;
   HP_LOOP_BOUND(kMapSize_cells / kStrip)
   for (int start = 0; start < kMapSize_cells; start += kStrip) {
-    HeightGrid::Strip strip;
-    heights.Read({map_.window.origin.x + start, map_.window.origin.y + row_}, strip);
+    heights.Read({map_.window.origin.x + start, map_.window.origin.y + row_}, strip_);
     HP_LOOP_BOUND(kStrip)
     for (int i = 0; i < kStrip; ++i) {
-      const int32_t ground_cm = in_cell ? strip.lowest_cm[i] : Unbiased(lowest[start + i]);
+      const int32_t ground_cm = in_cell ? strip_.lowest_cm[i] : Unbiased(lowest[start + i]);
       const bool ground_seen = in_cell | (unseen[start + i] == 0);
-      flags[start + i] = CellFlags(strip, i, {ground_cm, obstacle_cm, clearance_cm, ground_seen});
+      flags[start + i] = CellFlags(strip_, i, {ground_cm, obstacle_cm, clearance_cm, ground_seen});
     }
   }
 }

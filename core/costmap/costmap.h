@@ -109,6 +109,11 @@ class CostmapBuilder {
   // changes. Cost: kMapCells bytes cleared.
   Status BeginCells(const GridWindow& window, const CostmapParams& params);
 
+  // The cells of the finished map once more, with other parameters (a narrower planning radius).
+  // kNotStarted: no map was finished; kParameterOutOfRange: nothing changes. Then StepCells. Cost:
+  // kMapCells bytes.
+  Status BeginAgain(const CostmapParams& params);
+
   // flags: kHard, kSoft, kPerson, kObserved; others are ignored. A person is hard, and a hard cell
   // is not soft. Preconditions: 0 <= index < kMapCells; between BeginCells and StepCells.
   void SetCell(int index, uint8_t flags);
@@ -137,6 +142,7 @@ class CostmapBuilder {
 
   Costmap map_ = {};
   CostmapParams params_;
+  bool built_ = false;  // a map is finished
   int32_t pass_ = kPasses;
   int32_t row_ = 0;
   int32_t radius2_cells2_ = 0;  // of the dilation
@@ -147,6 +153,7 @@ class CostmapBuilder {
   // missing, then squared vertical distances; heights.
   uint8_t padded_[kReach_cells + kMapSize_cells + kReach_cells] = {};
   uint16_t row_heights_[kReach_cells + kMapSize_cells + kReach_cells] = {};
+  HeightGrid::Strip strip_ = {};  // of the row that is classified
   // Scratch of one row: squared distances to the region, and out of it.
   uint8_t to_region2_[kMapSize_cells] = {};
   uint8_t out_of_region2_[kMapSize_cells] = {};

@@ -311,5 +311,30 @@ TEST_F(CostAt, GivesANumberForNaN) {
   EXPECT_TRUE(map_->CostAt(0.0f, kNaN) >= 0.0f);
 }
 
+TEST(CostmapBuilder, BuildsTheSameCellsAgainWithAnotherRadius) {
+  Scene scene;
+  scene.Add(200, 200, 0.0f, ReturnClass::kGround);
+  scene.Add(200, 201, 1.0f, ReturnClass::kHard);
+  scene.Add(300, 300, 1.0f, ReturnClass::kPerson);
+  CostmapParams wide;
+  wide.planning_radius_m = 1.4f;
+  const auto expected = std::make_unique<Costmap>(scene.Build());
+  ASSERT_NE(scene.Build(wide).cost_q8[IndexOf(206, 201)], expected->cost_q8[IndexOf(206, 201)]);
+  ASSERT_EQ(scene.builder().BeginAgain({}), Status::kOk);
+  ASSERT_EQ(scene.builder().StepCells(CostmapBuilder::kCellUnits), Progress::kDone);
+  const Costmap& again = scene.builder().result();
+  for (int index = 0; index < kMapCells; ++index) {
+    ASSERT_EQ(again.flags[index], expected->flags[index]) << "cell " << index;
+    ASSERT_EQ(again.cost_q8[index], expected->cost_q8[index]) << "cell " << index;
+  }
+}
+
+TEST(CostmapBuilder, BuildsNothingAgainBeforeAMapIsFinished) {
+  Scene scene;
+  EXPECT_EQ(scene.builder().BeginAgain({}), Status::kNotStarted);
+  ASSERT_EQ(scene.builder().BeginCells({}, {}), Status::kOk);
+  EXPECT_EQ(scene.builder().BeginAgain({}), Status::kNotStarted);
+}
+
 }  // namespace
 }  // namespace hardpack

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Prints docs/memory.md: who takes how much memory, from the types themselves.
+#include <cstdio>
+
+#include "core/autonomy/planner.h"
+#include "core/scan/scan.h"
+
+namespace {
+
+constexpr const char* kIntroduction = R"(# Memory
+
+Every buffer is a member of an object whose size is known at compile time and held to a budget by a
+`static_assert`. The objects are owned by the caller; nothing is allocated in `core` or `hal`.
+This page is printed by `memory_doc` (a test compares them); sizes are those of a 64-bit build.
+
+| object | bytes | a cell | what for |
+|---|---:|---:|---|
+)";
+
+void PrintRow(const char* name, size_t bytes, const char* purpose) {
+  std::printf("| %s | %zu | %.2f | %s |\n", name, bytes,
+              static_cast<double>(bytes) / hardpack::kMapCells, purpose);
+}
+
+}  // namespace
+
+int main() {
+  using namespace hardpack;
+  std::fputs(kIntroduction, stdout);
+  PrintRow("`HeightGrid`", sizeof(HeightGrid), "heights of returns, a cell");
+  PrintRow("`Planner`", sizeof(Planner), "all of planning but the heights; of it:");
+  PrintRow("&nbsp; `CostmapBuilder`", sizeof(CostmapBuilder),
+           "costs, flags, distances, and the scratch of their passes");
+  PrintRow("&nbsp; `AstarSearch`", sizeof(AstarSearch), "64 bits a cell and 4096 buckets");
+  PrintRow("&nbsp; `PathSampler`", sizeof(PathSampler), "the base path");
+  PrintRow("&nbsp; `Optimizer`", sizeof(Optimizer), "the path and the windows tried on it");
+  PrintRow("&nbsp; `PathCheck`", sizeof(PathCheck), "the check's progress");
+  PrintRow("&nbsp; `Plan`", sizeof(Plan), "the result");
+  PrintRow("`ScanRing`", sizeof(ScanRing), "one revolution of columns; budget 2 MiB");
+  const size_t planning = sizeof(Planner) + sizeof(HeightGrid);
+  std::printf(
+      "\nPlanning (`Planner` and `HeightGrid`) takes %zu of its %d bytes (%.2f of 6 MiB).\n",
+      planning, kPlanningBudget_bytes, static_cast<double>(planning) / (1024.0 * 1024.0));
+  return 0;
+}
