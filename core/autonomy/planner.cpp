@@ -168,9 +168,10 @@ bool Planner::MayTryNarrow() const {
 void Planner::StepSample(int units) {
   if (!sampled_) return StepSampler(units);
   if (smoother_.Step(units) == Progress::kBusy) return;
-  const float error_rad =
-      WrapAngle(request_.start.pose.theta_rad - BaseHeading(smoother_.result()));
-  plan_.pivots_first = Abs(error_rad) > params_.path.max_join_heading_rad;
+  const float heading_rad = request_.start.pose.theta_rad;
+  const float base_error_rad = Abs(WrapAngle(heading_rad - BaseHeading(plan_.base)));
+  const float smooth_error_rad = Abs(WrapAngle(heading_rad - BaseHeading(smoother_.result())));
+  plan_.pivots_first = Max(base_error_rad, smooth_error_rad) > params_.path.max_join_heading_rad;
   if (plan_.pivots_first &&
       !PivotIsFree(costmap(), params_.vehicle, params_.path, PlaceOf(request_.start.pose))) {
     return Fail(Status::kPivotBlocked);
@@ -191,12 +192,16 @@ void Planner::StepSampler(int units) {
 }
 
 // The optimizer starts from the smoothed base path unless that costs more than the base path as it
-// is: a corner cut may lead closer to an obstacle.
+// is: a corner cut may lead closer to an obstacle. One of them may be too far off the start's
+// heading to be joined to it.
 void Planner::BeginSeed() {
-  MakeSeed(plan_.base);
+  const bool base_joins = MakeSeed(plan_.base);
   plan_.cost_before = SeedCost();
-  MakeSeed(smoother_.result());
-  if (!(SeedCost().total() <= plan_.cost_before.total())) MakeSeed(plan_.base);
+  const bool smooth_joins = MakeSeed(smoother_.result());
+  const PathCost smooth = SeedCost();
+  if (smooth_joins && !base_joins) plan_.cost_before = smooth;
+  seed_is_smooth_ = smooth_joins && (!base_joins || smooth.total() <= plan_.cost_before.total());
+  if (!seed_is_smooth_) static_cast<void>(MakeSeed(plan_.base));
   plan_.optimizer_status = optimizer_.Begin(costmap(), params_.optimizer, params_.path, seed_,
                                             StartCurvature(), keeps_end_heading_);
   if (!IsUsable(plan_.optimizer_status)) return Fail(plan_.optimizer_status);
@@ -213,8 +218,9 @@ float Planner::StartCurvature() const {
 
 // A base path joined to the heading that the vehicle has, or will have turned to, and where it can
 // be to the goal's heading. The start comes last, so that it is exact on a short path too. What
-// cannot be joined at the end is turned on the spot there.
-void Planner::MakeSeed(const WorldPath& base) {
+// cannot be joined at the end is turned on the spot there. False: it cannot be joined at the start;
+// the seed is empty, which the optimizer reports.
+bool Planner::MakeSeed(const WorldPath& base) {
   const float heading_rad =
       plan_.pivots_first ? BaseHeading(smoother_.result()) : request_.start.pose.theta_rad;
   keeps_end_heading_ = false;
@@ -223,10 +229,9 @@ void Planner::MakeSeed(const WorldPath& base) {
         JoinEnd(base, params_.path, params_.optimizer, request_.goal_heading_rad, seed_);
     keeps_end_heading_ = IsUsable(end) && IsUsable(JoinStart(seed_, params_.path, params_.optimizer,
                                                              heading_rad, seed_));
-    if (keeps_end_heading_) return;
+    if (keeps_end_heading_) return true;
   }
-  // A failure leaves the seed empty, which the optimizer reports.
-  static_cast<void>(JoinStart(base, params_.path, params_.optimizer, heading_rad, seed_));
+  return IsUsable(JoinStart(base, params_.path, params_.optimizer, heading_rad, seed_));
 }
 
 void Planner::StepOptimize(int units) {
@@ -310,9 +315,11 @@ void Planner::TryAgain() {
     EndShort();
     return BeginCheck();
   }
-  if (!plan_.is_seed) {
+  // First the seed that was optimized, then the base path itself, with no corner cut.
+  if (!plan_.is_seed || (seed_is_smooth_ && MakeSeed(plan_.base))) {
+    if (plan_.is_seed) seed_is_smooth_ = false;
     plan_.is_seed = true;
-    plan_.cost_after = optimizer_.result().before;
+    plan_.cost_after = SeedCost();
     MakePath(seed_);
     return BeginCheck();
   }

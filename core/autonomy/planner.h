@@ -129,7 +129,7 @@ class Planner {
   bool MayTryNarrow() const;
   void BeginNarrow();
   void BeginSeed();
-  void MakeSeed(const WorldPath& base);
+  [[nodiscard]] bool MakeSeed(const WorldPath& base);
   PathCost SeedCost() const;
   float StartCurvature() const;
   void MakePath(const WorldPath& driven);
@@ -153,6 +153,7 @@ class Planner {
   PathSampler sampler_;
   bool sampled_ = false;  // and the smoother has begun
   PathSmoother smoother_;
+  bool seed_is_smooth_ = false;
   Optimizer optimizer_;
   PathCheck check_;
   SpeedCaps caps_;
