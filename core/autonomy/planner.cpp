@@ -41,8 +41,12 @@ Status CheckRequest(const PlanRequest& request) {
                       IsFinite(request.goal_odom.y_m) &&
                       (!request.has_goal_heading || IsFinite(request.goal_heading_rad));
   if (!finite) return Status::kNotFinite;
-  const bool fits = start.speed_mps >= 0.0f && start.speed_mps <= kMaxRequestSpeed_mps &&
-                    Abs(start.curvature_per_m) <= kCurvatureCeiling_per_m;
+  const bool fits =
+      start.speed_mps >= 0.0f && start.speed_mps <= kMaxRequestSpeed_mps &&
+      Abs(start.curvature_per_m) <= kCurvatureCeiling_per_m &&
+      Max(Abs(start.pose.x_m), Abs(start.pose.y_m)) <= kMaxRequestPosition_m &&
+      Abs(start.pose.theta_rad) <= kSinCosMaxAngle_rad &&
+      (!request.has_goal_heading || Abs(request.goal_heading_rad) <= kSinCosMaxAngle_rad);
   return fits ? Status::kOk : Status::kInvalidArgument;
 }
 
@@ -172,11 +176,15 @@ void Planner::StepSample(int units) {
   const float base_error_rad = Abs(WrapAngle(heading_rad - BaseHeading(plan_.base)));
   const float smooth_error_rad = Abs(WrapAngle(heading_rad - BaseHeading(smoother_.result())));
   plan_.pivots_first = Max(base_error_rad, smooth_error_rad) > params_.path.max_join_heading_rad;
-  if (plan_.pivots_first &&
-      !PivotIsFree(costmap(), params_.vehicle, params_.path, PlaceOf(request_.start.pose))) {
-    return Fail(Status::kPivotBlocked);
-  }
+  if (plan_.pivots_first && !MayPivot()) return Fail(Status::kPivotBlocked);
   BeginSeed();
+}
+
+// The way to standstill would be no part of the path, and nothing would check it: a vehicle that
+// moves has to stop first.
+bool Planner::MayPivot() const {
+  return request_.start.speed_mps == 0.0f &&
+         PivotIsFree(costmap(), params_.vehicle, params_.path, PlaceOf(request_.start.pose));
 }
 
 void Planner::StepSampler(int units) {
@@ -185,7 +193,8 @@ void Planner::StepSampler(int units) {
   if (!IsUsable(plan_.base_status)) return Fail(plan_.base_status);
   plan_.base = sampler_.result();
   has_goal_heading_ = request_.has_goal_heading && !plan_.search.partial &&
-                      !plan_.search.goal_outside_map && sampler_.status() == Status::kOk;
+                      !plan_.search.goal_outside_map && !plan_.search.goal_moved &&
+                      sampler_.status() == Status::kOk;
   const Status status = smoother_.Begin(plan_.base, params_.path.smoothing_passes);
   if (!IsUsable(status)) return Fail(status);
   sampled_ = true;
@@ -248,6 +257,7 @@ void Planner::MakePath(const WorldPath& driven) {
   WorldPath& path = plan_.path;
   path.Clear();
   plan_.ends_short = false;
+  plan_.base_status = Graver(plan_.search.status, sampler_.status());
   if (plan_.pivots_first) {
     path.Resize(1);
     path[0] = {driven[0].x_m, driven[0].y_m, request_.start.pose.theta_rad};
@@ -261,8 +271,10 @@ void Planner::MakePath(const WorldPath& driven) {
     path.back() = driven[k];
   }
   const float end_error_rad = WrapAngle(request_.goal_heading_rad - path.back().theta_rad);
-  plan_.pivots_last = has_goal_heading_ && kept == driven.size() && !path.full() &&
-                      Abs(end_error_rad) > kGoalHeadingTolerance_rad;
+  const bool must_turn =
+      has_goal_heading_ && kept == driven.size() && Abs(end_error_rad) > kGoalHeadingTolerance_rad;
+  plan_.pivots_last = must_turn && !path.full();
+  if (must_turn && path.full()) plan_.base_status = Graver(plan_.base_status, Status::kPathCut);
   if (plan_.pivots_last) {
     path.Resize(path.size() + 1);
     path.back() = {driven.back().x_m, driven.back().y_m, WrapAngle(request_.goal_heading_rad)};
@@ -323,10 +335,7 @@ void Planner::TryAgain() {
     MakePath(seed_);
     return BeginCheck();
   }
-  const bool may_turn =
-      !plan_.pivots_first && request_.start.speed_mps == 0.0f &&
-      PivotIsFree(costmap(), params_.vehicle, params_.path, PlaceOf(request_.start.pose));
-  if (!may_turn) return Fail(Status::kCollision);
+  if (plan_.pivots_first || !MayPivot()) return Fail(Status::kCollision);
   plan_.pivots_first = true;
   BeginSeed();
 }

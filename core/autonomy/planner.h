@@ -27,14 +27,18 @@
 // - No way for the planning radius: the costmap is dilated again for the bare footprint (disc
 //   radius and half a cell's diagonal), and the plan is marked narrow.
 // - The start heading is more than max_join_heading_rad off the base path: a turn on the spot
-//   first.
+//   first, which only a vehicle that stands may do.
 // - The path touches something, but within its last kMaxShort_m only: it ends before that, and the
 //   goal counts as moved. (The search takes a goal that has room for the vehicle's middle; the
 //   check asks for the whole vehicle.)
-// - The optimized path touches: its seed is checked in its place. If that touches too, and the
-//   vehicle stands and has not turned on the spot, it turns first and the rest is done again.
+// - The optimized path touches: its seed is checked in its place, then the base path as joined. If
+//   they touch too, and the vehicle stands and has not turned on the spot, it turns first and the
+//   rest is done again.
 
 namespace hardpack {
+
+// Up to here a cell's centre is exact in float32: 2^22 cells, 838 km.
+inline constexpr float kMaxRequestPosition_m = 4194304.0f * kCellSize_m;
 
 struct PlanRequest {
   PathStart start;
@@ -82,8 +86,9 @@ enum class PlanStage : uint8_t {
 class Planner {
  public:
   // kParameterOutOfRange; kNotFinite: a number of the request; kInvalidArgument: its speed is
-  // negative or above kMaxRequestSpeed_mps, or its curvature beyond kCurvatureCeiling_per_m. Then
-  // nothing is started, and result().status says the same.
+  // negative or above kMaxRequestSpeed_mps, its curvature beyond kCurvatureCeiling_per_m, its place
+  // beyond kMaxRequestPosition_m, or an angle beyond kSinCosMaxAngle_rad. Then nothing is started,
+  // and result().status says the same.
   Status Begin(const HeightGrid& heights, const PlannerParams& params, const PlanRequest& request);
 
   // The same on given cells: between BeginCells and the first StepCells, call
@@ -110,7 +115,7 @@ class Planner {
   static constexpr int kMaxUnits =
       kMaxTransitions + CostmapBuilder::kUnits + CostmapBuilder::kCellUnits +
       2 * AstarSearch::kMaxUnits + 2 * kMapCells + 1 + PathSmoother::kMaxPasses +
-      2 * Optimizer::kMaxUnits + 8 * PathCheck::kMaxUnits + SpeedCaps::kMaxUnits;
+      2 * Optimizer::kMaxUnits + 12 * PathCheck::kMaxUnits + SpeedCaps::kMaxUnits;
 
  private:
   Status Started(Status status);
@@ -128,6 +133,7 @@ class Planner {
   void BeginSearch();
   bool MayTryNarrow() const;
   void BeginNarrow();
+  [[nodiscard]] bool MayPivot() const;
   void BeginSeed();
   [[nodiscard]] bool MakeSeed(const WorldPath& base);
   PathCost SeedCost() const;

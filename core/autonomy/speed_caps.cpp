@@ -82,19 +82,22 @@ void SpeedCaps::SearchRow(const Costmap& map, const WorldPath& path) {
   }
 }
 
+// With every point that is no further away than its neighbours: a path may go by more than once.
 void SpeedCaps::FilePerson(Vec2 person_odom, const WorldPath& path) {
-  float nearest2_m2 = Squared(kFar_m);
-  int nearest = 0;
+  const auto distance2_m2 = [&](int k) {
+    return Squared(person_odom.x_m - path[k].x_m) + Squared(person_odom.y_m - path[k].y_m);
+  };
+  float before_m2 = distance2_m2(0);
+  float here_m2 = before_m2;
   HP_LOOP_BOUND(kMaxPathPoints)
   for (int k = 0; k < points_; ++k) {
-    const float distance2_m2 =
-        Squared(person_odom.x_m - path[k].x_m) + Squared(person_odom.y_m - path[k].y_m);
-    if (distance2_m2 < nearest2_m2) {
-      nearest2_m2 = distance2_m2;
-      nearest = k;
+    const float behind_m2 = k + 1 < points_ ? distance2_m2(k + 1) : here_m2;
+    if (here_m2 <= before_m2 && here_m2 <= behind_m2) {
+      person2_m2_[k] = Min(person2_m2_[k], here_m2);
     }
+    before_m2 = here_m2;
+    here_m2 = behind_m2;
   }
-  person2_m2_[nearest] = Min(person2_m2_[nearest], nearest2_m2);
 }
 
 void SpeedCaps::CapForPersonAt(int point, const SpeedParams& params, const VehicleParams& vehicle) {

@@ -24,8 +24,9 @@ class SpeedCaps {
   void Begin(const GridWindow& window, const SpeedParams& params, const VehicleParams& vehicle,
              const WorldPath& path);
 
-  // A unit is one row of the map searched for people (each goes to the path's nearest point), or
-  // one point whose nearest person caps the points before it. At most kMaxUnits units.
+  // A unit is one row of the map searched for people (each goes to every point where the path
+  // passes it), or one point whose nearest person caps the points before it. At most kMaxUnits
+  // units.
   static constexpr int kMaxUnits = kMapSize_cells + kMaxPathPoints;
   Progress Step(const Costmap& map, const SpeedParams& params, const VehicleParams& vehicle,
                 const WorldPath& path, int units);

@@ -33,9 +33,9 @@ enum class [[nodiscard]] Status : uint8_t{
     kStartOutsideMap,   // The start is off the map.
     kStartEnclosed,     // The start is in a hard obstacle and no falling depth leads out.
     kGoalInObstacle,    // The goal lies in a hard obstacle, and moving it is not permitted.
-    kPivotBlocked,      // A turn on the spot is needed, and its circle is not free.
-    kCollision,         // The checked path touches a hard obstacle.
-    kPathTooShort,      // Fewer points than the operation needs.
+    kPivotBlocked,  // A turn on the spot is needed; its circle is not free or the vehicle moves.
+    kCollision,     // The checked path touches a hard obstacle.
+    kPathTooShort,  // Fewer points than the operation needs.
 
     // Bytes from outside.
     kTruncated,        // Fewer bytes than the format needs.

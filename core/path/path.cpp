@@ -92,6 +92,8 @@ bool PivotIsFree(const Costmap& map, const VehicleParams& vehicle, const PathPar
   const Cell low = CellAt({position_odom.x_m - radius_m, position_odom.y_m - radius_m});
   const Cell high = CellAt({position_odom.x_m + radius_m, position_odom.y_m + radius_m});
   if (!map.window.Contains(low) || !map.window.Contains(high)) return false;
+  // Very far from the origin a float's steps are wider than cells.
+  if (high.x - low.x >= kMaxSide_cells || high.y - low.y >= kMaxSide_cells) return false;
 
   const float radius_cells = radius_m * kCellsPerMeter;
   HP_LOOP_BOUND(kMaxSide_cells)

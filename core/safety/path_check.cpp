@@ -193,12 +193,14 @@ void PathCheck::JudgePose(const Costmap& map, const Pose2& pose) {
   const float offset_m = vehicle_.footprint_disc_offset_m;
   const Vec2 arm = {offset_m * heading.cos, offset_m * heading.sin};
   const float radius_m = vehicle_.footprint_disc_radius_m;
-  float pose2_cells2 =
+  float front2_cells2 =
       Max(nearest2_cells2_, Squared((radius_m + kAlwaysMeasured_m) * kCellsPerMeter));
+  float rear2_cells2 = front2_cells2;
   LowerToNearestHard<Metric::kToSquare>(map, {middle.x_m + arm.x_m, middle.y_m + arm.y_m},
-                                        pose2_cells2);
+                                        front2_cells2);
   LowerToNearestHard<Metric::kToSquare>(map, {middle.x_m - arm.x_m, middle.y_m - arm.y_m},
-                                        pose2_cells2);
+                                        rear2_cells2);
+  const float pose2_cells2 = Min(front2_cells2, rear2_cells2);
   const float clearance_m = Sqrt(pose2_cells2) / kCellsPerMeter - radius_m;
   if (pose2_cells2 < nearest2_cells2_) {
     nearest2_cells2_ = pose2_cells2;
@@ -210,19 +212,22 @@ void PathCheck::JudgePose(const Costmap& map, const Pose2& pose) {
   if (middle2_cells2_ < middle2_cells2) {
     result_.smallest_hard_distance_m = Sqrt(middle2_cells2_) / kCellsPerMeter;
   }
-  JudgeOverlap(clearance_m);
+  JudgeOverlap(Sqrt(front2_cells2) / kCellsPerMeter - radius_m, front_);
+  JudgeOverlap(Sqrt(rear2_cells2) / kCellsPerMeter - radius_m, rear_);
 }
 
-void PathCheck::JudgeOverlap(float clearance_m) {
-  overlaps_ = clearance_m <= 0.0f;
-  if (!overlaps_) {
-    has_been_clear_ = true;
+// A disc may drive out of what it stands in, and into nothing else: each is judged by itself, so
+// that the one in an obstacle does not hide what the other one meets.
+void PathCheck::JudgeOverlap(float clearance_m, DiscOverlap& disc) {
+  disc.overlaps = clearance_m <= 0.0f;
+  if (!disc.overlaps) {
+    disc.has_been_clear = true;
     return;
   }
-  const bool first = result_.overlap_points == 0;
-  if (has_been_clear_ || (!first && clearance_m < deepest_m_)) Collide();
+  if (disc.has_been_clear || (disc.overlapped && clearance_m < disc.deepest_m)) Collide();
   const float deepest_m = clearance_m - kDeeperTolerance_m;
-  deepest_m_ = first ? deepest_m : Max(deepest_m_, deepest_m);
+  disc.deepest_m = disc.overlapped ? Max(disc.deepest_m, deepest_m) : deepest_m;
+  disc.overlapped = true;
   result_.overlap_points = point_ + 2;  // The chord's end too: until there it overlaps.
 }
 
@@ -236,7 +241,7 @@ void PathCheck::Finish(const WorldPath& path) {
   const bool exceeds =
       result_.curvature_excess_per_m > kLimitTolerance * limits_.max_curvature_per_m ||
       result_.curvature_rate_excess_per_m2 > kLimitTolerance * limits_.max_curvature_rate_per_m2;
-  if (result_.collision_point >= 0 || overlaps_) {
+  if (result_.collision_point >= 0 || front_.overlaps || rear_.overlaps) {
     result_.status = Status::kCollision;
   } else if (exceeds) {
     result_.status = Status::kLimitExceeded;

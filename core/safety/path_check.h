@@ -76,7 +76,14 @@ class PathCheck {
   void StepOnce(const Costmap& map, const WorldPath& path);
   void EnterNext(const WorldPath& path);
   void JudgePose(const Costmap& map, const Pose2& pose);
-  void JudgeOverlap(float clearance_m);
+  // One disc's overlap with what it stands in at the start.
+  struct DiscOverlap {
+    float deepest_m = 0.0f;       // the clearance below which the overlap has become deeper
+    bool overlapped = false;      // some pose so far did
+    bool overlaps = false;        // the last pose did
+    bool has_been_clear = false;  // some pose so far was
+  };
+  void JudgeOverlap(float clearance_m, DiscOverlap& disc);
   void Collide();
   void Finish(const WorldPath& path);
 
@@ -90,9 +97,8 @@ class PathCheck {
   float turn_rad_ = 0.0f;         // of this phase
   float nearest2_cells2_ = 0.0f;  // of a disc's centre to a hard square, over all poses so far
   float middle2_cells2_ = 0.0f;   // of the vehicle's middle to a hard cell's centre
-  float deepest_m_ = 0.0f;        // the clearance below which a first overlap has become deeper
-  bool overlaps_ = false;         // the last pose did
-  bool has_been_clear_ = false;   // some pose so far was
+  DiscOverlap front_;
+  DiscOverlap rear_;
 };
 static_assert(std::is_trivially_copyable_v<PathCheck>);
 

@@ -77,9 +77,10 @@ TEST(Planner, SurvivesExtremeRequests) {
   for (const float far : {1e6f, -3e9f, most, -most}) {
     Scene scene = SceneTo({far, -far});
     EXPECT_TRUE(IsUsable(PlanIn(scene).status)) << far;
-    scene = SceneTo({0.0f, 0.0f}, {far, far, far});
-    EXPECT_EQ(PlanIn(scene).status, Status::kStartOutsideMap) << far;
+    const PlanRequest from_there = SceneTo({0.0f, 0.0f}, {far, far, 0.0f}).request;
+    EXPECT_EQ(ThePlanner().BeginCells(kWindow, {}, from_there), Status::kInvalidArgument) << far;
   }
+  EXPECT_EQ(PlanIn(SceneTo({0.0f, 0.0f}, {-8e5f, 8e5f, 0.0f})).status, Status::kStartOutsideMap);
   for (const float curvature_per_m : {1e6f, -1e6f}) {
     Scene scene = SceneTo({5.0f, 0.0f});
     scene.request.start.curvature_per_m = curvature_per_m;

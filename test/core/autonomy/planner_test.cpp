@@ -294,6 +294,49 @@ TEST(Planner, StopsShortOfAGoalInFrontOfAWall) {
   EXPECT_GT(plan.path.back().x_m, 9.5f);
 }
 
+//   x <------ o->     the goal is behind, and the vehicle drives away from it
+TEST(Planner, GivesAMovingVehicleNoTurnOnTheSpot) {
+  Scene scene = SceneTo({-10.1f, 0.1f});
+  scene.request.start.speed_mps = 5.0f;
+  EXPECT_EQ(PlanIn(scene).status, Status::kPivotBlocked);
+  scene.request.start.speed_mps = 0.0f;
+  const Plan& plan = PlanIn(scene);
+  EXPECT_EQ(plan.status, Status::kOk);
+  EXPECT_TRUE(plan.pivots_first);
+}
+
+//   x---------------.      out and back past one person, who stands nearer to the way back: the
+//           P       |      way out is slow beside them too
+//   =============   |
+//   o---------------'
+TEST(Planner, SlowsForAPersonOnEachPassage) {
+  Scene scene = SceneTo({0.1f, 7.1f});
+  scene.Add(-80, 12, 60, 12);
+  scene.Add(35, 20, 36, 21, Costmap::kPerson | Costmap::kHard);
+  const Plan& plan = PlanIn(scene);
+  ASSERT_TRUE(IsUsable(plan.status)) << StatusName(plan.status);
+  int points = 0;
+  float slowest_mps = 10.0f;
+  for (int k = 0; k < plan.path.size(); ++k) {
+    const Pose2& pose = plan.path[k];
+    if (pose.y_m > 2.0f || pose.x_m < 4.0f || pose.x_m > 7.0f) continue;
+    slowest_mps = std::min(slowest_mps, plan.speed[k]);
+    ++points;
+  }
+  EXPECT_GT(points, 5);
+  EXPECT_LT(slowest_mps, 1.5f);
+}
+
+TEST(Planner, RefusesAnglesAndPlacesThatItsArithmeticCannotTellApart) {
+  Scene scene = SceneTo({10.1f, 0.1f});
+  scene.request.start.pose.theta_rad = 10000.0f;
+  Planner& planner = ThePlanner();
+  EXPECT_EQ(planner.BeginCells(kWindow, scene.params, scene.request), Status::kInvalidArgument);
+  scene.request.start.pose.theta_rad = 0.0f;
+  scene.request.start.pose.x_m = 1.0e7f;
+  EXPECT_EQ(planner.BeginCells(kWindow, scene.params, scene.request), Status::kInvalidArgument);
+}
+
 // Trunks and bushes strewn at random, the start anywhere in it and looking anywhere.
 Scene RandomForest(uint32_t seed) {
   std::mt19937 random(seed);
@@ -312,6 +355,12 @@ Scene RandomForest(uint32_t seed) {
                         [](const Block& block) { return block.flags == Costmap::kSoft; });
   scene.request.start.curvature_per_m = 0.3f * unit(random);
   scene.request.start.speed_mps = seed % 2u == 0 ? 0.0f : 1.0f + unit(random);
+  // A vehicle that moves cannot turn on the spot, so it moves towards its goal.
+  if (scene.request.start.speed_mps > 0.0f) {
+    PathStart& start = scene.request.start;
+    start.pose.theta_rad = Atan2(scene.request.goal_odom.y_m - start.pose.y_m,
+                                 scene.request.goal_odom.x_m - start.pose.x_m);
+  }
   return scene;
 }
 

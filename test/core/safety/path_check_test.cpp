@@ -276,6 +276,20 @@ TEST(PathCheck, LetsAVehicleDriveOutOfAnOverlapAtItsStart) {
   EXPECT_EQ(into.collision_point, 19);
 }
 
+//        #          the rear stands in a wall, which it may leave; the front meets a post beside
+//   |# oo           the way before the rear has left the wall
+TEST(PathCheck, MeetsASecondObstacleWhileLeavingTheFirst) {
+  const WorldPath path = StraightPath({0.0f, 0.0f, 0.0f}, 12, 0.25f);
+  Ground wall;
+  wall.SetHard({-5, 0});
+  EXPECT_EQ(Check(wall, path).status, Status::kStartInObstacle);
+  Ground post;
+  post.SetHard({5, 3});
+  EXPECT_EQ(Check(post, path).status, Status::kCollision);
+  wall.SetHard({5, 3});
+  EXPECT_EQ(Check(wall, path).status, Status::kCollision);
+}
+
 TEST(PathCheck, ReportsCurvatureAndItsExcess) {
   const Ground ground;
   WorldPath arc;
