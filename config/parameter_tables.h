@@ -88,7 +88,7 @@ inline constexpr std::array kCostmapTable = {
                "paper), 1 the local ground around it (ours)."),
     HP_COSTMAP(obstacle_height_m, 0.05f, 2.0f, "A return higher than this is an obstacle.",
                &CostmapParams::clearance_height_m),
-    HP_COSTMAP(clearance_height_m, 0.1f, 10.0f,
+    HP_COSTMAP(clearance_height_m, 0.1f, 4.0f,
                "Returns higher than this do not count: the vehicle passes below (ours)."),
     HP_COSTMAP(ground_window_cells, 1.0f, 31.0f,
                "Side of the neighbourhood whose lowest return is the local ground; odd (ours)."),
@@ -104,7 +104,9 @@ inline constexpr std::array kCostmapTable = {
                "Hard layer: growth of the cost with the depth inside; both layers together may "
                "reach 39 (ours)."),
     HP_COSTMAP(soft_edge_cost, 0.0f, 39.0f, "Soft layer: the same as hard_edge_cost (ours)."),
-    HP_COSTMAP(soft_slope_per_m, 0.0f, 100.0f, "Soft layer: the same as hard_slope_per_m (ours).")};
+    HP_COSTMAP(soft_slope_per_m, 0.0f, 100.0f, "Soft layer: the same as hard_slope_per_m (ours)."),
+    HP_COSTMAP(unknown_cost, 0.0f, 39.0f,
+               "Cost of a cell whose ground was not observed, added to both layers' (ours).")};
 #undef HP_COSTMAP
 
 #define HP_ASTAR(...) HP_ENTRY("astar", AstarParams, __VA_ARGS__)
@@ -211,6 +213,44 @@ inline constexpr std::array kLidarMountTable = {
     HP_LIDAR_MOUNT(max_range_m, 1.0f, 500.0f, "Farther returns are ignored.")};
 #undef HP_LIDAR_MOUNT
 
+#define HP_SEGMENTATION(...) HP_ENTRY("segmentation", SegmentationParams, __VA_ARGS__)
+inline constexpr std::array kSegmentationTable = {
+    HP_SEGMENTATION(max_ground_slope, 0.05f, 2.0f,
+                    "Rise over level distance up to which a surface can be ground; 25 degrees are "
+                    "0.47 (ours)."),
+    HP_SEGMENTATION(isolation_m, 0.05f, 5.0f,
+                    "A return whose neighbours in the range image are all further away in range "
+                    "than this is rain or dust, and is ignored (ours)."),
+    HP_SEGMENTATION(bridge_factor, 0.0f, 10.0f,
+                    "Ground between two ground returns counts as observed up to this many spacings "
+                    "of the rings on flat ground (ours)."),
+    HP_SEGMENTATION(bridge_max_slope, 0.0f, 2.0f,
+                    "And up to this rise over level distance between them (ours).",
+                    &SegmentationParams::max_ground_slope)};
+#undef HP_SEGMENTATION
+
+#define HP_MAPPING(...) HP_ENTRY("mapping", MappingParams, __VA_ARGS__)
+inline constexpr std::array kMappingTable = {
+    HP_MAPPING(use_labels, 0.0f, 1.0f,
+               "1: labels come from a segmentation computer, and a return waits for its label "
+               "until the deadline; 0: its geometric class is final (ours)."),
+    HP_MAPPING(label_deadline_s, 0.0f, 0.25f,
+               "How long a return waits for its label before it is filed with its geometric class "
+               "(ours)."),
+    HP_MAPPING(ageing_revolutions, 1.0f, 7.0f,
+               "An obstacle that the lidar saw through in this many revolutions, without a return "
+               "from it in between, is no longer there (ours)."),
+    HP_MAPPING(start_ground_radius_m, 0.0f, 20.0f,
+               "Around the place where mapping starts the lidar cannot see the ground below its "
+               "lowest beam: so far it is taken as observed (ours). 0: it is not."),
+    HP_MAPPING(height_jump_m, 0.05f, 10.0f,
+               "A step of the odometry's height from one pose to the next beyond this, and beyond "
+               "what the vehicle can climb meanwhile, is a jump: the map is told anew in the new "
+               "heights (ours)."),
+    HP_MAPPING(position_jump_m, 0.1f, 100.0f,
+               "The same for its position: the map is emptied (ours).")};
+#undef HP_MAPPING
+
 #undef HP_ENTRY
 
 // Each entry is one member of 4 bytes: a member without one would make the sizes differ.
@@ -225,5 +265,7 @@ static_assert(NamesAllMembers(kPathTable));
 static_assert(NamesAllMembers(kOptimizerTable));
 static_assert(NamesAllMembers(kSpeedTable));
 static_assert(NamesAllMembers(kLidarMountTable));
+static_assert(NamesAllMembers(kSegmentationTable));
+static_assert(NamesAllMembers(kMappingTable));
 
 }  // namespace hardpack

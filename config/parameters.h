@@ -39,6 +39,7 @@ struct CostmapParams {
   float hard_slope_per_m = 12.0f;    // ... and its growth with the depth inside
   float soft_edge_cost = 1.5f;       // soft layer: the same
   float soft_slope_per_m = 3.0f;
+  float unknown_cost = 1.0f;  // added where the ground was not observed
 };
 
 struct AstarParams {
@@ -104,6 +105,30 @@ struct LidarMountParams {
   float self_max_z_m = 2.2f;
   float min_range_m = 0.5f;
   float max_range_m = 120.0f;
+};
+
+// What a return is by geometry alone (core/segmentation), and where ground counts as observed.
+struct SegmentationParams {
+  float max_ground_slope = 0.55f;  // rise over level distance of drivable ground
+  float isolation_m = 0.4f;        // a return with no neighbour so near in range is rain or dust
+  float bridge_factor = 1.5f;      // ring spacings that observed ground may bridge
+  float bridge_max_slope = 0.3f;   // and the slope that it may have
+};
+
+// How the map takes in what was measured, and how it forgets (core/autonomy/mapper.h).
+struct MappingParams {
+  int32_t use_labels = 0;              // 1: a segmentation computer sends labels; wait for them
+  float label_deadline_s = 0.25f;      // then a return is filed with its geometric class
+  int32_t ageing_revolutions = 3;      // seen through in so many of them: no longer there
+  float start_ground_radius_m = 5.0f;  // ground taken as observed around the place of the start
+  float height_jump_m = 0.2f;          // a step of the odometry's height beyond this is a jump
+  float position_jump_m = 1.0f;        // a step of its position beyond this empties the map
+};
+
+struct PerceptionParams {
+  LidarMountParams mount;
+  SegmentationParams segmentation;
+  MappingParams mapping;
 };
 
 struct PlannerParams {

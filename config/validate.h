@@ -19,7 +19,7 @@
 namespace hardpack {
 
 // Calls visit(group, table) for each group of parameters, in the order of the structs. Params:
-// PlannerParams or LidarMountParams, const or not.
+// PlannerParams, PerceptionParams or one group of the latter, const or not.
 template <typename Params, typename Visit>
 constexpr void VisitParameters(Params& params, Visit&& visit) {
   if constexpr (requires { params.vehicle; }) {
@@ -29,8 +29,16 @@ constexpr void VisitParameters(Params& params, Visit&& visit) {
     visit(params.path, kPathTable);
     visit(params.optimizer, kOptimizerTable);
     visit(params.speed, kSpeedTable);
-  } else {
+  } else if constexpr (requires { params.mount; }) {
+    visit(params.mount, kLidarMountTable);
+    visit(params.segmentation, kSegmentationTable);
+    visit(params.mapping, kMappingTable);
+  } else if constexpr (requires { params.self_min_x_m; }) {
     visit(params, kLidarMountTable);
+  } else if constexpr (requires { params.bridge_factor; }) {
+    visit(params, kSegmentationTable);
+  } else {
+    visit(params, kMappingTable);
   }
 }
 
@@ -48,8 +56,8 @@ constexpr bool IsInOrder(const ParameterEntry<Group>& entry, const Group& group)
 }
 
 // The full name of the first parameter that is not finite or out of its range; if there is none, of
-// the first that is above the one that it must not exceed; else nullptr. Params: PlannerParams or
-// LidarMountParams. Cost: one pass over the tables.
+// the first that is above the one that it must not exceed; else nullptr. Params: as
+// VisitParameters. Cost: one pass over the tables.
 template <typename Params>
 constexpr const char* FirstInvalidParameter(const Params& params) {
   const char* out_of_range = nullptr;
@@ -68,7 +76,7 @@ constexpr const char* FirstInvalidParameter(const Params& params) {
 
 // A default outside its range does not compile.
 static_assert(FirstInvalidParameter(PlannerParams{}) == nullptr);
-static_assert(FirstInvalidParameter(LidarMountParams{}) == nullptr);
+static_assert(FirstInvalidParameter(PerceptionParams{}) == nullptr);
 
 inline constexpr int kMaxParameterName = 48;  // letters of a full name
 
@@ -105,7 +113,7 @@ constexpr Status SetParameter(const ParameterEntry<Group>& entry, double value, 
 }
 
 // The same by full name, "costmap.halo_m". kInvalidArgument: no parameter has that name. Params:
-// PlannerParams or LidarMountParams. Cost: one pass over the names.
+// as VisitParameters. Cost: one pass over the names.
 template <typename Params>
 constexpr Status SetParameter(const char* full_name, double value, Params& params) {
   Status status = Status::kInvalidArgument;

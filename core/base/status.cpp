@@ -21,6 +21,7 @@ constexpr Named kNames[] = {
     {Status::kIterationLimit, "iteration_limit"},
     {Status::kNarrowGap, "narrow_gap"},
     {Status::kLimitExceeded, "limit_exceeded"},
+    {Status::kClockJumped, "clock_jumped"},
     {Status::kNotStarted, "not_started"},
     {Status::kInvalidArgument, "invalid_argument"},
     {Status::kNotFinite, "not_finite"},
@@ -42,6 +43,9 @@ constexpr Named kNames[] = {
     {Status::kUnsupported, "unsupported"},
     {Status::kBadCrc, "bad_crc"},
     {Status::kDuplicate, "duplicate"},
+    {Status::kLate, "late"},
+    {Status::kSensorRestarted, "sensor_restarted"},
+    {Status::kNoPose, "no_pose"},
 };
 constexpr int kNameCount = sizeof(kNames) / sizeof(kNames[0]);
 

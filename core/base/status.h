@@ -21,6 +21,7 @@ enum class [[nodiscard]] Status : uint8_t{
     kIterationLimit,   // The optimizer's sweep limit ended it before it converged.
     kNarrowGap,        // Only passable for the bare footprint; to be driven at v_min.
     kLimitExceeded,  // Free of hard obstacles, but a curvature or curvature-rate limit is exceeded.
+    kClockJumped,    // A device's clock jumped against ours; the new offset is used from here on.
 
     // Failures: there is no result.
     kFirstFailure = 32,
@@ -47,6 +48,9 @@ enum class [[nodiscard]] Status : uint8_t{
     kUnsupported,      // A profile or format that is known but not handled.
     kBadCrc,           // The checksum does not match.
     kDuplicate,        // The column or packet was already received.
+    kLate,             // It came after it was last of use.
+    kSensorRestarted,  // The sensor counts anew: what is known of it has to be set up again.
+    kNoPose,           // The vehicle's pose at that time is not known.
 };
 
 // True when there is a result to use (possibly not quite the one asked for).

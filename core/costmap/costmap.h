@@ -18,20 +18,22 @@
 // Only cells of the map count: beyond its border there is neither an obstacle nor a way out.
 //
 // The obstacle rule kLocalGround (ours). Of a cell the lowest and the highest hard return are
-// known; `ground` is the lowest return of any class in the square of ground_window_cells around the
-// cell.
+// known. `near ground`: the cell's own lowest return where its ground was observed, else the lowest
+// of the observed ground in the 5 x 5 cells around it. `far ground`: the lowest return of any class
+// in the square of ground_window_cells around the cell. `ground` is the near one where there is
+// one, else the far one.
 //   no hard return                                          not hard
-//   lowest hard - ground > clearance_height                 not hard: overhead only
+//   near ground known, lowest hard - it > clearance_height  not hard: overhead only
 //   highest hard - ground > obstacle_height                 hard; a trunk under its crown too, and
 //                                                           whatever may lie between low and high
 //   a person among the hard returns                         hard, standing or lying
-//   no return classed as ground in the square               hard: nothing tells how high it is
+//   no observed ground in the square                        hard: nothing tells how high it is
 //   else                                                    not hard: a kerb, a root
 // A cell that is not hard is soft where highest soft - ground > obstacle_height, and free
-// otherwise. On a slope, or beside a ditch, `ground` lies below the ground under the cell by up to
-// slope x half the square. So obstacles are rather seen than missed, but what hangs over the way is
-// held to be higher than it is: clearance_height must exceed the vehicle's height by as much (0.7 m
-// at the default square allows a slope of 0.5).
+// otherwise. On a slope the ground of the square lies below the ground under the cell by up to
+// slope x half the square, so what is held against it is rather seen than missed; near ground is
+// off by two cells at most. A cell is observed where its ground was, or where it is hard or soft;
+// any other cell is unknown, and unknown_cost is added to its cost.
 //
 // The rule kInCell ([OS]): `ground` is the lowest return of the same cell, and nothing is overhead;
 // a person is hard there too (ours).
@@ -56,13 +58,13 @@ struct Costmap {
     kHard = 1,         // holds a hard obstacle
     kSoft = 2,         // holds a soft obstacle and no hard one
     kPerson = 4,       // the hard obstacle is a person
-    kObserved = 8,     // holds at least one return
+    kObserved = 8,     // the ground was observed, or it holds an obstacle; else it is unknown
     kLethal = 16,      // inside the dilated hard region: never driven through
     kSoftRegion = 32,  // inside the dilated soft region
   };
 
   GridWindow window;
-  uint16_t cost_q8[kMapCells];        // hard layer + soft layer
+  uint16_t cost_q8[kMapCells];        // hard layer + soft layer + unknown
   uint8_t flags[kMapCells];           // of Flag
   uint8_t hard_distance2[kMapCells];  // squared distance [cells^2] to the nearest hard cell,
                                       // saturated; 0 in a hard cell
@@ -78,9 +80,10 @@ struct Costmap {
 static_assert(std::is_trivially_copyable_v<Costmap>);
 
 // Checks parameters that depend on one another, beyond the table's ranges, and all that the build
-// relies on: every number finite and none negative; hard + soft cost cannot exceed kMaxCost_q8;
-// planning radius and halo at most 3 m, which the saturation still tells apart; clearance above
-// obstacle height; the ground window odd, 1 to 31 cells. kOk or kParameterOutOfRange.
+// relies on: every number finite and none negative; hard + soft + unknown cost cannot exceed
+// kMaxCost_q8; planning radius and halo at most 3 m, which the saturation still tells apart;
+// clearance above obstacle height; the ground window odd, 1 to 31 cells. kOk or
+// kParameterOutOfRange.
 Status CheckCostmapParams(const CostmapParams& params);
 
 // Builds a Costmap from a HeightGrid or from occupancy, resumable. A unit is one row of one pass;
@@ -104,9 +107,18 @@ class CostmapBuilder {
   // Precondition: the build was not begun by BeginCells.
   Progress Step(const HeightGrid& heights, int units);
 
+  // The first part of the same alone: until the cells are classed, and no further. Then Mark may be
+  // called, and StepCells does the rest.
+  Progress StepHeights(const HeightGrid& heights, int units);
+
+  // Adds an obstacle to a classed cell, for returns that are not in the heights yet: kHard, kSoft,
+  // kPerson; others are ignored. A hard cell stays hard. Precondition: StepHeights has returned
+  // kDone and StepCells has not been called, 0 <= index < kMapCells. Cost: constant.
+  void Mark(int index, uint8_t flags);
+
   // From given cells (maps from files, tests): call SetCell for any cells between BeginCells and
-  // the first StepCells; cells not set are empty and not observed. kParameterOutOfRange: nothing
-  // changes. Cost: kMapCells bytes cleared.
+  // the first StepCells; cells not set are free and observed. kParameterOutOfRange: nothing
+  // changes. Cost: kMapCells bytes written.
   Status BeginCells(const GridWindow& window, const CostmapParams& params);
 
   // The cells of the finished map once more, with other parameters (a narrower planning radius).
@@ -118,7 +130,7 @@ class CostmapBuilder {
   // is not soft. Preconditions: 0 <= index < kMapCells; between BeginCells and StepCells.
   void SetCell(int index, uint8_t flags);
 
-  // As Step. Precondition: the build was begun by BeginCells.
+  // As Step. Precondition: the build was begun by BeginCells, or StepHeights is done.
   Progress StepCells(int units);
 
   // Valid once Step has returned kDone and until the next Begin.

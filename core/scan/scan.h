@@ -8,12 +8,14 @@
 #include "config/parameters.h"
 #include "core/base/math.h"
 #include "core/base/pose.h"
+#include "core/base/result.h"
+#include "core/base/saturate.h"
 #include "core/base/status.h"
 #include "core/measurements/measurements.h"
 
 // The ring of lidar columns between the codec and the costmap, and the geometry that turns a column
-// into classed points of the odom frame. Does not decode packets and does not decide what a return
-// is. Section 1 of docs/algorithm.md; range to XYZ as published by the sensor's maker.
+// into points. Does not decode packets and does not decide what a return is. Sections 1 and 8 of
+// docs/algorithm.md; range to XYZ as published by the sensor's maker.
 
 namespace hardpack {
 
@@ -25,8 +27,8 @@ Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float>
                      int columns_per_revolution, float origin_to_beam_m,
                      const Transform3& sensor_from_lidar, BeamModel& model);
 
-// Sine and cosine of the encoder angle of one column: theta_e = 2 pi (1 - m / W).
-// Precondition: 0 <= measurement_id < model.columns_per_revolution.
+// Sine and cosine of the encoder angle of one column: theta_e = 2 pi (1 - m / W); from the model's
+// table. Precondition: 0 <= measurement_id < model.columns_per_revolution.
 SinCosPair EncoderSinCos(const BeamModel& model, int measurement_id);
 
 // The point of one return in the lidar's sensor frame [m].
@@ -35,30 +37,82 @@ SinCosPair EncoderSinCos(const BeamModel& model, int measurement_id);
 // and from there the metadata's lidar-to-sensor transform. Precondition: 0 <= row < model.beams.
 Vec3 PointInSensor(const BeamModel& model, SinCosPair encoder, int row, uint32_t range_mm);
 
-// One return as it lies in the ring: range, class and flags in 32 bits.
-//   bits 0-18 range [mm], 19-21 ReturnClass, 22 labelled, 23-31 zero
+// One return as it lies in the ring, in 32 bits.
+//   bits 0-18 range [mm], 19-21 ReturnClass, 22 labelled, 23-30 height above the local ground,
+//   31 the vehicle itself or out of the usable range
 class PackedReturn {
  public:
   constexpr PackedReturn() = default;
-  constexpr PackedReturn(uint32_t range_mm, ReturnClass return_class, bool labelled)
-      : bits_((range_mm & 0x7ffffu) | (static_cast<uint32_t>(return_class) << 19) |
-              (static_cast<uint32_t>(labelled) << 22)) {}
-  constexpr uint32_t range_mm() const { return bits_ & 0x7ffffu; }
-  constexpr ReturnClass return_class() const {
-    return static_cast<ReturnClass>((bits_ >> 19) & 7u);
+  // Of class kIgnored, unlabelled, its height not known. Precondition: range_mm < 2^19.
+  static constexpr PackedReturn Raw(uint32_t range_mm, bool self) {
+    PackedReturn packed;
+    packed.bits_ = (range_mm & kRangeMask) | kHeightUnknown << kHeightShift |
+                   static_cast<uint32_t>(self) << kSelfShift;
+    return packed;
   }
-  constexpr bool labelled() const { return ((bits_ >> 22) & 1u) != 0; }
+
+  constexpr uint32_t range_mm() const { return bits_ & kRangeMask; }
+  constexpr ReturnClass return_class() const {
+    return static_cast<ReturnClass>((bits_ >> kClassShift) & 7u);
+  }
+  constexpr bool labelled() const { return ((bits_ >> kLabelledShift) & 1u) != 0; }
+  constexpr bool self() const { return ((bits_ >> kSelfShift) & 1u) != 0; }
+  constexpr bool height_known() const { return HeightCode() != kHeightUnknown; }
+  // Height above the local ground [cm], in steps of 2 from kLowestHeight_cm to kHighestHeight_cm,
+  // whose ends also stand for all beyond. Precondition: height_known().
+  constexpr int32_t height_cm() const {
+    return static_cast<int32_t>(HeightCode()) * kHeightStep_cm + kLowestHeight_cm;
+  }
+
+  constexpr void SetClass(ReturnClass return_class, bool labelled) {
+    bits_ = (bits_ & ~(7u << kClassShift | 1u << kLabelledShift)) |
+            static_cast<uint32_t>(return_class) << kClassShift |
+            static_cast<uint32_t>(labelled) << kLabelledShift;
+  }
+  // Saturates.
+  constexpr void SetHeight(int32_t height_cm) {
+    // Rounds to the nearest step; the clamped difference is not negative.
+    const int32_t above_cm =
+        ClampInt(height_cm, kLowestHeight_cm, kHighestHeight_cm) - kLowestHeight_cm;
+    const auto code = static_cast<uint32_t>((above_cm + kHeightStep_cm / 2) / kHeightStep_cm);
+    bits_ = (bits_ & ~(0xffu << kHeightShift)) | (code < kHeightUnknown ? code : kHeightUnknown - 1)
+                                                     << kHeightShift;
+  }
+
+  static constexpr int32_t kHeightStep_cm = 2;
+  static constexpr int32_t kLowestHeight_cm = -100;
+  static constexpr int32_t kHighestHeight_cm = kLowestHeight_cm + 254 * kHeightStep_cm;  // 4.08 m
 
  private:
+  static constexpr uint32_t kRangeMask = 0x7ffffu;
+  static constexpr uint32_t kClassShift = 19;
+  static constexpr uint32_t kLabelledShift = 22;
+  static constexpr uint32_t kHeightShift = 23;
+  static constexpr uint32_t kSelfShift = 31;
+  static constexpr uint32_t kHeightUnknown = 255;
+
+  constexpr uint32_t HeightCode() const { return (bits_ >> kHeightShift) & 0xffu; }
+
   uint32_t bits_ = 0;
+};
+
+// The way of a column through the ring.
+enum class ColumnState : uint8_t {
+  kAbsent,   // never came, or its slot has not been used
+  kRaw,      // its returns are not classed yet
+  kClassed,  // they have their geometric class; the column is pending: it waits for labels
+  kFolded,   // it is in the map: nothing about it changes any more
 };
 
 // What is known of one column of the ring.
 struct ScanColumn {
-  uint64_t timestamp_ns = 0;
+  int64_t sequence = -1;    // of this column; -1: none
+  uint64_t time_ns = 0;     // when it was taken, our clock
+  uint32_t fold_count = 0;  // ScanRing::fold_count() when it was folded
   uint16_t frame_id = 0;
   uint16_t measurement_id = 0;
-  bool present = false;
+  ColumnState state = ColumnState::kAbsent;
+  bool labelled = false;
   Transform3 odom_from_sensor;  // pose of the sensor when the column was taken
 };
 
@@ -67,21 +121,32 @@ struct ScanCounters {
   uint32_t columns = 0;  // filed
   uint32_t duplicates = 0;
   uint32_t invalid_columns = 0;
-  uint32_t bad_columns = 0;      // off the window or the revolution, or another number of beams
-  uint32_t missing_columns = 0;  // of the window, skipped between two columns that were filed
-  uint32_t late_columns = 0;     // filed although a later one had come
+  uint32_t bad_columns = 0;       // off the window or the revolution, or another number of beams
+  uint32_t missing_columns = 0;   // of the window, skipped between two columns that were filed
+  uint32_t late_columns = 0;      // filed although a later one had come; no longer missing
+  uint32_t too_late_columns = 0;  // their revolution has left the ring: not filed
+  uint32_t revolutions = 0;       // begun, the first included
+  uint32_t incomplete_revolutions = 0;  // ended with columns missing, by the next frame id
   uint32_t restarts = 0;         // jumps in the sensor's counting: nothing is counted as missing
   uint32_t unusable_ranges = 0;  // beyond what a PackedReturn holds; filed as no return
-  uint32_t labels_without_column = 0;
+  uint32_t labels_without_column = 0;  // of another frame, or their column never came
+  uint32_t late_labels = 0;            // their column was folded before
+  uint32_t duplicate_labels = 0;
 };
 
-// The most recent revolution, column by column: a slot a measurement id, overwritten a revolution
-// later (a slot whose column went missing keeps the previous one: its frame_id tells). Owned by the
+// The most recent revolutions, column by column, from their coming until a later revolution needs
+// their slots: at least three revolutions, so that 250 ms of pending columns fit at 10 and (with
+// 1024 columns) at 20 revolutions a second. A column is named by its sequence number: turn x
+// columns
+// + measurement id, where turn counts revolutions from the first on and does not wrap. Owned by the
 // caller; at most 2 MiB.
 class ScanRing {
  public:
-  static constexpr int kCapacityReturns = 131072;
-  // A frame counter that jumps further ahead is a restart of the sensor, not a loss.
+  static constexpr int kCapacityReturns = 131072;  // rows x columns of one revolution
+  static constexpr int kMaxColumns = 6144;
+  static constexpr int kMaxReturns = 393216;
+  // A frame counter that jumps further ahead, or further back than the ring reaches, is a restart
+  // of the sensor, not a loss.
   static constexpr int kMaxFrameGap = 100;
 
   // Empties the ring and its counters. The window is the range of measurement ids that the sensor
@@ -94,17 +159,54 @@ class ScanRing {
     return Configure(beams, columns_per_revolution, 0, columns_per_revolution - 1);
   }
 
-  // Files one column with the pose of its time; every return is unlabelled and has class kIgnored
-  // where there is none, else `unlabelled_class`.
-  // kColumnInvalid, kBadColumn, kDuplicate (same frame, measurement id and time stamp): counted,
-  // not filed. kNotFinite: the pose; kNotStarted: Configure has not succeeded.
-  // Cost: one pass over the rows, at most kMaxBeams.
-  Status Push(const LidarColumn& column, const Transform3& odom_from_sensor,
-              ReturnClass unlabelled_class);
+  // Forgets all columns but keeps the counters: the sensor has restarted.
+  void Restart();
 
-  // Sets the classes of a column that is in the ring; where there is no return the class stays
-  // kIgnored. kBadColumn, and counted, when it is not; kInvalidArgument: a class that is none.
-  Status Label(const ColumnLabels& labels);
+  // The sensor has fallen silent: the revolution ends, and what its window still lacks is missing
+  // (columns of it that come all the same are late). Nothing when it has ended already.
+  void EndRevolution();
+
+  // The sequence number that a column has or would have, without filing it. kNotStarted;
+  // kBadColumn: off the window or the revolution; kLate: its revolution is older than the ring
+  // reaches; kSensorRestarted: its frame id is no successor of the last one's; Restart() first.
+  Result<int64_t> SequenceOf(uint16_t frame_id, uint16_t measurement_id) const;
+
+  // Files one column with its time and the sensor's pose then, as kRaw; what is in its slot from an
+  // earlier revolution is gone. A return is that of the nearer of the beam's returns. `self`: for
+  // each row whether it is the vehicle itself or outside the usable range; [beams].
+  // kColumnInvalid, kBadColumn, kDuplicate (the column is in the ring), kLate, kSensorRestarted:
+  // counted, not filed. kNotFinite: the pose; kNotStarted: Configure has not succeeded;
+  // kInvalidArgument: self of another size.
+  // Cost: one pass over the rows, at most kMaxBeams.
+  Status Push(const LidarColumn& column, uint64_t time_ns, const Transform3& odom_from_sensor,
+              std::span<const uint8_t> self);
+
+  // Whether a column can still take labels: kOk; else counted: kBadColumn: it is not in the ring;
+  // kLate: it is folded; kDuplicate: it has its labels. Sets `sequence` in all but kBadColumn.
+  Status FindForLabels(uint16_t frame_id, uint16_t measurement_id, int64_t& sequence);
+
+  // Whether the column is in the ring.
+  bool Holds(int64_t sequence) const;
+  // Where a sequence number lies; any number that is not negative has a slot.
+  int SlotOf(int64_t sequence) const;
+  // Of the column that is the furthest on; -1 before the first.
+  int64_t newest_sequence() const { return newest_sequence_; }
+  int slots() const { return slots_; }
+
+  // Preconditions: 0 <= slot < slots() and 0 <= row < beams().
+  const ScanColumn& column(int slot) const;
+  PackedReturn at(int slot, int row) const;
+  void Set(int slot, int row, PackedReturn packed);
+  // kRaw -> kClassed -> kFolded, never back. Preconditions: the column is there, and in the state
+  // before.
+  void MarkClassed(int slot);
+  void MarkLabelled(int slot);
+  void MarkFolded(int slot);
+  // Columns folded since Configure.
+  uint32_t fold_count() const { return fold_count_; }
+
+  // Raises the poses of all columns by dz_m: the odometry's height has jumped. Cost: kMaxColumns.
+  void ShiftHeights(float dz_m);
 
   // Columns in the sensor's window, and whether a measurement id is one of them.
   int window_columns() const;
@@ -114,24 +216,19 @@ class ScanRing {
   int columns() const { return columns_; }
   const ScanCounters& counters() const { return counters_; }
 
-  // Precondition: 0 <= slot < columns() and 0 <= row < beams(). slot = measurement id.
-  const ScanColumn& column(int slot) const;
-  PackedReturn at(int slot, int row) const;
-
  private:
   int WindowPosition(int measurement_id) const;
-  void CountSequence(const LidarColumn& column, int position);
 
   int32_t beams_ = 0;
   int32_t columns_ = 0;
+  int32_t slots_ = 0;  // whole revolutions x columns_
   int32_t window_first_ = 0;
   int32_t window_last_ = 0;
-  bool any_ = false;
-  uint16_t last_frame_id_ = 0;
-  int32_t last_position_ = 0;
+  int64_t newest_sequence_ = -1;
+  uint32_t fold_count_ = 0;
   ScanCounters counters_;
-  ScanColumn info_[kMaxColumnsPerRevolution] = {};
-  PackedReturn returns_[kCapacityReturns] = {};  // [columns x beams], row-major
+  ScanColumn info_[kMaxColumns] = {};
+  PackedReturn returns_[kMaxReturns] = {};  // [slots x beams], row-major
 };
 static_assert(sizeof(ScanRing) <= 2 * 1024 * 1024);
 static_assert(std::is_trivially_copyable_v<ScanRing>);

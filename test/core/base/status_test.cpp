@@ -27,9 +27,9 @@ TEST(Status, HasOneNameForEachCode) {
     }
     for (const char letter : name) EXPECT_TRUE(std::islower(letter) || letter == '_') << name;
   }
-  EXPECT_EQ(named_usable - 1, static_cast<int>(Status::kLimitExceeded));
+  EXPECT_EQ(named_usable - 1, static_cast<int>(Status::kClockJumped));
   EXPECT_EQ(named_failures - 1,
-            static_cast<int>(Status::kDuplicate) - static_cast<int>(Status::kFirstFailure));
+            static_cast<int>(Status::kNoPose) - static_cast<int>(Status::kFirstFailure));
 }
 
 TEST(Status, DividesOutcomesWithAndWithoutAResult) {

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "config/parameters.h"
+#include "core/base/status.h"
+#include "core/costmap/costmap.h"
+#include "core/costmap/height_grid.h"
+#include "core/measurements/measurements.h"
+#include "core/scan/pose_history.h"
+#include "core/scan/scan.h"
+#include "core/segmentation/label_table.h"
+#include "core/segmentation/segmentation.h"
+
+// The perception half of the chain: lidar columns, poses and labels in, heights out
+// (docs/algorithm.md sections 1 and 8). Joins core/scan, core/segmentation and core/costmap; owns
+// the ring of columns, the pose history and the height grid. It does not decode and does not plan.
+//
+//   AddColumn   pose of its time -> ring (raw) -> directions complete? -> class, local ground,
+//               observed ground into the grid, ageing by what the direction saw -> (classed)
+//   AddLabels   classes by label -> into the grid
+//   Advance     the deadline is over: into the grid with the geometric class
+//
+// A column is folded into the grid once: minima and maxima cannot be undone. Until then it is
+// pending, and MarkPending puts its obstacles into every build. With use_labels 0 it is folded as
+// soon as it is classed. All times are of our clock.
+
+namespace hardpack {
+
+struct MapperCounters {
+  uint32_t columns_without_pose = 0;   // not filed
+  uint32_t folded_with_labels = 0;     // columns
+  uint32_t folded_without_labels = 0;  // by deadline, or because labels are not used
+  uint32_t folded_early = 0;  // their slot was needed: the ring is too small for the deadline
+  uint32_t late_unclassed_columns = 0;  // came after their direction was classed: hard as a whole
+  uint32_t returns_off_map = 0;
+  uint32_t overhead_returns = 0;  // above the clearance height: not filed
+  uint32_t height_jumps = 0;
+  uint32_t position_jumps = 0;
+  uint32_t sensor_restarts = 0;
+};
+
+class Mapper {
+ public:
+  // A sensor that sends nothing for so long has ended its revolution.
+  static constexpr int64_t kSilence_ns = 50'000'000;
+  // Steps of the odometry that are no jump, whatever the time between two poses.
+  static constexpr float kMaxClimb_mps = 3.0f;
+  static constexpr float kMaxSpeed_mps = 15.0f;
+  // Ground under the vehicle, which stands on it.
+  static constexpr float kStandingRadius_m = 0.7f;
+  // Columns folded by one Advance at most: more than come in 10 ms from any sensor.
+  static constexpr int kMaxFolds = 256;
+  // Directions classed by one AddColumn at most: those that wait when a column ends a gap.
+  static constexpr int kMaxDirections = kMaxColumnShift + Segmenter::kLag + 2;
+
+  // Sets everything up for one sensor and empties the map. kParameterOutOfRange (mount,
+  // segmentation, mapping or costmap); kInvalidArgument: label table, an empty model or a window
+  // that is not the sensor's; kCapacityExceeded: the ring. On failure the mapper takes nothing.
+  // Cost: the grid and the ring cleared.
+  Status Configure(const PerceptionParams& params, const CostmapParams& rule,
+                   const LabelTable& table, const BeamModel& model, int window_first,
+                   int window_last);
+
+  // A pose of the odometry, in order of time. The first one centres the map, and the ground around
+  // it is taken as observed (start_ground_radius_m); each later one moves the window. A step of its
+  // height beyond height_jump_m (and kMaxClimb_mps) is a jump: the map, the pending columns and the
+  // history are told in the new heights, and nothing is lost. A step of its position beyond
+  // position_jump_m (and kMaxSpeed_mps) empties the map. The statuses of PoseHistory::Add;
+  // kNotStarted. Cost: cells that come into the window; with a jump, the grid or the ring.
+  Status AddPose(const StampedPose& pose);
+
+  // A column of the lidar, taken at time_ns. The statuses of ScanRing::Push; kNoPose, counted;
+  // kSensorRestarted: the sensor counts anew, and columns are refused until Advance has folded what
+  // is pending. Cost: one column filed; as a rule one direction classed and one column folded, at
+  // most kMaxDirections of each.
+  Status AddColumn(const LidarColumn& column, uint64_t time_ns);
+
+  // The labels of one column. kOk: it is folded, or will be as soon as it is classed; the statuses
+  // of ScanRing::FindForLabels; kInvalidArgument: another number of beams; kNotStarted.
+  // Cost: one column.
+  Status AddLabels(const ColumnLabels& labels);
+
+  // Once a tick, after what came in it: folds what has waited for its labels for too long, the
+  // oldest first, and ends the revolution of a sensor that is silent. Cost: at most kMaxFolds
+  // columns and kMaxDirections directions.
+  void Advance(uint64_t now_ns);
+
+  // The end of a recording: classes and folds everything. Not for on board: its cost is the ring.
+  void Finish();
+
+  // What a build begins with: MarkPending then adds what was not folded when it began.
+  uint32_t fold_count() const { return ring_.fold_count(); }
+
+  // Marks the obstacles of one column that is pending, or was folded after fold_count() had been
+  // `since`, in a builder whose cells are classed. slot: 0 .. ring().slots() - 1. Cost: one column.
+  void MarkPending(int slot, uint32_t since, CostmapBuilder& builder) const;
+
+  bool started() const { return configured_; }
+  const HeightGrid& heights() const { return heights_; }
+  const ScanRing& ring() const { return ring_; }
+  const PoseHistory& poses() const { return poses_; }
+  const BeamModel& model() const { return model_; }
+  const MapperCounters& counters() const { return counters_; }
+
+ private:
+  bool configured_ = false;
+  bool restarting_ = false;
+  PerceptionParams params_;
+  LabelTable table_;
+  MapperCounters counters_;
+  BeamModel model_;
+  PoseHistory poses_;
+  Segmenter segmenter_;
+  DirectionView view_;
+  SightFan fan_;
+  ScanRing ring_;
+  HeightGrid heights_;
+};
+static_assert(std::is_trivially_copyable_v<Mapper>);
+
+}  // namespace hardpack

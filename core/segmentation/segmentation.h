@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+#include "config/parameters.h"
+#include "core/base/status.h"
+#include "core/measurements/measurements.h"
+
+// What each return is by geometry alone, direction by direction as the lidar turns: the class until
+// a label comes, and the class for good where no segmentation computer is (docs/algorithm.md
+// sections 1 and 8). And the local ground surface: how high the ground is under each return, and
+// between which of them it was observed. Causal: a direction is classed as soon as its kLag
+// successors have come. It never says person, and when in doubt it says hard.
+//
+// One direction is a column of the range image with the beams' azimuth offsets taken out: all beams
+// that looked the same way, from the lowest to the highest.
+//
+// Ground line. From the vehicle outward, a return belongs to the ground when the way to it from the
+// last ground return rises by no more than max_ground_slope ... (the .cpp says the rest).
+// Observed ground: the stretch between two consecutive ground returns of one direction, if their
+// level distance is at most bridge_factor R^2 da / h (R level distance of the nearer, da the angle
+// between the nearer's beam and the next higher one, h the sensor's height above the nearer: the
+// spacing of rings on flat ground) and its slope at most bridge_max_slope. Larger gaps stay
+// unknown, so that a ditch does.
+
+namespace hardpack {
+
+// One direction as it goes in; beams from the lowest to the highest.
+struct DirectionView {
+  int32_t beams = 0;
+  bool seen[kMaxBeams] = {};      // a usable return: in range, and not the vehicle itself
+  float level_m[kMaxBeams] = {};  // level distance from the sensor; only where seen
+  // Height above the place where the vehicle stands (its body frame's origin, along odom's z).
+  float height_m[kMaxBeams] = {};
+  float range_m[kMaxBeams] = {};
+  // Rise of the beams over level distance as they point now (tangent of the elevation), ascending;
+  // of all beams, whether they saw something or not.
+  float slope[kMaxBeams] = {};
+  float sensor_height_m = 0.0f;  // of the sensor above the same place
+};
+
+// One direction as it comes out, for the same beams.
+struct DirectionClasses {
+  int32_t beams = 0;
+  ReturnClass what[kMaxBeams] = {};      // kIgnored where nothing was seen
+  bool ground_known[kMaxBeams] = {};     // false: no ground return near enough to tell
+  float above_ground_m[kMaxBeams] = {};  // height above the local ground surface, where known
+  // For ground returns: the beam of the next nearer ground return up to which the ground between
+  // them counts as observed; -1 where it does not, or there is none.
+  int16_t observed_from[kMaxBeams] = {};
+};
+
+class Segmenter {
+ public:
+  // Directions after one that must have come before it can be classed, and as many before it that
+  // are looked at. A sector of the 128 columns is never waited for.
+  static constexpr int kLag = 2;
+
+  // kInvalidArgument: beams not 1 .. kMaxBeams; kParameterOutOfRange. Then the segmenter takes
+  // nothing (Push gives kNotStarted). Forgets all directions.
+  Status Configure(const SegmentationParams& params, int beams);
+
+  // Forgets the directions before: the next one is not their neighbour.
+  void Restart();
+
+  // Takes the next direction; a missing one is pushed with nothing seen, so that neighbours stay
+  // neighbours. kInvalidArgument: another number of beams; kNotFinite: a number of a return that is
+  // seen; kNotStarted. Then the direction counts as one with nothing seen. Cost: constant, at most
+  // ... times the beams.
+  Status Push(const DirectionView& view);
+
+  // True when the direction kLag before the last one has come since Configure or Restart.
+  bool ready() const { return pushed_ > kLag; }
+
+  // The classes of the direction pushed kLag before the last one. Precondition: ready().
+  const DirectionClasses& result() const { return result_; }
+
+ private:
+  bool configured_ = false;
+  int32_t pushed_ = 0;  // since Restart, saturates beyond kLag
+  SegmentationParams params_;
+  DirectionClasses result_;
+};
+static_assert(std::is_trivially_copyable_v<Segmenter>);
+
+}  // namespace hardpack
