@@ -106,16 +106,57 @@ class Mapper {
   const MapperCounters& counters() const { return counters_; }
 
  private:
+  // A direction on its way through the segmenter; beams from the lowest to the highest.
+  struct Direction {
+    int64_t sequence = -1;
+    Vec3 point_odom[kMaxBeams] = {};  // of the returns that were seen
+    SightFan fan;
+  };
+
+  void JudgeStep(const StampedPose& before, const StampedPose& pose);
+  void FoldOccupant(int64_t sequence);
+  void MarkSelf(const LidarColumn& column);
+  void StartDirections();
+  void EndDirections();
+  void BeginRestart();
+  void ClassDirections(int64_t sequence, int64_t newest);
+  void ClassUpTo(int64_t last);
+  void ClassAsHard(int slot, int64_t classed);
+  void FinishColumn(int slot);
+  Direction& DirectionOf(int64_t sequence);
+  void LookAlong(int64_t sequence);
+  void LookWithBeam(int64_t sequence, int beam, const Transform3& pose, const Vec3& sensor,
+                    Direction& direction);
+  void UseClasses();
+  void ClassReturn(int64_t sequence, int beam, const DirectionClasses& classes);
+  ReturnClass FiledClass(PackedReturn packed) const;
+  bool IsOverhead(PackedReturn packed) const;
+  uint32_t RevolutionOf(int64_t sequence) const;
+  Vec3 PointOdom(const ScanColumn& column, int row, PackedReturn packed) const;
+  void Fold(int slot);
+  bool FoldPending(uint64_t now_ns, uint64_t deadline_ns);
+  uint8_t PendingFlags(PackedReturn packed) const;
+
   bool configured_ = false;
-  bool restarting_ = false;
+  bool restarting_ = false;  // the sensor has; what is pending is being folded
+  bool silent_ = true;
+  int64_t next_direction_ = -1;  // to be looked along; -1: the next column says
+  int64_t fold_next_ = -1;       // no column before it is pending; -1: none has come
+  uint64_t newest_time_ns_ = 0;  // of all columns
+  float self_reach_m_ = 0.0f;
+  float obstacle_height_m_ = 0.0f;
+  int32_t clearance_cm_ = 0;
+  Transform3 body_from_sensor_;
+  Vec3 body_origin_sensor_;
   PerceptionParams params_;
   LabelTable table_;
   MapperCounters counters_;
+  uint8_t self_[kMaxBeams] = {};
+  DirectionView view_;
+  Direction directions_[Segmenter::kLag + 1];  // by sequence, modulo
   BeamModel model_;
   PoseHistory poses_;
   Segmenter segmenter_;
-  DirectionView view_;
-  SightFan fan_;
   ScanRing ring_;
   HeightGrid heights_;
 };

@@ -42,10 +42,10 @@ constexpr LabelTable RellisLabelTable() {
 // kInvalidArgument: an entry that is no ReturnClass. Cost: kLabelCodes.
 Status CheckLabelTable(const LabelTable& table);
 
-// The class that a labelled return is filed with: the table's, except that what is said to be
-// ground although it stands more than obstacle_height_m above the local ground (height_m) is hard.
-// Where the ground is not known the label stands.
-ReturnClass ClassFromLabel(const LabelTable& table, uint8_t code, float height_m, bool ground_known,
-                           float obstacle_height_m);
+// The class that a labelled return is filed with: what its label says, except that what is said to
+// be ground although it stands more than obstacle_height_m above the local ground (height_m) is
+// hard. Where the ground is not known the label stands.
+ReturnClass CheckedLabel(ReturnClass said, float height_m, bool ground_known,
+                         float obstacle_height_m);
 
 }  // namespace hardpack

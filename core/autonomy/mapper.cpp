@@ -1,0 +1,514 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/autonomy/mapper.h"
+
+#include "config/validate.h"
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
+#include "core/base/saturate.h"
+
+namespace hardpack {
+namespace {
+
+constexpr float kCentimetersPerMeter = 100.0f;
+constexpr float kMillimetersPerMeter = 1000.0f;
+constexpr float kSecondsPerNanosecond = 1.0e-9f;
+
+int32_t InCentimeters(float height_m) {
+  return RoundToInt(height_m * kCentimetersPerMeter);
+}
+
+float SecondsBetween(uint64_t earlier_ns, uint64_t later_ns) {
+  return static_cast<float>(later_ns - earlier_ns) * kSecondsPerNanosecond;
+}
+
+// Where the body frame's origin lies in the sensor frame.
+Vec3 BodyOriginInSensor(const Transform3& body_from_sensor) {
+  const float* r = body_from_sensor.rotation;
+  const Vec3& t = body_from_sensor.translation;
+  return {-(r[0] * t.x_m + r[3] * t.y_m + r[6] * t.z_m),
+          -(r[1] * t.x_m + r[4] * t.y_m + r[7] * t.z_m),
+          -(r[2] * t.x_m + r[5] * t.y_m + r[8] * t.z_m)};
+}
+
+float Length(const Vec3& v) {
+  return Sqrt(v.x_m * v.x_m + v.y_m * v.y_m + v.z_m * v.z_m);
+}
+
+// Beyond this range no return is the vehicle itself: one inside the box's outline would have to lie
+// more than 60 degrees below the level.
+float SelfReach(const LidarMountParams& mount) {
+  const Vec3 corner = {Max(Abs(mount.self_min_x_m), Abs(mount.self_max_x_m)),
+                       mount.self_max_abs_y_m, 0.0f};
+  return 2.0f * (Length(corner) + Length({mount.x_m, mount.y_m, 0.0f})) + mount.self_max_z_m +
+         mount.z_m;
+}
+
+bool Awaits(ColumnState state) {
+  return state == ColumnState::kRaw || state == ColumnState::kClassed;
+}
+
+}  // namespace
+
+Status Mapper::Configure(const PerceptionParams& params, const CostmapParams& rule,
+                         const LabelTable& table, const BeamModel& model, int window_first,
+                         int window_last) {
+  configured_ = false;
+  if (FirstInvalidParameter(params) != nullptr || CheckCostmapParams(rule) != Status::kOk) {
+    return Status::kParameterOutOfRange;
+  }
+  Status status = CheckLabelTable(table);
+  if (!IsUsable(status)) return status;
+  status = ring_.Configure(model.beams, model.columns_per_revolution, window_first, window_last);
+  if (!IsUsable(status)) return status;
+  status = segmenter_.Configure(params.segmentation, model.beams);
+  if (!IsUsable(status)) return status;
+  params_ = params;
+  table_ = table;
+  model_ = model;
+  body_from_sensor_ = BodyFromSensor(params.mount);
+  body_origin_sensor_ = BodyOriginInSensor(body_from_sensor_);
+  self_reach_m_ = SelfReach(params.mount);
+  obstacle_height_m_ = rule.obstacle_height_m;
+  // The paper's rule knows no overhead.
+  clearance_cm_ = rule.obstacle_rule == ObstacleRule::kInCell
+                      ? INT32_MAX
+                      : InCentimeters(rule.clearance_height_m);
+  counters_ = MapperCounters{};
+  poses_.Clear();
+  restarting_ = false;
+  StartDirections();
+  fold_next_ = -1;
+  configured_ = true;
+  return heights_.Reset({});
+}
+
+// The next column begins a stretch of directions of its own.
+void Mapper::StartDirections() {
+  next_direction_ = -1;
+  segmenter_.Restart();
+}
+
+Status Mapper::AddPose(const StampedPose& pose) {
+  if (!configured_) return Status::kNotStarted;
+  const bool first = poses_.size() == 0;
+  if (!first) JudgeStep(poses_.newest(), pose);
+  const bool emptied = !first && poses_.size() == 0;
+  if (const Status status = poses_.Add(pose); !IsUsable(status)) return status;
+  const Vec2 place = {pose.position.x_m, pose.position.y_m};
+  if (first || emptied) {
+    const Status reset = heights_.Reset(place);
+    const Status assumed =
+        heights_.AssumeGround(pose.position, first ? params_.mapping.start_ground_radius_m : 0.0f);
+    if (!IsUsable(reset) || !IsUsable(assumed)) return Status::kNotFinite;
+  }
+  const Status moved = heights_.Recenter(place);
+  const Status stands = heights_.AssumeGround(pose.position, kStandingRadius_m);
+  return IsUsable(moved) ? stands : moved;
+}
+
+// What a step of the odometry means for what was measured before it; a pose that PoseHistory will
+// refuse means nothing.
+void Mapper::JudgeStep(const StampedPose& before, const StampedPose& pose) {
+  const Vec3 step = {pose.position.x_m - before.position.x_m,
+                     pose.position.y_m - before.position.y_m,
+                     pose.position.z_m - before.position.z_m};
+  if (pose.time_ns <= before.time_ns || !PoseHistory::Takes(pose)) return;
+  const float elapsed_s = SecondsBetween(before.time_ns, pose.time_ns);
+  const MappingParams& limits = params_.mapping;
+  if (Length({step.x_m, step.y_m, 0.0f}) > limits.position_jump_m + kMaxSpeed_mps * elapsed_s) {
+    ++counters_.position_jumps;
+    poses_.Clear();
+    ring_.Restart();
+    StartDirections();
+    fold_next_ = -1;
+    return;
+  }
+  if (Abs(step.z_m) <= limits.height_jump_m + kMaxClimb_mps * elapsed_s) return;
+  if (!IsUsable(heights_.ShiftHeights(step.z_m))) return;
+  ++counters_.height_jumps;
+  poses_.ShiftHeights(step.z_m);
+  ring_.ShiftHeights(step.z_m);
+  HP_LOOP_BOUND(Segmenter::kLag + 1)
+  for (Direction& direction : directions_) {
+    direction.fan.sensor_odom.z_m += step.z_m;
+    HP_LOOP_BOUND(kMaxBeams)
+    for (Vec3& point : direction.point_odom) point.z_m += step.z_m;
+  }
+}
+
+Status Mapper::AddColumn(const LidarColumn& column, uint64_t time_ns) {
+  if (!configured_) return Status::kNotStarted;
+  if (restarting_) return Status::kSensorRestarted;
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int row = 0; row < model_.beams; ++row) self_[row] = 0;
+  const std::span<const uint8_t> self(self_, static_cast<size_t>(model_.beams));
+  const Result<int64_t> sequence = ring_.SequenceOf(column.frame_id, column.measurement_id);
+  if (!column.valid || column.beams != model_.beams || !sequence.ok()) {
+    // The ring has a name for it, and counts it.
+    const Status refused = ring_.Push(column, time_ns, Transform3{}, self);
+    if (refused == Status::kSensorRestarted) BeginRestart();
+    return refused;
+  }
+  StampedPose pose;
+  if (const Status known = poses_.At(time_ns, pose); !IsUsable(known)) {
+    ++counters_.columns_without_pose;
+    return known;
+  }
+  FoldOccupant(sequence.value());
+  MarkSelf(column);
+  const int64_t newest = ring_.newest_sequence();
+  const Status filed = ring_.Push(column, time_ns, TransformFrom(pose) * body_from_sensor_, self);
+  if (!IsUsable(filed)) return filed;
+  silent_ = false;
+  if (time_ns > newest_time_ns_) newest_time_ns_ = time_ns;
+  if (fold_next_ < 0 || sequence.value() < fold_next_) fold_next_ = sequence.value();
+  ClassDirections(sequence.value(), newest);
+  return Status::kOk;
+}
+
+// A slot is needed again before its column has been folded: only where the ring holds less than the
+// deadline.
+void Mapper::FoldOccupant(int64_t sequence) {
+  const int slot = ring_.SlotOf(sequence);
+  const ScanColumn& occupant = ring_.column(slot);
+  if (occupant.sequence == sequence || !Awaits(occupant.state)) return;
+  if (occupant.state == ColumnState::kRaw) ClassAsHard(slot, ring_.column(slot).sequence + 1);
+  ++counters_.folded_early;
+  Fold(slot);
+}
+
+void Mapper::MarkSelf(const LidarColumn& column) {
+  const SinCosPair encoder = EncoderSinCos(model_, column.measurement_id);
+  const LidarMountParams& mount = params_.mount;
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int row = 0; row < model_.beams; ++row) {
+    const uint32_t range_mm = NearestRange(column, row);
+    const float range_m = static_cast<float>(range_mm) / kMillimetersPerMeter;
+    bool self = range_m < mount.min_range_m || range_m > mount.max_range_m;
+    if (!self && range_m <= self_reach_m_) {
+      const Vec3 point = PointInSensor(model_, encoder, row, range_mm);
+      self = IsSelfReturn(mount, body_from_sensor_.Apply(point), range_m);
+    }
+    self_[row] = static_cast<uint8_t>(self);
+  }
+}
+
+// Classes every direction that the column has made complete. newest: the furthest column before it.
+void Mapper::ClassDirections(int64_t sequence, int64_t newest) {
+  if (sequence <= newest && next_direction_ >= 0) {
+    // It came late: directions that it belongs to may have been classed without it.
+    const int64_t classed = next_direction_ - Segmenter::kLag;
+    ClassAsHard(ring_.SlotOf(sequence), classed);
+    return;
+  }
+  const bool gap =
+      next_direction_ >= 0 && sequence - newest > model_.max_column_shift + Segmenter::kLag;
+  if (gap) {
+    ClassUpTo(newest + Segmenter::kLag);
+    StartDirections();
+  }
+  if (next_direction_ < 0) next_direction_ = sequence - model_.max_column_shift;
+  ClassUpTo(sequence - model_.max_column_shift);
+}
+
+void Mapper::ClassUpTo(int64_t last) {
+  HP_LOOP_BOUND(kMaxDirections)
+  for (; next_direction_ <= last; ++next_direction_) {
+    LookAlong(next_direction_);
+    if (segmenter_.ready()) UseClasses();
+  }
+}
+
+// Rows of a column whose directions lie before `classed`, and so have been classed without them,
+// are hard: when in doubt. With all its rows classed the column is.
+void Mapper::ClassAsHard(int slot, int64_t classed) {
+  const ScanColumn& column = ring_.column(slot);
+  if (column.state != ColumnState::kRaw) return;
+  bool any = false;
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int row = 0; row < model_.beams; ++row) {
+    PackedReturn packed = ring_.at(slot, row);
+    if (packed.range_mm() == 0 || packed.self()) continue;
+    if (column.sequence - model_.column_shift[row] >= classed) continue;
+    any = true;
+    if (packed.labelled()) continue;
+    packed.SetClass(ReturnClass::kHard, false);
+    ring_.Set(slot, row, packed);
+  }
+  if (any) ++counters_.late_unclassed_columns;
+  if (column.sequence < classed) FinishColumn(slot);
+}
+
+void Mapper::FinishColumn(int slot) {
+  if (ring_.column(slot).state != ColumnState::kRaw) return;
+  ring_.MarkClassed(slot);
+  if (params_.mapping.use_labels == 0 || ring_.column(slot).labelled) Fold(slot);
+}
+
+Mapper::Direction& Mapper::DirectionOf(int64_t sequence) {
+  return directions_[sequence % (Segmenter::kLag + 1)];
+}
+
+// Makes the view of one direction from the columns that its beams were fired in, and hands it to
+// the segmenter.
+void Mapper::LookAlong(int64_t sequence) {
+  Direction& direction = DirectionOf(sequence);
+  direction.sequence = sequence;
+  const int64_t own = ring_.Holds(sequence) ? sequence : ring_.newest_sequence();
+  const Transform3& pose = ring_.column(ring_.SlotOf(own)).odom_from_sensor;
+  const Vec3 sensor = pose.Apply(model_.sensor_from_lidar.translation);
+  const float ground_m = pose.Apply(body_origin_sensor_).z_m;
+  SightFan& fan = direction.fan;
+  fan.sensor_odom = sensor;
+  fan.beams = model_.beams;
+  view_.beams = model_.beams;
+  view_.sensor_height_m = sensor.z_m - ground_m;
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int beam = 0; beam < model_.beams; ++beam) {
+    LookWithBeam(sequence, beam, pose, sensor, direction);
+    const Vec3& point = direction.point_odom[beam];
+    view_.height_m[beam] = point.z_m - ground_m;
+    view_.slope[beam] = fan.slope[beam];
+    view_.level_m[beam] = fan.level_m[beam];
+    fan.lowest_slope = beam == 0 ? fan.slope[0] : Min(fan.lowest_slope, fan.slope[beam]);
+    fan.highest_slope = beam == 0 ? fan.slope[0] : Max(fan.highest_slope, fan.slope[beam]);
+  }
+  // A view that is refused counts as one with nothing seen.
+  static_cast<void>(segmenter_.Push(view_));
+}
+
+// One beam: where its return lies, or where it points if there is none.
+void Mapper::LookWithBeam(int64_t sequence, int beam, const Transform3& pose, const Vec3& sensor,
+                          Direction& direction) {
+  constexpr uint32_t kSomewhere_mm = 10000;
+  const int row = model_.by_altitude[beam];
+  const int64_t measured = sequence + model_.column_shift[row];
+  const int slot = ring_.SlotOf(measured);
+  const bool held = ring_.Holds(measured);
+  const PackedReturn packed = held ? ring_.at(slot, row) : PackedReturn();
+  const bool seen = packed.range_mm() != 0 && !packed.self();
+  const Transform3& from = held ? ring_.column(slot).odom_from_sensor : pose;
+  const auto measurement_id = static_cast<int>(measured % model_.columns_per_revolution);
+  const Vec3 point = from.Apply(PointInSensor(model_, EncoderSinCos(model_, measurement_id), row,
+                                              seen ? packed.range_mm() : kSomewhere_mm));
+  const float dx_m = point.x_m - sensor.x_m;
+  const float dy_m = point.y_m - sensor.y_m;
+  const float level_m = Sqrt(dx_m * dx_m + dy_m * dy_m);
+  constexpr float kLeast_m = 0.001f;
+  const float divisor_m = Max(level_m, kLeast_m);
+  direction.point_odom[beam] = point;
+  direction.fan.level_m[beam] = seen ? level_m : 0.0f;
+  direction.fan.slope[beam] = (point.z_m - sensor.z_m) / divisor_m;
+  if (beam == model_.beams / 2) {
+    direction.fan.direction_odom = {dx_m / divisor_m, dy_m / divisor_m};
+  }
+  view_.seen[beam] = seen;
+  view_.range_m[beam] = static_cast<float>(packed.range_mm()) / kMillimetersPerMeter;
+}
+
+// The segmenter's result: classes and heights into the ring, observed ground and what the beams saw
+// into the grid. The column at the direction's own angle is then classed as a whole: its other rows
+// belong to directions before.
+void Mapper::UseClasses() {
+  const Direction& direction = DirectionOf(next_direction_ - Segmenter::kLag);
+  const DirectionClasses& classes = segmenter_.result();
+  const auto revolution = RevolutionOf(direction.sequence);
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int beam = 0; beam < model_.beams; ++beam) {
+    ClassReturn(direction.sequence, beam, classes);
+    if (classes.what[beam] != ReturnClass::kGround) continue;
+    const Vec3& point = direction.point_odom[beam];
+    if (!IsUsable(heights_.Insert(point, ReturnClass::kGround, revolution))) {
+      ++counters_.returns_off_map;
+    }
+    const int from = classes.observed_from[beam];
+    // A bridge that is too long to be filed leaves its ground unknown.
+    if (from >= 0) static_cast<void>(heights_.BridgeGround(direction.point_odom[from], point));
+  }
+  // A fan off the map, or one that is not finite, ages nothing.
+  static_cast<void>(heights_.Age(direction.fan, revolution, params_.mapping.ageing_revolutions));
+  if (ring_.Holds(direction.sequence)) FinishColumn(ring_.SlotOf(direction.sequence));
+}
+
+// A label that came before its return was classed is held against the ground now.
+void Mapper::ClassReturn(int64_t sequence, int beam, const DirectionClasses& classes) {
+  const int row = model_.by_altitude[beam];
+  const int64_t measured = sequence + model_.column_shift[row];
+  if (!ring_.Holds(measured)) return;
+  const int slot = ring_.SlotOf(measured);
+  if (ring_.column(slot).state != ColumnState::kRaw) return;
+  PackedReturn packed = ring_.at(slot, row);
+  if (packed.range_mm() == 0 || packed.self()) return;
+  const bool known = classes.ground_known[beam];
+  const float height_m = classes.above_ground_m[beam];
+  if (known) packed.SetHeight(InCentimeters(height_m));
+  if (packed.labelled()) {
+    packed.SetClass(CheckedLabel(packed.return_class(), height_m, known, obstacle_height_m_), true);
+  } else {
+    packed.SetClass(classes.what[beam], false);
+  }
+  ring_.Set(slot, row, packed);
+}
+
+Status Mapper::AddLabels(const ColumnLabels& labels) {
+  if (!configured_) return Status::kNotStarted;
+  if (labels.beams != model_.beams) return Status::kInvalidArgument;
+  int64_t sequence = -1;
+  const Status found = ring_.FindForLabels(labels.frame_id, labels.measurement_id, sequence);
+  if (!IsUsable(found)) return found;
+  const int slot = ring_.SlotOf(sequence);
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int row = 0; row < model_.beams; ++row) {
+    PackedReturn packed = ring_.at(slot, row);
+    if (packed.range_mm() == 0) continue;
+    const bool known = packed.height_known();
+    const float height_m =
+        known ? static_cast<float>(packed.height_cm()) / kCentimetersPerMeter : 0.0f;
+    const ReturnClass said = table_.class_of[labels.label[row]];
+    packed.SetClass(CheckedLabel(said, height_m, known, obstacle_height_m_), true);
+    ring_.Set(slot, row, packed);
+  }
+  ring_.MarkLabelled(slot);
+  if (ring_.column(slot).state == ColumnState::kClassed) Fold(slot);
+  return Status::kOk;
+}
+
+// What a return is filed as: nothing (kIgnored) for the vehicle itself, what hangs over the way,
+// and ground that was filed when it was classed. A person is filed wherever the label finds one.
+ReturnClass Mapper::FiledClass(PackedReturn packed) const {
+  const ReturnClass what = packed.return_class();
+  if (packed.range_mm() == 0) return ReturnClass::kIgnored;
+  if (packed.self() && what != ReturnClass::kPerson) return ReturnClass::kIgnored;
+  if (what == ReturnClass::kGround && !packed.labelled()) return ReturnClass::kIgnored;
+  return what;
+}
+
+bool Mapper::IsOverhead(PackedReturn packed) const {
+  return packed.height_known() && packed.height_cm() > clearance_cm_;
+}
+
+uint32_t Mapper::RevolutionOf(int64_t sequence) const {
+  return static_cast<uint32_t>(sequence / model_.columns_per_revolution);
+}
+
+Vec3 Mapper::PointOdom(const ScanColumn& column, int row, PackedReturn packed) const {
+  const SinCosPair encoder = EncoderSinCos(model_, column.measurement_id);
+  return column.odom_from_sensor.Apply(PointInSensor(model_, encoder, row, packed.range_mm()));
+}
+
+void Mapper::Fold(int slot) {
+  const ScanColumn& column = ring_.column(slot);
+  const uint32_t revolution = RevolutionOf(column.sequence);
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int row = 0; row < model_.beams; ++row) {
+    const PackedReturn packed = ring_.at(slot, row);
+    const ReturnClass what = FiledClass(packed);
+    if (what == ReturnClass::kIgnored) continue;
+    if (what != ReturnClass::kGround && IsOverhead(packed)) {
+      ++counters_.overhead_returns;
+      continue;
+    }
+    if (!IsUsable(heights_.Insert(PointOdom(column, row, packed), what, revolution))) {
+      ++counters_.returns_off_map;
+    }
+  }
+  if (column.labelled) {
+    ++counters_.folded_with_labels;
+  } else {
+    ++counters_.folded_without_labels;
+  }
+  ring_.MarkFolded(slot);
+}
+
+void Mapper::Advance(uint64_t now_ns) {
+  if (!configured_) return;
+  const bool fell_silent = !silent_ && ring_.newest_sequence() >= 0 &&
+                           now_ns > newest_time_ns_ + static_cast<uint64_t>(kSilence_ns);
+  if (fell_silent) {
+    silent_ = true;
+    EndDirections();
+    ring_.EndRevolution();
+  }
+  const auto deadline_ns =
+      static_cast<uint64_t>(RoundToInt(params_.mapping.label_deadline_s * 1000.0f)) * 1'000'000u;
+  const bool all = FoldPending(now_ns, restarting_ ? 0 : deadline_ns);
+  if (restarting_ && all) {
+    restarting_ = false;
+    fold_next_ = -1;
+    ring_.Restart();
+  }
+}
+
+// Classes what is there of the directions that nothing more will come for.
+void Mapper::EndDirections() {
+  if (next_direction_ >= 0) ClassUpTo(ring_.newest_sequence() + Segmenter::kLag);
+  StartDirections();
+}
+
+void Mapper::BeginRestart() {
+  EndDirections();
+  ++counters_.sensor_restarts;
+  restarting_ = true;
+}
+
+// Folds pending columns in order, until one that was taken less than deadline_ns ago, or the work
+// of one tick is done. True when none is left.
+bool Mapper::FoldPending(uint64_t now_ns, uint64_t deadline_ns) {
+  const int64_t newest = ring_.newest_sequence();
+  if (fold_next_ < 0) return true;
+  if (fold_next_ <= newest - ring_.slots()) fold_next_ = newest - ring_.slots() + 1;
+  int folded = 0;
+  HP_LOOP_BOUND(ScanRing::kMaxColumns)
+  for (; fold_next_ <= newest && folded < kMaxFolds; ++fold_next_) {
+    if (!ring_.Holds(fold_next_)) continue;
+    const int slot = ring_.SlotOf(fold_next_);
+    const ScanColumn& column = ring_.column(slot);
+    if (column.state == ColumnState::kFolded) continue;
+    if (column.state == ColumnState::kRaw || column.time_ns + deadline_ns > now_ns) return false;
+    Fold(slot);
+    ++folded;
+  }
+  return fold_next_ > newest;
+}
+
+void Mapper::Finish() {
+  if (!configured_) return;
+  EndDirections();
+  ring_.EndRevolution();
+  silent_ = true;
+  HP_LOOP_BOUND(ScanRing::kMaxColumns / kMaxFolds + 1)
+  while (!FoldPending(UINT64_MAX, 0)) {
+  }
+}
+
+void Mapper::MarkPending(int slot, uint32_t since, CostmapBuilder& builder) const {
+  const ScanColumn& column = ring_.column(slot);
+  // Differences, because the counter wraps.
+  const bool folded_since =
+      column.state == ColumnState::kFolded && static_cast<int32_t>(column.fold_count - since) >= 0;
+  if (column.state != ColumnState::kClassed && !folded_since) return;
+  const GridWindow& window = builder.result().window;
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int row = 0; row < model_.beams; ++row) {
+    const PackedReturn packed = ring_.at(slot, row);
+    const uint8_t flags = PendingFlags(packed);
+    if (flags == 0) continue;
+    const Vec3 point = PointOdom(column, row, packed);
+    const Cell cell = CellAt({point.x_m, point.y_m});
+    if (window.Contains(cell)) builder.Mark(window.Index(cell), flags);
+  }
+}
+
+// What a return by itself makes of its cell, by the obstacle rule with the local ground that the
+// segmenter found. Where that is not known: hard stays hard, and soft soft.
+uint8_t Mapper::PendingFlags(PackedReturn packed) const {
+  const ReturnClass what = FiledClass(packed);
+  if (what == ReturnClass::kIgnored || what == ReturnClass::kGround || IsOverhead(packed)) return 0;
+  const bool high =
+      !packed.height_known() || packed.height_cm() > InCentimeters(obstacle_height_m_);
+  if (what == ReturnClass::kPerson) return Costmap::kHard | Costmap::kPerson;
+  if (!high) return 0;
+  return what == ReturnClass::kHard ? Costmap::kHard : Costmap::kSoft;
+}
+
+}  // namespace hardpack
