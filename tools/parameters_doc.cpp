@@ -59,8 +59,8 @@ constexpr auto kPrintTable = []<typename Group, size_t kEntries>(
 
 int main() {
   constexpr hardpack::PlannerParams kPlanner;
-  constexpr hardpack::LidarMountParams kMount;
+  constexpr hardpack::PerceptionParams kPerception;
   std::fputs(hardpack::kIntroduction, stdout);
   hardpack::VisitParameters(kPlanner, hardpack::kPrintTable);
-  hardpack::VisitParameters(kMount, hardpack::kPrintTable);
+  hardpack::VisitParameters(kPerception, hardpack::kPrintTable);
 }

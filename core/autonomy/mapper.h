@@ -145,7 +145,9 @@ class Mapper {
   uint64_t newest_time_ns_ = 0;  // of all columns
   float self_reach_m_ = 0.0f;
   float obstacle_height_m_ = 0.0f;
+  int32_t obstacle_cm_ = 0;
   int32_t clearance_cm_ = 0;
+  uint64_t deadline_ns_ = 0;
   Transform3 body_from_sensor_;
   Vec3 body_origin_sensor_;
   PerceptionParams params_;

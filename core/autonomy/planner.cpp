@@ -2,6 +2,7 @@
 #include "core/autonomy/planner.h"
 
 #include "config/validate.h"
+#include "core/base/assert.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 
@@ -52,23 +53,40 @@ Status CheckRequest(const PlanRequest& request) {
 
 }  // namespace
 
+Status Planner::Begin(const Mapper& mapper, const PlannerParams& params,
+                      const PlanRequest& request) {
+  if (mapper.started()) {
+    folded_before_ = mapper.fold_count();
+    return BeginOn(mapper.heights(), params, request);
+  }
+  plan_ = kNoPlan;
+  stage_ = PlanStage::kIdle;
+  return Started(Status::kNotStarted, PlanStage::kIdle);
+}
+
 Status Planner::Begin(const HeightGrid& heights, const PlannerParams& params,
                       const PlanRequest& request) {
+  return BeginOn(heights, params, request);
+}
+
+Status Planner::BeginOn(const HeightGrid& heights, const PlannerParams& params,
+                        const PlanRequest& request) {
   Status status = Prepare(params, request);
   if (IsUsable(status)) status = builder_.Begin(heights, params.costmap);
-  return Started(status);
+  pending_slot_ = 0;
+  return Started(status, PlanStage::kHeights);
 }
 
 Status Planner::BeginCells(const GridWindow& window, const PlannerParams& params,
                            const PlanRequest& request) {
   Status status = Prepare(params, request);
   if (IsUsable(status)) status = builder_.BeginCells(window, params.costmap);
-  return Started(status);
+  return Started(status, PlanStage::kCostmap);
 }
 
-Status Planner::Started(Status status) {
+Status Planner::Started(Status status, PlanStage first) {
   if (IsUsable(status)) {
-    stage_ = PlanStage::kCostmap;
+    stage_ = first;
   } else {
     plan_.status = status;
   }
@@ -88,28 +106,36 @@ Status Planner::Prepare(const PlannerParams& params, const PlanRequest& request)
   return Status::kOk;
 }
 
+Progress Planner::Step(const Mapper& mapper, int units) {
+  return Run({&mapper.heights(), &mapper}, units);
+}
+
 Progress Planner::Step(const HeightGrid& heights, int units) {
-  return Run(&heights, units);
+  return Run({&heights, nullptr}, units);
 }
 
 Progress Planner::StepCells(int units) {
-  return Run(nullptr, units);
+  return Run({}, units);
 }
 
-Progress Planner::Run(const HeightGrid* heights, int units) {
+Progress Planner::Run(const Source& source, int units) {
   HP_LOOP_BOUND(kMaxUnits)
   for (int left = units; left > 0; left -= kPortion_units) {
     if (stage_ == PlanStage::kIdle || stage_ == PlanStage::kDone) break;
-    StepStage(heights, left < kPortion_units ? left : kPortion_units);
+    StepStage(source, left < kPortion_units ? left : kPortion_units);
   }
   return stage_ == PlanStage::kIdle || stage_ == PlanStage::kDone ? Progress::kDone
                                                                   : Progress::kBusy;
 }
 
-void Planner::StepStage(const HeightGrid* heights, int units) {
+void Planner::StepStage(const Source& source, int units) {
   switch (stage_) {
+    case PlanStage::kHeights:
+      return StepHeights(source, units);
+    case PlanStage::kPending:
+      return StepPending(source, units);
     case PlanStage::kCostmap:
-      return StepCostmap(heights, units);
+      return StepCostmap(units);
     case PlanStage::kSearch:
       return StepSearch(units);
     case PlanStage::kSample:
@@ -126,12 +152,27 @@ void Planner::StepStage(const HeightGrid* heights, int units) {
   }
 }
 
+void Planner::StepHeights(const Source& source, int units) {
+  HP_ASSERT(source.heights != nullptr);
+  if (builder_.StepHeights(*source.heights, units) == Progress::kBusy) return;
+  stage_ = source.mapper != nullptr ? PlanStage::kPending : PlanStage::kCostmap;
+}
+
+// What is not in the heights that were classed: pending columns, and those folded since, whose
+// cells may have been classed before.
+void Planner::StepPending(const Source& source, int units) {
+  HP_ASSERT(source.mapper != nullptr);
+  const int slots = source.mapper->ring().slots();
+  HP_LOOP_BOUND(kPortion_units)
+  for (int unit = 0; unit < units && pending_slot_ < slots; ++unit, ++pending_slot_) {
+    source.mapper->MarkPending(pending_slot_, folded_before_, builder_);
+  }
+  if (pending_slot_ >= slots) stage_ = PlanStage::kCostmap;
+}
+
 // The narrow try builds from the cells of the first: the grid may have moved on meanwhile.
-void Planner::StepCostmap(const HeightGrid* heights, int units) {
-  const bool from_heights = heights != nullptr && !plan_.narrow;
-  const Progress progress =
-      from_heights ? builder_.Step(*heights, units) : builder_.StepCells(units);
-  if (progress == Progress::kDone) BeginSearch();
+void Planner::StepCostmap(int units) {
+  if (builder_.StepCells(units) == Progress::kDone) BeginSearch();
 }
 
 void Planner::BeginSearch() {

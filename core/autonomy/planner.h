@@ -6,6 +6,7 @@
 
 #include "config/parameters.h"
 #include "core/astar/astar.h"
+#include "core/autonomy/mapper.h"
 #include "core/autonomy/speed_caps.h"
 #include "core/base/decision_hash.h"
 #include "core/base/progress.h"
@@ -18,10 +19,11 @@
 #include "core/safety/path_check.h"
 #include "core/speed/speed.h"
 
-// The planning half of the chain: heights (or cells), costmap, base path, actuator path, optimized
-// path, check, speeds. Resumable by units; owns every stage; the one place in core that sees them
-// all. It plans once, from one pose to one goal; when to plan again, and which plan to drive, is
-// not decided here. Source: docs/algorithm.md sections 1 to 6, in that order.
+// The planning half of the chain: a mapper's heights and pending columns (or cells), costmap, base
+// path, actuator path, optimized path, check, speeds. Resumable by units; owns every stage; the one
+// place in core that sees them all. It plans once, from one pose to one goal; when to plan again,
+// and which plan to drive, is not decided here. Source: docs/algorithm.md sections 1 to 6, in that
+// order.
 //
 // Second tries, each at most once:
 // - No way for the planning radius: the costmap is dilated again for the bare footprint (disc
@@ -74,6 +76,8 @@ struct Plan {
 
 enum class PlanStage : uint8_t {
   kIdle,
+  kHeights,  // cells from heights
+  kPending,  // and from columns that are not in them yet
   kCostmap,
   kSearch,
   kSample,
@@ -85,10 +89,14 @@ enum class PlanStage : uint8_t {
 
 class Planner {
  public:
+  // On the map as it is, and with what comes into it until its cells are classed.
   // kParameterOutOfRange; kNotFinite: a number of the request; kInvalidArgument: its speed is
   // negative or above kMaxRequestSpeed_mps, its curvature beyond kCurvatureCeiling_per_m, its place
-  // beyond kMaxRequestPosition_m, or an angle beyond kSinCosMaxAngle_rad. Then nothing is started,
-  // and result().status says the same.
+  // beyond kMaxRequestPosition_m, or an angle beyond kSinCosMaxAngle_rad; kNotStarted: the mapper.
+  // Then nothing is started, and result().status says the same.
+  Status Begin(const Mapper& mapper, const PlannerParams& params, const PlanRequest& request);
+
+  // The same on heights alone, filed by whoever owns the grid.
   Status Begin(const HeightGrid& heights, const PlannerParams& params, const PlanRequest& request);
 
   // The same on given cells: between BeginCells and the first StepCells, call
@@ -96,11 +104,13 @@ class Planner {
   Status BeginCells(const GridWindow& window, const PlannerParams& params,
                     const PlanRequest& request);
 
-  // The same kind of Step as of Begin: StepCells asserts that cells were begun. At most `units`
-  // units of the stages' (see there). They are handed on in portions of kPortion_units; what a
-  // stage leaves of its last portion is lost. Between stages a unit may also join, assemble or
-  // begin, which costs a few passes over the path. kMaxUnits steps of one unit end any plan. Any
-  // split of the units gives the same plan. Results: those of the stages, and kPivotBlocked.
+  // The same kind of Step as of Begin: the others assert it. At most `units`
+  // units of the stages' (see there; of pending columns a slot of the ring). They are handed on in
+  // portions of kPortion_units; what a stage leaves of its last portion is lost. Between stages a
+  // unit may also join, assemble or begin, which costs a few passes over the path. kMaxUnits steps
+  // of one unit end any plan. Any split of the units gives the same plan while the mapper stays as
+  // it is. Results: those of the stages, and kPivotBlocked.
+  Progress Step(const Mapper& mapper, int units);
   Progress Step(const HeightGrid& heights, int units);
   Progress StepCells(int units);
 
@@ -112,17 +122,28 @@ class Planner {
   static constexpr int kPortion_units = 64;
   static constexpr float kMaxShort_m = 1.0f;
   static constexpr int kMaxTransitions = 32;
-  static constexpr int kMaxUnits =
-      kMaxTransitions + CostmapBuilder::kUnits + CostmapBuilder::kCellUnits +
-      2 * AstarSearch::kMaxUnits + 2 * kMapCells + 1 + PathSmoother::kMaxPasses +
-      2 * Optimizer::kMaxUnits + 12 * PathCheck::kMaxUnits + SpeedCaps::kMaxUnits;
+  static constexpr int kMaxUnits = kMaxTransitions + CostmapBuilder::kUnits +
+                                   ScanRing::kMaxColumns + CostmapBuilder::kCellUnits +
+                                   2 * AstarSearch::kMaxUnits + 2 * kMapCells + 1 +
+                                   PathSmoother::kMaxPasses + 2 * Optimizer::kMaxUnits +
+                                   12 * PathCheck::kMaxUnits + SpeedCaps::kMaxUnits;
 
  private:
-  Status Started(Status status);
+  // What the cells are made from: heights and, if there is one, the mapper that pends columns.
+  struct Source {
+    const HeightGrid* heights = nullptr;
+    const Mapper* mapper = nullptr;
+  };
+
+  Status BeginOn(const HeightGrid& heights, const PlannerParams& params,
+                 const PlanRequest& request);
+  Status Started(Status status, PlanStage first);
   Status Prepare(const PlannerParams& params, const PlanRequest& request);
-  Progress Run(const HeightGrid* heights, int units);
-  void StepStage(const HeightGrid* heights, int units);
-  void StepCostmap(const HeightGrid* heights, int units);
+  Progress Run(const Source& source, int units);
+  void StepStage(const Source& source, int units);
+  void StepHeights(const Source& source, int units);
+  void StepPending(const Source& source, int units);
+  void StepCostmap(int units);
   void StepSearch(int units);
   void StepSample(int units);
   void StepSampler(int units);
@@ -148,6 +169,8 @@ class Planner {
   void Fail(Status status);
 
   PlanStage stage_ = PlanStage::kIdle;
+  uint32_t folded_before_ = 0;  // columns, when this plan began
+  int32_t pending_slot_ = 0;    // next
   bool keeps_end_heading_ = false;
   bool has_goal_heading_ = false;  // and the path ends at the goal
   PlannerParams params_;

@@ -31,6 +31,23 @@ Ray Beam(const BeamModel& model, SinCosPair encoder, int row) {
            model.sin_altitude[row]}};
 }
 
+// A code of the RELLIS-3D ontology for each class.
+uint8_t LabelOf(ReturnClass what) {
+  switch (what) {
+    case ReturnClass::kIgnored:
+      return 0;  // void
+    case ReturnClass::kGround:
+      return 3;  // grass
+    case ReturnClass::kSoft:
+      return 19;  // bush
+    case ReturnClass::kPerson:
+      return 17;
+    case ReturnClass::kHard:
+      break;
+  }
+  return 4;  // tree
+}
+
 }  // namespace
 
 Status SyntheticLidar::Configure(uint32_t seed) {
@@ -57,14 +74,14 @@ void SyntheticLidar::Put(size_t offset, uint64_t value, size_t size) {
 
 // 0 when there is no return.
 uint32_t SyntheticLidar::Measure(const World& world, const Transform3& odom_from_sensor,
-                                 SinCosPair encoder, int row, ReturnClass& what) {
+                                 SinCosPair encoder, int row, uint8_t& label) {
   const Transform3 odom_from_lidar = odom_from_sensor * model_.sensor_from_lidar;
   const Ray beam = Beam(model_, encoder, row);
   const Hit hit =
       Cast(world, {odom_from_lidar.Apply(beam.origin), Rotate(odom_from_lidar, beam.direction)});
   const float noise_m = random_.RealBetween(-0.02f, 0.02f);
   const bool dropped = random_.Between(0, 99) == 0;
-  what = hit.what;
+  label = LabelOf(hit.what);
   if (dropped || hit.distance_m >= kFarAway_m) return 0;
   return static_cast<uint32_t>(
       RoundToInt((hit.distance_m + model_.origin_to_beam_m + noise_m) * 1000.0f));

@@ -31,7 +31,7 @@ class SyntheticLidar {
   const ouster::Metadata& metadata() const { return metadata_; }
   const BeamModel& model() const { return model_; }
 
-  // Packet `index` (0 .. kPackets - 1) of the revolution, and the true class of each return.
+  // Packet `index` (0 .. kPackets - 1) of the revolution, and the true label of each return.
   // odom_from_sensor: [kColumns], the sensor's pose at each column.
   void MakePacket(const World& world, std::span<const Transform3> odom_from_sensor, int index);
   std::span<const uint8_t> packet() const { return packet_; }
@@ -40,7 +40,7 @@ class SyntheticLidar {
  private:
   void Put(size_t offset, uint64_t value, size_t size);
   uint32_t Measure(const World& world, const Transform3& odom_from_sensor, SinCosPair encoder,
-                   int row, ReturnClass& what);
+                   int row, uint8_t& label);
 
   ouster::Metadata metadata_;
   BeamModel model_;

@@ -67,13 +67,13 @@ void PlanOnCells(uint32_t seed, int blocks, const PlanRequest& request, const Pl
 
 }  // namespace
 
-void PlanOnHeights(const HeightGrid& heights, const PlanRequest& request, const PlanNames& names,
-                   Report& report) {
+void PlanOnMap(const Mapper& mapper, const PlanRequest& request, const PlanNames& names,
+               Report& report) {
   Planner& planner = g_planner.Construct();
-  const Status status = planner.Begin(heights, PlannerParams{}, request);
+  const Status status = planner.Begin(mapper, PlannerParams{}, request);
   HP_ASSERT(status == Status::kOk);
   int calls = 0;
-  while (planner.Step(heights, kUnits) == Progress::kBusy) HP_ASSERT(++calls < kMaxCalls);
+  while (planner.Step(mapper, kUnits) == Progress::kBusy) HP_ASSERT(++calls < kMaxCalls);
   ReportPlan(planner, names, report);
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/autonomy/mapper.h"
 #include "core/autonomy/planner.h"
-#include "core/costmap/height_grid.h"
 #include "test/decision/report.h"
 
 namespace hardpack::decision {
@@ -13,8 +13,8 @@ struct PlanNames {
   const char* plan;
 };
 
-// Plans on heights with the default parameters; adds the costmap's cells and the plan.
-void PlanOnHeights(const HeightGrid& heights, const PlanRequest& request, const PlanNames& names,
-                   Report& report);
+// Plans on a mapper's map with the default parameters; adds the costmap's cells and the plan.
+void PlanOnMap(const Mapper& mapper, const PlanRequest& request, const PlanNames& names,
+               Report& report);
 
 }  // namespace hardpack::decision

@@ -3,10 +3,11 @@
 #include <cstdint>
 #include <span>
 
+#include "core/autonomy/mapper.h"
 #include "core/base/assert.h"
 #include "core/base/math.h"
-#include "core/costmap/height_grid.h"
-#include "core/scan/scan.h"
+#include "core/timebase/timebase.h"
+#include "hal/labels/labels.h"
 #include "hal/ouster/ouster.h"
 #include "test/decision/lidar.h"
 #include "test/decision/plan.h"
@@ -28,6 +29,7 @@ struct Scene {
   Vec2 goal;
   World world;
   uint32_t seed = 1;
+  bool labelled = false;  // by a segmentation computer, which loses a datagram now and then
 };
 
 // A fence and a boat leave a gap; the goal lies behind it ([OS], the third experiment).
@@ -77,7 +79,8 @@ const Scene kScenes[] = {
      {-1.7f, 0.9f, -0.1f},
      {20.0f, -1.0f},
      {kBranch, kRocks},
-     0x5eed0011u},
+     0x5eed0011u,
+     true},
     {"behind.packets",
      "behind.heights",
      "behind.costmap",
@@ -85,7 +88,8 @@ const Scene kScenes[] = {
      {0.1f, 0.2f, 0.5f},
      {-12.0f, -6.0f},
      {kShed, kPerson},
-     0x5eed0012u},
+     0x5eed0012u,
+     true},
     {"yard.packets",
      "yard.heights",
      "yard.costmap",
@@ -99,10 +103,18 @@ const Scene kScenes[] = {
 using SensorPoses = std::array<Transform3, kColumns>;
 
 HP_BIG_MEMORY Storage<SyntheticLidar> g_lidar;
-HP_BIG_MEMORY Storage<ScanRing> g_ring;
-HP_BIG_MEMORY Storage<HeightGrid> g_heights;
+HP_BIG_MEMORY Storage<Mapper> g_mapper;
+HP_BIG_MEMORY Storage<Timebase> g_timebase;
 HP_BIG_MEMORY Storage<LidarColumn> g_column;
+HP_BIG_MEMORY Storage<ColumnLabels> g_labels;
 HP_BIG_MEMORY Storage<SensorPoses> g_odom_from_sensor;
+
+// A packet's labels, and their datagram.
+using Codes = std::array<uint8_t, kColumnsPerPacket * kBeams>;
+using LabelDatagram =
+    std::array<uint8_t, labels::kHeaderBytes + std::tuple_size_v<Codes> + labels::kFooterBytes>;
+HP_BIG_MEMORY Storage<Codes> g_codes;
+HP_BIG_MEMORY Storage<LabelDatagram> g_label_datagram;
 
 void AddStatus(Status status, DecisionHash& hash) {
   hash.AddU8(static_cast<uint8_t>(status));
@@ -124,27 +136,73 @@ void AddColumn(const LidarColumn& column, DecisionHash& hash) {
   }
 }
 
+// Our clock when the revolution begins, and how far the vehicle is through its revolution: 0 at its
+// end, -1 at its beginning.
+constexpr uint64_t kHostStart_ns = 5'000'000'000u;
+constexpr uint64_t kRevolution_ns = 100'000'000u;
+
 // The vehicle drives 0.5 m straight on and turns a little during the revolution.
+Pose2 PoseAt(const Pose2& vehicle, float share) {
+  const SinCosPair heading = SinCos(vehicle.theta_rad);
+  return {vehicle.x_m + heading.cos * 0.5f * share, vehicle.y_m + heading.sin * 0.5f * share,
+          WrapAngle(vehicle.theta_rad + 0.02f * share)};
+}
+
 void PlaceSensor(const Pose2& vehicle, const LidarMountParams& mount,
                  SensorPoses& odom_from_sensor) {
   const Transform3 body_from_sensor = BodyFromSensor(mount);
   for (int column = 0; column < kColumns; ++column) {
     const float share = static_cast<float>(column - kColumns) / static_cast<float>(kColumns);
-    const SinCosPair heading = SinCos(vehicle.theta_rad);
-    const Pose2 pose{vehicle.x_m + heading.cos * 0.5f * share,
-                     vehicle.y_m + heading.sin * 0.5f * share,
-                     WrapAngle(vehicle.theta_rad + 0.02f * share)};
     odom_from_sensor[static_cast<size_t>(column)] =
-        TransformFromPose(pose, 0.0f) * body_from_sensor;
+        TransformFromPose(PoseAt(vehicle, share), 0.0f) * body_from_sensor;
   }
 }
 
-// Bytes to ring. What is wrong with a packet or column is part of what is decided.
+// Odometry at 100 Hz, from the beginning of the revolution to a tick after its end.
+void AddPoses(const Pose2& vehicle, Mapper& mapper, DecisionHash& hash) {
+  constexpr int kTicks = 11;
+  for (int tick = 0; tick <= kTicks; ++tick) {
+    const Pose2 at = PoseAt(vehicle, static_cast<float>(tick) * 0.1f - 1.0f);
+    StampedPose pose;
+    pose.time_ns = kHostStart_ns + static_cast<uint64_t>(tick) * (kRevolution_ns / 10);
+    pose.position = {at.x_m, at.y_m, 0.0f};
+    pose.yaw_rad = at.theta_rad;
+    AddStatus(mapper.AddPose(pose), hash);
+  }
+}
+
+// The packet's labels as the segmentation computer sends them, through the codec.
+void ReceiveLabels(const SyntheticLidar& lidar, int packet, Mapper& mapper, DecisionHash& hash) {
+  Codes& codes = g_codes.Construct();
+  LabelDatagram& datagram = g_label_datagram.Construct();
+  for (size_t i = 0; i < codes.size(); ++i) {
+    codes[i] = lidar.labels()[i / kBeams].label[i % kBeams];
+  }
+  labels::Header header;
+  header.version = labels::kVersion;
+  header.beams = kBeams;
+  header.frame_id = lidar.labels()[0].frame_id;
+  header.first_measurement = lidar.labels()[0].measurement_id;
+  header.columns = kColumnsPerPacket;
+  header.sequence = static_cast<uint32_t>(packet);
+  int size_bytes = 0;
+  AddStatus(labels::Encode(header, codes, datagram, size_bytes), hash);
+  const std::span<const uint8_t> bytes(datagram.data(), static_cast<size_t>(size_bytes));
+  AddStatus(labels::CheckDatagram(bytes, kBeams, kColumns, header), hash);
+  ColumnLabels& column = g_labels.Construct();
+  for (int index = 0; index < kColumnsPerPacket; ++index) {
+    AddStatus(labels::DecodeColumn(header, bytes, index, column), hash);
+    AddStatus(mapper.AddLabels(column), hash);
+  }
+}
+
+// Bytes to map. What is wrong with a packet or column is part of what is decided.
 void ReceivePackets(const Scene& scene, const SensorPoses& odom_from_sensor, SyntheticLidar& lidar,
-                    ScanRing& ring, DecisionHash& hash) {
+                    Mapper& mapper, DecisionHash& hash) {
   ouster::PacketLayout layout;
   ouster::PacketHeader header;
   AddStatus(ouster::MakeLayout(lidar.metadata(), layout), hash);
+  Timebase& timebase = g_timebase.Construct();
   LidarColumn& column = g_column.Construct();
   for (int packet = 0; packet < kPackets; ++packet) {
     lidar.MakePacket(scene.world, odom_from_sensor, packet);
@@ -155,29 +213,18 @@ void ReceivePackets(const Scene& scene, const SensorPoses& odom_from_sensor, Syn
     for (int index = 0; index < kColumnsPerPacket; ++index) {
       AddStatus(ouster::DecodeColumn(layout, bytes, index, column), hash);
       AddColumn(column, hash);
-      AddStatus(ring.Push(column, odom_from_sensor[column.measurement_id], ReturnClass::kHard),
+      const uint64_t since_ns =
+          kRevolution_ns * static_cast<uint64_t>(packet * kColumnsPerPacket + index) / kColumns;
+      // Every packet is under way for a little longer than the one before.
+      const uint64_t delay_ns = 1000u * static_cast<uint64_t>(packet);
+      AddStatus(timebase.Observe(column.timestamp_ns, kHostStart_ns + since_ns + delay_ns), hash);
+      const Result<uint64_t> taken_ns = timebase.ToHost(column.timestamp_ns);
+      AddStatus(taken_ns.ok() ? mapper.AddColumn(column, taken_ns.value()) : taken_ns.status(),
                 hash);
-      AddStatus(ring.Label(lidar.labels()[static_cast<size_t>(index)]), hash);
     }
-  }
-}
-
-// Ring to heights, the vehicle's own returns left out.
-void FileReturns(const BeamModel& model, const LidarMountParams& mount, const ScanRing& ring,
-                 HeightGrid& heights, DecisionHash& hash) {
-  const Transform3 body_from_sensor = BodyFromSensor(mount);
-  for (int slot = 0; slot < ring.columns(); ++slot) {
-    if (!ring.column(slot).present) continue;
-    const SinCosPair encoder = EncoderSinCos(model, slot);
-    for (int row = 0; row < ring.beams(); ++row) {
-      const PackedReturn point = ring.at(slot, row);
-      if (point.range_mm() == 0) continue;
-      const Vec3 in_sensor = PointInSensor(model, encoder, row, point.range_mm());
-      const float range_m = static_cast<float>(point.range_mm()) * 0.001f;
-      if (IsSelfReturn(mount, body_from_sensor.Apply(in_sensor), range_m)) continue;
-      const Vec3 in_odom = ring.column(slot).odom_from_sensor.Apply(in_sensor);
-      AddStatus(heights.Insert(in_odom, point.return_class()), hash);
-    }
+    constexpr int kLostEvery = 5;
+    if (scene.labelled && packet % kLostEvery != 0) ReceiveLabels(lidar, packet, mapper, hash);
+    mapper.Advance(kHostStart_ns + kRevolution_ns * static_cast<uint64_t>(packet + 1) / kPackets);
   }
 }
 
@@ -190,34 +237,37 @@ void AddHeights(const HeightGrid& heights, DecisionHash& hash) {
     hash.AddI32(cell.lowest_hard_cm);
     hash.AddI32(cell.highest_hard_cm);
     hash.AddI32(cell.highest_soft_cm);
+    hash.AddU8(cell.ground);
     hash.AddU8(cell.person);
   }
 }
 
 void RunScene(const Scene& scene, Report& report) {
-  const LidarMountParams mount;
+  PerceptionParams params;
+  params.mapping.use_labels = scene.labelled ? 1 : 0;
   SensorPoses& odom_from_sensor = g_odom_from_sensor.Construct();
-  PlaceSensor(scene.vehicle, mount, odom_from_sensor);
+  PlaceSensor(scene.vehicle, params.mount, odom_from_sensor);
 
   SyntheticLidar& lidar = g_lidar.Construct();
-  ScanRing& ring = g_ring.Construct();
+  Mapper& mapper = g_mapper.Construct();
   DecisionHash packets;
   AddStatus(lidar.Configure(scene.seed), packets);
-  AddStatus(ring.Configure(kBeams, kColumns), packets);
-  ReceivePackets(scene, odom_from_sensor, lidar, ring, packets);
+  AddStatus(
+      mapper.Configure(params, CostmapParams{}, RellisLabelTable(), lidar.model(), 0, kColumns - 1),
+      packets);
+  AddPoses(scene.vehicle, mapper, packets);
+  ReceivePackets(scene, odom_from_sensor, lidar, mapper, packets);
   report.Add(scene.packets, packets);
 
-  HeightGrid& heights = g_heights.Construct();
-  DecisionHash filed;
-  AddStatus(heights.Reset({scene.vehicle.x_m, scene.vehicle.y_m}), filed);
-  FileReturns(lidar.model(), mount, ring, heights, filed);
-  AddHeights(heights, filed);
-  report.Add(scene.heights, filed);
+  DecisionHash heights;
+  AddHeights(mapper.heights(), heights);
+  report.Add(scene.heights, heights);
 
+  // Columns are pending here: the newest directions, and those whose labels were lost.
   PlanRequest request;
   request.start = {scene.vehicle, 0.05f, 1.5f};
   request.goal_odom = scene.goal;
-  PlanOnHeights(heights, request, {scene.costmap, scene.plan}, report);
+  PlanOnMap(mapper, request, {scene.costmap, scene.plan}, report);
 }
 
 }  // namespace

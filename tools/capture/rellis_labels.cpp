@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/capture/rellis_labels.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstdint>
@@ -12,33 +13,10 @@
 namespace hardpack::capture {
 namespace {
 
-struct LabelClass {
-  int label;
-  ReturnClass return_class;
-};
-
-constexpr std::array kLabelClasses = {
-    LabelClass{0, ReturnClass::kIgnored},  // void
-    LabelClass{1, ReturnClass::kGround},   // dirt
-    LabelClass{3, ReturnClass::kGround},   // grass
-    LabelClass{4, ReturnClass::kHard},     // tree
-    LabelClass{5, ReturnClass::kHard},     // pole
-    LabelClass{6, ReturnClass::kHard},     // water
-    LabelClass{7, ReturnClass::kIgnored},  // sky
-    LabelClass{8, ReturnClass::kHard},     // vehicle
-    LabelClass{9, ReturnClass::kHard},     // object
-    LabelClass{10, ReturnClass::kGround},  // asphalt
-    LabelClass{12, ReturnClass::kHard},    // building
-    LabelClass{15, ReturnClass::kHard},    // log
-    LabelClass{17, ReturnClass::kPerson},  // person
-    LabelClass{18, ReturnClass::kHard},    // fence
-    LabelClass{19, ReturnClass::kSoft},    // bush
-    LabelClass{23, ReturnClass::kGround},  // concrete
-    LabelClass{27, ReturnClass::kHard},    // barrier
-    LabelClass{31, ReturnClass::kSoft},    // puddle
-    LabelClass{33, ReturnClass::kSoft},    // mud
-    LabelClass{34, ReturnClass::kHard},    // rubble
-};
+// void, dirt, grass, tree, pole, water, sky, vehicle, object, asphalt, building, log, person,
+// fence, bush, concrete, barrier, puddle, mud, rubble
+constexpr std::array kLabels = {0,  1,  3,  4,  5,  6,  7,  8,  9,  10,
+                                12, 15, 17, 18, 19, 23, 27, 31, 33, 34};
 
 constexpr size_t kMaxFileBytes = 64 * 1024 * 1024;
 constexpr std::array<std::string_view, 3> kColumnNames = {"ring", "meas_id", "label"};
@@ -101,13 +79,14 @@ class LabelReader {
     if (measurement_id < 0 || measurement_id >= labels_.columns) {
       return Failure("meas_id", "the sensor has no such column");
     }
-    const std::optional<ReturnClass> return_class = ClassOfRellisLabel(label);
-    if (!return_class) return Failure("label", std::to_string(label) + " is not in the ontology");
-    std::optional<ReturnClass>& slot =
-        labels_.classes[static_cast<size_t>(measurement_id) * static_cast<size_t>(labels_.beams) +
-                        static_cast<size_t>(ring)];
+    if (!IsRellisLabel(label)) {
+      return Failure("label", std::to_string(label) + " is not in the ontology");
+    }
+    std::optional<uint8_t>& slot =
+        labels_.codes[static_cast<size_t>(measurement_id) * static_cast<size_t>(labels_.beams) +
+                      static_cast<size_t>(ring)];
     if (slot) return Failure("meas_id", "this return was named before");
-    slot = return_class;
+    slot = static_cast<uint8_t>(label);
     return {};
   }
 
@@ -124,17 +103,14 @@ class LabelReader {
 
 }  // namespace
 
-std::optional<ReturnClass> ClassOfRellisLabel(int label) {
-  for (const LabelClass& known : kLabelClasses) {
-    if (known.label == label) return known.return_class;
-  }
-  return std::nullopt;
+bool IsRellisLabel(int label) {
+  return std::find(kLabels.begin(), kLabels.end(), label) != kLabels.end();
 }
 
 ReadOutcome ReadLabels(const std::string& path, int beams, int columns, ScanLabels& labels) {
   labels.beams = beams;
   labels.columns = columns;
-  labels.classes.assign(static_cast<size_t>(beams) * static_cast<size_t>(columns), std::nullopt);
+  labels.codes.assign(static_cast<size_t>(beams) * static_cast<size_t>(columns), std::nullopt);
 
   std::string text;
   if (ReadOutcome outcome = ReadFile(path, kMaxFileBytes, text); !outcome.ok()) return outcome;

@@ -2,32 +2,32 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "core/measurements/measurements.h"
 #include "port_linux/read_outcome.h"
 
-// Semantic labels of recorded returns in the ontology of RELLIS-3D, and what each of them means for
-// driving. The split into hard, soft, ground and ignored is ours (docs/algorithm.md section 1).
+// Semantic labels of recorded returns: codes of the ontology of RELLIS-3D. What a code means for
+// driving is the label table's business (core/segmentation/label_table.h).
 
 namespace hardpack::capture {
 
-// Nothing for a number that the ontology does not have.
-std::optional<ReturnClass> ClassOfRellisLabel(int label);
+// Whether the ontology has this number.
+bool IsRellisLabel(int label);
 
-// Classes of one revolution's returns, [columns x beams], row-major; nothing where the file names
-// no return.
+// Codes of one revolution's returns, [columns x beams], row-major; nothing where the file names no
+// return.
 struct ScanLabels {
   int beams = 0;
   int columns = 0;
-  std::vector<std::optional<ReturnClass>> classes;
+  std::vector<std::optional<uint8_t>> codes;
 
   // Precondition: 0 <= measurement_id < columns, 0 <= row < beams.
-  std::optional<ReturnClass> At(int measurement_id, int row) const {
-    return classes[static_cast<size_t>(measurement_id) * static_cast<size_t>(beams) +
-                   static_cast<size_t>(row)];
+  std::optional<uint8_t> At(int measurement_id, int row) const {
+    return codes[static_cast<size_t>(measurement_id) * static_cast<size_t>(beams) +
+                 static_cast<size_t>(row)];
   }
 };
 

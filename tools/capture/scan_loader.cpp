@@ -110,64 +110,103 @@ ReadOutcome ReadRevolution(const std::string& path, const ouster::PacketLayout& 
   return reader.outcome();
 }
 
-// Files a revolution into the ring, with the classes of its labels where there are any.
-Status FillRing(const Revolution& revolution, const LidarScanRequest& request,
-                const ScanLabels* labels, ScanRing& ring, LidarScanReport& report) {
-  const Transform3 odom_from_sensor = request.odom_from_body * BodyFromSensor(request.mount);
-  const auto column_labels = std::make_unique<ColumnLabels>();
-  // Without labels nothing may be lost before GuessGround has seen it.
-  const ReturnClass unlabelled = labels == nullptr ? ReturnClass::kHard : ReturnClass::kIgnored;
+// The revolution as the sensor would send it to a vehicle that stands still: its columns spread
+// over a tenth of a second, the labels of each right behind it.
+class StandingDrive {
+ public:
+  StandingDrive(const LidarScanRequest& request, const ScanLabels* labels, Mapper& mapper)
+      : pose_(request.pose), labels_(labels), mapper_(mapper) {}
+
+  Status Take(const LidarColumn& column) {
+    const int64_t columns = mapper_.ring().columns();
+    const uint64_t time_ns =
+        kStart_ns + static_cast<uint64_t>(kRevolution_ns * column.measurement_id / columns);
+    if (const Status status = StandUntil(time_ns); !IsUsable(status)) return status;
+    const Status filed = mapper_.AddColumn(column, time_ns);
+    if (!IsUsable(filed) || labels_ == nullptr) return filed;
+    return mapper_.AddLabels(LabelsOf(column));
+  }
+
+ private:
+  static constexpr uint64_t kStart_ns = 1'000'000'000;
+  static constexpr int64_t kRevolution_ns = 100'000'000;
+  static constexpr uint64_t kPosePeriod_ns = 10'000'000;
+
+  Status StandUntil(uint64_t time_ns) {
+    for (; next_pose_ns_ <= time_ns; next_pose_ns_ += kPosePeriod_ns) {
+      pose_.time_ns = next_pose_ns_;
+      if (const Status status = mapper_.AddPose(pose_); !IsUsable(status)) return status;
+    }
+    return Status::kOk;
+  }
+
+  const ColumnLabels& LabelsOf(const LidarColumn& column) {
+    constexpr uint8_t kVoid = 0;
+    column_labels_.frame_id = column.frame_id;
+    column_labels_.measurement_id = column.measurement_id;
+    column_labels_.beams = column.beams;
+    for (int row = 0; row < column.beams; ++row) {
+      column_labels_.label[row] = labels_->At(column.measurement_id, row).value_or(kVoid);
+    }
+    return column_labels_;
+  }
+
+  StampedPose pose_;
+  const ScanLabels* labels_;
+  Mapper& mapper_;
+  ColumnLabels column_labels_;
+  uint64_t next_pose_ns_ = kStart_ns;
+};
+
+Status MapRevolution(const Revolution& revolution, const LidarScanRequest& request,
+                     const ScanLabels* labels, Mapper& mapper) {
+  StandingDrive drive(request, labels, mapper);
   for (const LidarColumn& column : revolution.columns) {
     if (!column.valid) continue;
-    const Status status = ring.Push(column, odom_from_sensor, unlabelled);
-    if (!IsUsable(status)) return status;
-    if (labels == nullptr) continue;
-    column_labels->frame_id = column.frame_id;
-    column_labels->measurement_id = column.measurement_id;
-    column_labels->beams = column.beams;
-    for (int row = 0; row < column.beams; ++row) {
-      const std::optional<ReturnClass> known = labels->At(column.measurement_id, row);
-      column_labels->label[row] = known.value_or(ReturnClass::kIgnored);
-      if (known && column.range_mm[row] != 0) ++report.labelled_returns;
-    }
-    if (const Status labelled = ring.Label(*column_labels); !IsUsable(labelled)) return labelled;
+    if (const Status status = drive.Take(column); !IsUsable(status)) return status;
   }
+  mapper.Finish();
   return Status::kOk;
 }
 
-// The returns of the ring that are neither the vehicle itself nor to be ignored.
-void CollectPoints(const ScanRing& ring, const BeamModel& model, const LidarScanRequest& request,
-                   LidarScanReport& report) {
-  const Transform3 body_from_sensor = BodyFromSensor(request.mount);
-  for (int slot = 0; slot < ring.columns(); ++slot) {
-    if (!ring.column(slot).present) continue;
-    const SinCosPair encoder = EncoderSinCos(model, slot);
+int64_t LabelledReturns(const Revolution& revolution, const ScanLabels& labels) {
+  int64_t labelled = 0;
+  for (const LidarColumn& column : revolution.columns) {
+    for (int row = 0; column.valid && row < column.beams; ++row) {
+      const bool named = labels.At(column.measurement_id, row).has_value();
+      labelled += named && column.range_mm[row] != 0 ? 1 : 0;
+    }
+  }
+  return labelled;
+}
+
+// What became of the returns: those that are neither the vehicle itself nor to be ignored.
+void CollectPoints(const Mapper& mapper, LidarScanReport& report) {
+  const ScanRing& ring = mapper.ring();
+  for (int slot = 0; slot < ring.slots(); ++slot) {
+    const ScanColumn& column = ring.column(slot);
+    if (column.state == ColumnState::kAbsent) continue;
+    const SinCosPair encoder = EncoderSinCos(mapper.model(), column.measurement_id);
     for (int row = 0; row < ring.beams(); ++row) {
       const PackedReturn packed = ring.at(slot, row);
       if (packed.range_mm() == 0) continue;
       ++report.returns;
-      const Vec3 point_body =
-          body_from_sensor.Apply(PointInSensor(model, encoder, row, packed.range_mm()));
-      const float range_m = static_cast<float>(packed.range_mm()) / 1000.0f;
-      if (packed.return_class() != ReturnClass::kPerson &&
-          IsSelfReturn(request.mount, point_body, range_m)) {
+      if (packed.self() && packed.return_class() != ReturnClass::kPerson) {
         ++report.self_returns;
-      } else if (packed.return_class() == ReturnClass::kIgnored) {
-        ++report.ignored_returns;
-      } else {
-        report.points.push_back({request.odom_from_body.Apply(point_body), packed.return_class()});
+        continue;
       }
+      if (packed.return_class() == ReturnClass::kIgnored) {
+        ++report.ignored_returns;
+        continue;
+      }
+      const Vec3 point_sensor = PointInSensor(mapper.model(), encoder, row, packed.range_mm());
+      const Vec3 point_odom = column.odom_from_sensor.Apply(point_sensor);
+      const bool on_grid =
+          mapper.heights().window().Contains(CellAt({point_odom.x_m, point_odom.y_m}));
+      report.returns_off_grid += on_grid ? 0 : 1;
+      report.points.push_back({point_odom, packed.return_class()});
     }
   }
-}
-
-Status FillGrid(HeightGrid& grid, LidarScanReport& report) {
-  for (const ClassedPoint& point : report.points) {
-    const Status status = grid.Insert(point.point_odom, point.return_class);
-    if (status == Status::kNotFinite) return status;
-    if (!IsUsable(status)) ++report.returns_off_grid;
-  }
-  return Status::kOk;
 }
 
 // What a revolution is read with.
@@ -178,7 +217,7 @@ struct Preparation {
 };
 
 // Reads the metadata and sizes everything by them.
-ReadOutcome Prepare(const LidarScanRequest& request, ScanRing& ring, ouster::Metadata& metadata,
+ReadOutcome Prepare(const LidarScanRequest& request, Mapper& mapper, ouster::Metadata& metadata,
                     Preparation& ready) {
   const std::string& file = request.metadata_path;
   if (ReadOutcome outcome = ouster::ReadMetadata(file, metadata); !outcome.ok()) return outcome;
@@ -194,8 +233,11 @@ ReadOutcome Prepare(const LidarScanRequest& request, ScanRing& ring, ouster::Met
                          metadata.columns_per_frame, metadata.lidar_origin_to_beam_origin_m,
                          metadata.sensor_from_lidar, ready.model);
   if (!IsUsable(status)) return Failure(file, "beam geometry", status);
-  status = ring.Configure(metadata.beams, metadata.columns_per_frame, metadata.column_window_first,
-                          metadata.column_window_last);
+  PerceptionParams perception = request.perception;
+  perception.mapping.use_labels = request.labels_path.empty() ? 0 : 1;
+  status = mapper.Configure(perception, request.costmap, request.labels, ready.model,
+                            metadata.column_window_first, metadata.column_window_last);
+  if (status == Status::kParameterOutOfRange) return {status, "parameters: out of their range"};
   if (!IsUsable(status)) return Failure(file, "a revolution does not fit the scan ring", status);
   if (request.labels_path.empty()) return {};
   return ReadLabels(request.labels_path, metadata.beams, metadata.columns_per_frame, ready.labels);
@@ -203,17 +245,14 @@ ReadOutcome Prepare(const LidarScanRequest& request, ScanRing& ring, ouster::Met
 
 }  // namespace
 
-ReadOutcome LoadLidarScan(const LidarScanRequest& request, ScanRing& ring, HeightGrid& grid,
+ReadOutcome LoadLidarScan(const LidarScanRequest& request, Mapper& mapper,
                           LidarScanReport& report) {
   report = LidarScanReport{};
   const auto ready = std::make_unique<Preparation>();
-  if (ReadOutcome outcome = Prepare(request, ring, report.metadata, *ready); !outcome.ok()) {
+  if (ReadOutcome outcome = Prepare(request, mapper, report.metadata, *ready); !outcome.ok()) {
     return outcome;
   }
-  const Vec3& position = request.odom_from_body.translation;
-  if (const Status status = grid.Reset({position.x_m, position.y_m}); !IsUsable(status)) {
-    return {status, "pose of the vehicle: not finite"};
-  }
+  const ScanRing& ring = mapper.ring();
   RevolutionPicker picker(static_cast<size_t>(ring.columns()), ring.window_columns());
   ReadOutcome outcome = ReadRevolution(request.capture_path, ready->layout, ring, picker, report);
   if (!outcome.ok()) return outcome;
@@ -224,13 +263,10 @@ ReadOutcome LoadLidarScan(const LidarScanRequest& request, ScanRing& ring, Heigh
                                       std::to_string(ready->layout.packet_bytes) + " bytes each)"};
   }
   const ScanLabels* const labels = request.labels_path.empty() ? nullptr : &ready->labels;
-  Status status = FillRing(*revolution, request, labels, ring, report);
-  if (IsUsable(status)) {
-    CollectPoints(ring, ready->model, request, report);
-    if (labels == nullptr) GuessGround(position, report.points);
-    status = FillGrid(grid, report);
-  }
+  const Status status = MapRevolution(*revolution, request, labels, mapper);
   if (!IsUsable(status)) return Failure(request.capture_path, "cannot be placed", status);
+  CollectPoints(mapper, report);
+  if (labels != nullptr) report.labelled_returns = LabelledReturns(*revolution, *labels);
   report.frame_id = revolution->frame_id;
   report.columns = revolution->received;
   report.missing_columns = ring.window_columns() - revolution->received;

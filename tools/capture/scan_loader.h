@@ -6,27 +6,34 @@
 #include <vector>
 
 #include "config/parameters.h"
+#include "core/autonomy/mapper.h"
 #include "core/base/pose.h"
-#include "core/costmap/height_grid.h"
 #include "core/measurements/measurements.h"
-#include "core/scan/scan.h"
+#include "core/segmentation/label_table.h"
 #include "hal/ouster/ouster.h"
 #include "port_linux/read_outcome.h"
-#include "tools/capture/ground_guess.h"
 
-// One revolution of a recorded lidar into the ring of columns and the grid of heights: a capture
-// (pcap), the sensor's metadata (JSON) and, where there are any, the classes of its returns (CSV).
-// Joins the readers of this folder to hal/ouster, core/scan and core/costmap; decides nothing about
-// obstacles. Everything is measured from one pose: the vehicle is taken to stand still meanwhile.
+// One revolution of a recorded lidar through the mapper: a capture (pcap), the sensor's metadata
+// (JSON) and, where there are any, the labels of its returns (CSV). Joins the readers of this
+// folder to hal/ouster and core/autonomy; decides nothing about obstacles. Everything is measured
+// from one pose: the vehicle is taken to stand still meanwhile.
 
 namespace hardpack::capture {
 
 struct LidarScanRequest {
   std::string capture_path;
   std::string metadata_path;
-  std::string labels_path;  // empty: no labels
-  LidarMountParams mount;
-  Transform3 odom_from_body;  // pose of the vehicle while the revolution was taken
+  std::string labels_path;      // empty: no labels
+  PerceptionParams perception;  // use_labels is set by whether there are any
+  CostmapParams costmap;        // the heights that matter
+  LabelTable labels = RellisLabelTable();
+  StampedPose pose;  // of the vehicle while the revolution was taken; its time has no effect
+};
+
+// One return as it was filed.
+struct ClassedPoint {
+  Vec3 point_odom;
+  ReturnClass return_class = ReturnClass::kIgnored;
 };
 
 // What was found on the way. Reading ends with the revolution that is taken, and so do the counts.
@@ -49,13 +56,11 @@ struct LidarScanReport {
 
 // Reads one revolution: the first that is complete (all columns of the sensor's window), else the
 // fullest. The first lidar packet's sender and destination port are the sensor's; what comes from
-// elsewhere is foreign. Empties `ring` and configures it; empties `grid` and centres it on the
-// body.
-// With labels a return has the class its label stands for (rellis_labels.h), and one that the file
-// does not name is kIgnored. Without labels GuessGround tells ground from hard by height alone. A
-// return labelled as a person is never taken for the vehicle itself.
+// elsewhere is foreign. Configures the mapper, which empties it.
+// With labels a return has the class its label stands for, and one that the file does not name is
+// ignored. Without labels geometry decides (core/segmentation). A return labelled as a person is
+// never taken for the vehicle itself.
 // On failure the status and a one-line message that names the file.
-ReadOutcome LoadLidarScan(const LidarScanRequest& request, ScanRing& ring, HeightGrid& grid,
-                          LidarScanReport& report);
+ReadOutcome LoadLidarScan(const LidarScanRequest& request, Mapper& mapper, LidarScanReport& report);
 
 }  // namespace hardpack::capture

@@ -117,11 +117,11 @@ void AddBenchCommand(CLI::App& app) {
       "bench",
       "Measure the stages on built-in maps: median, p99 and worst time, size of each stage's\n"
       "object, heap allocations during the measured calls (exit code 1 when there is one).\n"
-      "Scenes: random_10, random_25, random_40, forest, maze, open; a revolution for decode, "
-      "scan.");
+      "Scenes: random_10, random_25, random_40, forest, maze, open; a lidar revolution for "
+      "decode, column and costmap.");
   const auto options = std::make_shared<BenchOptions>();
   bench->add_option("STAGE", options->stages,
-                    "decode, scan, costmap, astar, sample, optimizer, speed, check, plan; all of "
+                    "decode, column, costmap, astar, sample, optimizer, speed, check, plan; all of "
                     "them when none is named");
   bench->add_flag("--json", options->json, "Print one JSON object on stdout");
   CLI::App* movingai = bench->add_subcommand(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/hardpack/bench_revolution.h"
 
+#include <algorithm>
 #include <iterator>
 
 #include "core/base/math.h"
@@ -13,6 +14,8 @@ namespace {
 
 constexpr uint32_t kSeed = 1;
 constexpr uint16_t kLidarPort = 7502;
+constexpr uint64_t kStart_ns = 1'000'000'000;
+constexpr uint64_t kColumnPeriod_ns = 97'656;  // 1024 columns in 0.1 s
 
 // Keeps the worse of two statuses, so that one look at the end is enough.
 void Worsen(Status status, Status& worst) {
@@ -59,34 +62,87 @@ BenchRow RevolutionBench::Decode() {
   return row;
 }
 
-Status RevolutionBench::FileColumn(const LidarColumn& column, const Transform3& odom_from_sensor) {
-  const Status pushed = ring_->Push(column, odom_from_sensor, ReturnClass::kHard);
-  const SinCosPair encoder = EncoderSinCos(model_, column.measurement_id);
-  for (int row = 0; row < column.beams; ++row) {
-    const PackedReturn one = ring_->at(column.measurement_id, row);
-    if (one.range_mm() == 0) continue;
-    const Vec3 point = PointInSensor(model_, encoder, row, one.range_mm());
-    const Status inserted = heights_->Insert(odom_from_sensor.Apply(point), one.return_class());
-    (void)inserted;  // a return off the map is no failure of the bench
+void RevolutionBench::StartMapper(bool use_labels) {
+  PerceptionParams params;
+  params.mapping.use_labels = use_labels ? 1 : 0;
+  Worsen(mapper_->Configure(params, CostmapParams{}, RellisLabelTable(), model_,
+                            metadata_.column_window_first, metadata_.column_window_last),
+         status_);
+  taken_ = 0;
+}
+
+// What a column brings with it on board: its number, its time, and now and then a pose and a tick.
+void RevolutionBench::Prepare() {
+  constexpr uint64_t kColumnsATick = 102;
+  const uint64_t now_ns = kStart_ns + taken_ * kColumnPeriod_ns;
+  if (taken_ % kColumnsATick == 0) {
+    Worsen(mapper_->AddPose({.time_ns = now_ns}), status_);
+    mapper_->Advance(now_ns);
   }
-  return pushed;
+  LidarColumn& column = columns_[taken_ % columns_.size()];
+  column.frame_id = static_cast<uint16_t>(taken_ / columns_.size());
 }
 
-void RevolutionBench::FileRevolution() {
-  const Transform3 odom_from_sensor = BodyFromSensor(mount_);
-  for (const LidarColumn& column : columns_) Worsen(FileColumn(column, odom_from_sensor), status_);
+void RevolutionBench::TakeColumn() {
+  const LidarColumn& column = columns_[taken_ % columns_.size()];
+  Worsen(mapper_->AddColumn(column, kStart_ns + taken_ * kColumnPeriod_ns), status_);
+  ++taken_;
 }
 
-BenchRow RevolutionBench::Scan() {
-  BenchRow row = {.stage = "scan",
-                  .scene = "revolution",
-                  .object_bytes = sizeof(ScanRing) + sizeof(HeightGrid)};
-  MeasureRow(
-      [this] {
-        Worsen(ring_->Configure(model_.beams, model_.columns_per_revolution), status_);
-        Worsen(heights_->Reset({}), status_);
-      },
-      [this] { FileRevolution(); }, row);
+// Of the column a revolution before the last one: trees everywhere.
+void RevolutionBench::TakeLabels() {
+  if (taken_ <= columns_.size()) return;
+  constexpr uint8_t kTree = 4;
+  const uint64_t labelled = taken_ - 1 - columns_.size();
+  labels_.frame_id = static_cast<uint16_t>(labelled / columns_.size());
+  labels_.measurement_id = static_cast<uint16_t>(labelled % columns_.size());
+  labels_.beams = model_.beams;
+  std::fill(std::begin(labels_.label), std::end(labels_.label), kTree);
+  Worsen(mapper_->AddLabels(labels_), status_);
+}
+
+BenchRow RevolutionBench::Column(const char* scene, bool use_labels) {
+  BenchRow row = {.stage = "column", .scene = scene, .object_bytes = sizeof(Mapper)};
+  StartMapper(use_labels);
+  const auto take = [this, use_labels] {
+    TakeColumn();
+    if (use_labels) TakeLabels();
+  };
+  for (size_t i = 0; i < 2 * columns_.size(); ++i) {  // until it runs steadily
+    Prepare();
+    take();
+  }
+  MeasureRow([this] { Prepare(); }, take, row);
+  row.status = status_;
+  return row;
+}
+
+BenchRow RevolutionBench::ColumnByGeometry() {
+  return Column("geometry", false);
+}
+
+BenchRow RevolutionBench::ColumnWithLabels() {
+  return Column("labels", true);
+}
+
+BenchRow RevolutionBench::Costmap() {
+  BenchRow row = {
+      .stage = "costmap", .scene = "revolution", .object_bytes = sizeof(CostmapBuilder)};
+  constexpr int kAllUnits = 1'000'000;
+  if (taken_ == 0) (void)ColumnWithLabels();
+  MeasureRow([] {},
+             [this] {
+               Worsen(builder_->Begin(mapper_->heights(), CostmapParams{}), status_);
+               const uint32_t since = mapper_->fold_count();
+               while (builder_->StepHeights(mapper_->heights(), kAllUnits) == Progress::kBusy) {
+               }
+               for (int slot = 0; slot < mapper_->ring().slots(); ++slot) {
+                 mapper_->MarkPending(slot, since, *builder_);
+               }
+               while (builder_->StepCells(kAllUnits) == Progress::kBusy) {
+               }
+             },
+             row);
   row.status = status_;
   return row;
 }

@@ -168,26 +168,37 @@ void MeasureScene(const BenchScene& scene, const std::vector<std::string>& stage
   if (Wanted(stages, "plan")) (void)report("plan", &StageChain::Plan);
 }
 
+void MeasureRevolution(const std::vector<std::string>& stages, std::vector<BenchRow>& rows) {
+  struct Measure {
+    const char* stage;
+    BenchRow (RevolutionBench::*run)();
+  };
+  constexpr Measure kMeasures[] = {{"decode", &RevolutionBench::Decode},
+                                   {"column", &RevolutionBench::ColumnByGeometry},
+                                   {"column", &RevolutionBench::ColumnWithLabels},
+                                   {"costmap", &RevolutionBench::Costmap}};
+  const bool any = std::any_of(std::begin(kMeasures), std::end(kMeasures),
+                               [&](const Measure& one) { return Wanted(stages, one.stage); });
+  if (!any) return;
+  RevolutionBench bench;
+  for (const Measure& one : kMeasures) {
+    if (Wanted(stages, one.stage)) rows.push_back((bench.*one.run)());
+  }
+}
+
 }  // namespace
 
 const std::vector<std::string>& BenchStageNames() {
-  static const std::vector<std::string> names = {"decode",    "scan",  "costmap", "astar", "sample",
-                                                 "optimizer", "speed", "check",   "plan"};
+  static const std::vector<std::string> names = {
+      "decode", "column", "costmap", "astar", "sample", "optimizer", "speed", "check", "plan"};
   return names;
 }
 
 std::vector<BenchRow> MeasureStages(const std::vector<std::string>& stages) {
   std::vector<BenchRow> rows;
-  if (Wanted(stages, "decode") || Wanted(stages, "scan")) {
-    RevolutionBench bench;
-    for (BenchRow (RevolutionBench::*measure)() :
-         {&RevolutionBench::Decode, &RevolutionBench::Scan}) {
-      const BenchRow row = (bench.*measure)();
-      if (Wanted(stages, row.stage)) rows.push_back(row);
-    }
-  }
+  MeasureRevolution(stages, rows);
   const bool any_of_planning = std::any_of(stages.begin(), stages.end(), [](const auto& name) {
-    return name != "decode" && name != "scan";
+    return name != "decode" && name != "column";
   });
   if (!any_of_planning) return rows;
   for (const BenchScene& scene : MakeBenchScenes()) MeasureScene(scene, stages, rows);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/hardpack/parameter_list.h"
 
+#include <algorithm>
 #include <array>
 #include <sstream>
+#include <string_view>
 
 #include "config/validate.h"
 #include "tools/hardpack/arguments.h"
@@ -18,7 +20,7 @@ void ForEachParameter(ParametersType& parameters, Visit&& visit) {
     for (const auto& entry : table) visit(entry, group);
   };
   VisitParameters(parameters.planner, visit_table);
-  VisitParameters(parameters.mount, visit_table);
+  VisitParameters(parameters.perception, visit_table);
 }
 
 std::vector<std::string> AllNames() {
@@ -29,6 +31,23 @@ std::vector<std::string> AllNames() {
   return names;
 }
 
+constexpr std::array<const char*, 5> kClassNames = {"ignored", "ground", "soft", "hard", "person"};
+constexpr std::string_view kLabelPrefix = "labels.";
+
+void SetLabelFromText(const std::string& name, const std::string& text, LabelTable& table) {
+  const double code = ParseNumber("--param " + name, name.substr(kLabelPrefix.size()));
+  if (!(code >= 0.0 && code < kLabelCodes) || code != static_cast<int>(code)) {
+    throw CommandFailure(kBadInput, "--param " + name + ": a label code is 0 .. 255");
+  }
+  const auto known = std::find(kClassNames.begin(), kClassNames.end(), text);
+  if (known == kClassNames.end()) {
+    throw CommandFailure(kBadInput, "--param " + name + ": '" + text +
+                                        "' is not ignored, ground, soft, hard or person");
+  }
+  table.class_of[static_cast<size_t>(code)] =
+      static_cast<ReturnClass>(std::distance(kClassNames.begin(), known));
+}
+
 void SetFromText(const std::string& assignment, Parameters& parameters) {
   const size_t equals = assignment.find('=');
   if (equals == std::string::npos) {
@@ -36,6 +55,7 @@ void SetFromText(const std::string& assignment, Parameters& parameters) {
   }
   const std::string name = assignment.substr(0, equals);
   const std::string text = assignment.substr(equals + 1);
+  if (name.starts_with(kLabelPrefix)) return SetLabelFromText(name, text, parameters.labels);
   bool found = false;
   ForEachParameter(parameters, [&](const auto& entry, auto& group) {
     if (entry.full_name != name) return;
@@ -60,7 +80,7 @@ void SetParameters(const std::vector<std::string>& assignments, Parameters& para
   for (const std::string& assignment : assignments) SetFromText(assignment, parameters);
   // Each is within its own range; what is left is that one exceeds another that it must not.
   for (const char* name :
-       {FirstInvalidParameter(parameters.planner), FirstInvalidParameter(parameters.mount)}) {
+       {FirstInvalidParameter(parameters.planner), FirstInvalidParameter(parameters.perception)}) {
     if (name == nullptr) continue;
     throw CommandFailure(kBadInput,
                          "--param " + std::string(name) +
@@ -79,6 +99,11 @@ nlohmann::json ParametersToJson(const Parameters& parameters) {
       value = static_cast<int>(entry.Get(group));
     }
   });
+  for (int code = 0; code < kLabelCodes; ++code) {
+    const ReturnClass meaning = parameters.labels.class_of[code];
+    if (meaning == ReturnClass::kHard) continue;
+    groups["labels"][kClassNames[static_cast<size_t>(meaning)]].push_back(code);
+  }
   return groups;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "config/parameters.h"
+#include "core/segmentation/label_table.h"
 #include "nlohmann/json.hpp"
 
 // The parameters as the command line sees them: by name, checked against the one table of ranges.
@@ -13,14 +14,17 @@ namespace hardpack::command {
 
 struct Parameters {
   PlannerParams planner;
-  LidarMountParams mount;
+  PerceptionParams perception;
+  LabelTable labels = RellisLabelTable();
 };
 
-// "group.name=value" for each; a CommandFailure (bad input) for an unknown name (with the nearest
-// known one), a value that is no number or a value out of the table's range.
+// "group.name=value" for each, or "labels.CODE=CLASS" (ignored, ground, soft, hard, person); a
+// CommandFailure (bad input) for an unknown name (with the nearest known one), a value that is no
+// number or a value out of the table's range.
 void SetParameters(const std::vector<std::string>& assignments, Parameters& parameters);
 
-// {"costmap": {"halo_m": 2.0, ...}, ...}
+// {"costmap": {"halo_m": 2.0, ...}, ..., "labels": {"ignored": [0, 7], ...}}; codes that are not
+// listed are hard.
 nlohmann::json ParametersToJson(const Parameters& parameters);
 
 }  // namespace hardpack::command

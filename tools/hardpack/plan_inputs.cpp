@@ -70,21 +70,22 @@ PlannedInput PlanOnLidar(const LidarFiles& files, const Parameters& parameters,
                          const PlanRequest& request) {
   PlannedInput input;
   const Stopwatch stopwatch;
-  const auto ring = std::make_unique<ScanRing>();
-  const auto heights = std::make_unique<HeightGrid>();
+  const auto mapper = std::make_unique<Mapper>();
   capture::LidarScanReport scan;
-  constexpr float kGround_m = 0.0f;
-  Require(
-      capture::LoadLidarScan({.capture_path = files.capture,
-                              .metadata_path = files.metadata,
-                              .labels_path = files.labels,
-                              .mount = parameters.mount,
-                              .odom_from_body = TransformFromPose(request.start.pose, kGround_m)},
-                             *ring, *heights, scan));
+  const Pose2& start = request.start.pose;
+  Require(capture::LoadLidarScan(
+      {.capture_path = files.capture,
+       .metadata_path = files.metadata,
+       .labels_path = files.labels,
+       .perception = parameters.perception,
+       .costmap = parameters.planner.costmap,
+       .labels = parameters.labels,
+       .pose = {.position = {start.x_m, start.y_m, 0.0f}, .yaw_rad = start.theta_rad}},
+      *mapper, scan));
   input.report = LidarReport(files, scan);
   input.load_us = stopwatch.us();
-  input.begin_status = input.planner->Begin(*heights, parameters.planner, request);
-  if (IsUsable(input.begin_status)) input.times = RunToEnd(*input.planner, *heights);
+  input.begin_status = input.planner->Begin(*mapper, parameters.planner, request);
+  if (IsUsable(input.begin_status)) input.times = RunToEnd(*input.planner, *mapper);
   return input;
 }
 

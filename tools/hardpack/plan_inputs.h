@@ -5,7 +5,6 @@
 #include <string>
 
 #include "core/autonomy/planner.h"
-#include "core/costmap/height_grid.h"
 #include "nlohmann/json.hpp"
 #include "tools/hardpack/parameter_list.h"
 #include "tools/hardpack/planner_run.h"

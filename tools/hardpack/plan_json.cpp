@@ -55,7 +55,8 @@ json TimesJson(const PlanReport& report) {
   const StageTimes& times = report.times;
   const auto rounded = [](double us) { return std::round(us * 10.0) / 10.0; };
   return {{"load", rounded(report.load_us)},
-          {"costmap", rounded(times.of(PlanStage::kCostmap))},
+          {"costmap", rounded(times.of(PlanStage::kHeights) + times.of(PlanStage::kPending) +
+                              times.of(PlanStage::kCostmap))},
           {"search", rounded(times.of(PlanStage::kSearch))},
           {"sample", rounded(times.of(PlanStage::kSample))},
           {"optimize", rounded(times.of(PlanStage::kOptimize))},

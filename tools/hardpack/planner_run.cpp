@@ -31,8 +31,8 @@ double StageTimes::total_us() const {
   return std::accumulate(us.begin(), us.end(), 0.0);
 }
 
-StageTimes RunToEnd(Planner& planner, const HeightGrid& heights) {
-  return Run(planner, [&] { return planner.Step(heights, kSliceUnits); });
+StageTimes RunToEnd(Planner& planner, const Mapper& mapper) {
+  return Run(planner, [&] { return planner.Step(mapper, kSliceUnits); });
 }
 
 StageTimes RunCellsToEnd(Planner& planner) {

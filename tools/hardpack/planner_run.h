@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdint>
 
+#include "core/autonomy/mapper.h"
 #include "core/autonomy/planner.h"
-#include "core/costmap/height_grid.h"
 
 // Runs a Planner that has begun to its end, and says how long each stage took.
 
@@ -21,7 +21,7 @@ struct StageTimes {
 
 // The planner is stepped in slices, and a slice counts for the stage it began in. A slice is short
 // beside a stage, so what is misplaced at the seams is below a percent of either.
-StageTimes RunToEnd(Planner& planner, const HeightGrid& heights);
+StageTimes RunToEnd(Planner& planner, const Mapper& mapper);
 StageTimes RunCellsToEnd(Planner& planner);
 
 }  // namespace hardpack::command

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <random>
 
@@ -55,13 +56,12 @@ class ScanLoader : public testing::Test {
  protected:
   void SetUp() override {
     request_.metadata_path = metadata_.path();
-    request_.mount = LidarMountParams{};
-    request_.mount.yaw_rad = 0.0f;
-    request_.mount.z_m = 1.0f;
-    request_.mount.self_min_x_m = -2.0f;
-    request_.mount.self_max_x_m = -0.5f;
-    request_.mount.min_range_m = 0.5f;
-    request_.mount.max_range_m = 120.0f;
+    request_.perception.mount.yaw_rad = 0.0f;
+    request_.perception.mount.z_m = 1.0f;
+    request_.perception.mount.self_min_x_m = -2.0f;
+    request_.perception.mount.self_max_x_m = -0.5f;
+    request_.perception.mount.min_range_m = 0.5f;
+    request_.perception.mount.max_range_m = 120.0f;
   }
   void AddPacket(int frame_id, int index, uint32_t range_mm) {
     capture_.Add(Ethernet(Ipv4(Udp(Packet(frame_id, index, range_mm)))));
@@ -71,15 +71,34 @@ class ScanLoader : public testing::Test {
   }
   ReadOutcome Load() {
     request_.capture_path = capture_.Write();
-    return LoadLidarScan(request_, *ring_, *grid_, report_);
+    return LoadLidarScan(request_, *mapper_, report_);
+  }
+
+  // Where the column lies in the ring; -1: it is not in it.
+  int SlotOf(int measurement_id) const {
+    const ScanRing& ring = mapper_->ring();
+    for (int slot = 0; slot < ring.slots(); ++slot) {
+      const ScanColumn& column = ring.column(slot);
+      if (column.state != ColumnState::kAbsent && column.measurement_id == measurement_id) {
+        return slot;
+      }
+    }
+    return -1;
+  }
+  // The first point within a centimetre of (x, y).
+  const ClassedPoint* PointAt(float x_m, float y_m) const {
+    for (const ClassedPoint& point : report_.points) {
+      const Vec3& p = point.point_odom;
+      if (std::abs(p.x_m - x_m) < 0.01f && std::abs(p.y_m - y_m) < 0.01f) return &point;
+    }
+    return nullptr;
   }
 
   TextFile metadata_{LevelSensor()};
   CaptureFile capture_;
   LidarScanRequest request_;
   LidarScanReport report_;
-  std::unique_ptr<ScanRing> ring_ = std::make_unique<ScanRing>();
-  std::unique_ptr<HeightGrid> grid_ = std::make_unique<HeightGrid>();
+  std::unique_ptr<Mapper> mapper_ = std::make_unique<Mapper>();
 };
 
 TEST_F(ScanLoader, TakesTheFirstCompleteRevolution) {
@@ -92,7 +111,7 @@ TEST_F(ScanLoader, TakesTheFirstCompleteRevolution) {
   EXPECT_EQ(report_.columns, kColumns);
   EXPECT_EQ(report_.missing_columns, 0);
   EXPECT_EQ(report_.returns, kColumns * kBeams);
-  EXPECT_EQ(ring_->at(0, 0).range_mm(), 4000u);
+  EXPECT_EQ(mapper_->ring().at(SlotOf(0), 0).range_mm(), 4000u);
   EXPECT_EQ(report_.packets, kPacketsPerRevolution - 20 + kPacketsPerRevolution);
 }
 
@@ -104,7 +123,7 @@ TEST_F(ScanLoader, TakesTheFullestWhenNoneIsComplete) {
   EXPECT_EQ(report_.frame_id, 8);
   EXPECT_EQ(report_.columns, kColumns - 16);
   EXPECT_EQ(report_.missing_columns, 16);
-  EXPECT_FALSE(ring_->column(0).present);
+  EXPECT_EQ(SlotOf(0), -1);
 }
 
 TEST_F(ScanLoader, TakesPacketsInAnyOrderAndRepeated) {
@@ -119,7 +138,7 @@ TEST_F(ScanLoader, TakesPacketsInAnyOrderAndRepeated) {
   ASSERT_TRUE(Load().ok());
   EXPECT_EQ(report_.frame_id, 8);
   EXPECT_EQ(report_.missing_columns, 0);
-  EXPECT_EQ(ring_->counters().duplicates, 0u);
+  EXPECT_EQ(mapper_->ring().counters().duplicates, 0u);
 }
 
 TEST_F(ScanLoader, CountsForeignPackets) {
@@ -154,18 +173,18 @@ TEST_F(ScanLoader, ExpectsOnlyTheSensorsWindow) {
 // (100, 54), what is behind it (column 256) at (100, 46).
 TEST_F(ScanLoader, PutsReturnsWhereThePoseSays) {
   AddRevolution(8, 0, kPacketsPerRevolution, 4000);
-  request_.odom_from_body = TransformFromPose({100.0f, 50.0f, kHalfPi}, 0.5f);
+  request_.pose = {.position = {100.0f, 50.0f, 0.5f}, .yaw_rad = kHalfPi};
   ASSERT_TRUE(Load().ok());
   ASSERT_EQ(report_.points.size(), static_cast<size_t>(kColumns * kBeams));
-  const Vec3& ahead = report_.points.front().point_odom;
-  EXPECT_NEAR(ahead.x_m, 100.0f, 1e-3f);
-  EXPECT_NEAR(ahead.y_m, 54.0f, 1e-3f);
-  EXPECT_NEAR(ahead.z_m, 1.5f, 1e-3f);
-  EXPECT_EQ(report_.points.front().return_class, ReturnClass::kHard);
-  EXPECT_EQ(grid_->window(), GridWindow::CenteredAt({100.0f, 50.0f}));
-  const HeightGrid::CellHeights heights = grid_->At(CellAt({ahead.x_m, ahead.y_m}));
-  EXPECT_EQ(heights.highest_hard_cm, 150);
-  EXPECT_EQ(grid_->At(CellAt({100.0f, 52.0f})).lowest_cm, HeightGrid::kNone);
+  const ClassedPoint* const ahead = PointAt(100.0f, 54.0f);
+  ASSERT_NE(ahead, nullptr);
+  EXPECT_NE(PointAt(100.0f, 46.0f), nullptr);
+  EXPECT_NEAR(ahead->point_odom.z_m, 1.5f, 1e-3f);
+  EXPECT_EQ(ahead->return_class, ReturnClass::kHard);
+  const HeightGrid& grid = mapper_->heights();
+  EXPECT_EQ(grid.window(), GridWindow::CenteredAt({100.0f, 50.0f}));
+  EXPECT_EQ(grid.At(CellAt({100.0f, 54.0f})).highest_hard_cm, 150);
+  EXPECT_EQ(grid.At(CellAt({100.0f, 52.0f})).highest_hard_cm, HeightGrid::kNone);
 }
 
 //   behind, within 2 m and half a box width: the vehicle itself
@@ -176,7 +195,7 @@ TEST_F(ScanLoader, LeavesOutTheVehicleItself) {
   EXPECT_EQ(report_.returns, kColumns * kBeams);
   EXPECT_EQ(static_cast<int64_t>(report_.points.size()), report_.returns - report_.self_returns);
   for (const ClassedPoint& point : report_.points) {
-    EXPECT_FALSE(IsSelfReturn(request_.mount, point.point_odom, 1.5f));
+    EXPECT_FALSE(IsSelfReturn(request_.perception.mount, point.point_odom, 1.5f));
   }
 }
 
@@ -201,14 +220,13 @@ TEST_F(ScanLoader, ClassesReturnsByTheirLabels) {
   ASSERT_EQ(report_.points.size(), 4u);
   EXPECT_EQ(report_.points[0].return_class, ReturnClass::kPerson);
   EXPECT_EQ(report_.points[1].return_class, ReturnClass::kSoft);
-  EXPECT_EQ(report_.points[2].return_class, ReturnClass::kGround);
   EXPECT_EQ(report_.points[3].return_class, ReturnClass::kHard);
-  EXPECT_TRUE(grid_->At(CellAt({4.0f, 0.0f})).person);
-  EXPECT_TRUE(ring_->at(0, 0).labelled());
+  EXPECT_TRUE(mapper_->heights().At(CellAt({4.0f, 0.0f})).person);
+  EXPECT_TRUE(mapper_->ring().at(SlotOf(0), 0).labelled());
 }
 
 TEST_F(ScanLoader, CountsReturnsOffTheGrid) {
-  request_.mount.max_range_m = 500.0f;
+  request_.perception.mount.max_range_m = 500.0f;
   AddRevolution(8, 0, kPacketsPerRevolution, 200000);
   ASSERT_TRUE(Load().ok());
   EXPECT_EQ(report_.returns_off_grid, kColumns * kBeams);
@@ -216,14 +234,6 @@ TEST_F(ScanLoader, CountsReturnsOffTheGrid) {
 
 TEST_F(ScanLoader, NamesTheFileOfWhatIsWrong) {
   AddRevolution(8, 0, kPacketsPerRevolution, 4000);
-  const TextFile unsupported(LevelSensor(R"(, "udp_profile_lidar": "RNG15_RFL8_NIR8")"));
-  request_.metadata_path = unsupported.path();
-  ReadOutcome outcome = Load();
-  EXPECT_EQ(outcome.status, Status::kUnsupported);
-  EXPECT_EQ(outcome.message,
-            unsupported.path() +
-                ": udp_profile_lidar: packets of this profile are not decoded (unsupported)");
-
   request_.metadata_path = "/nowhere.json";
   EXPECT_EQ(Load().message, "/nowhere.json: cannot be opened (No such file or directory)");
 
@@ -232,11 +242,14 @@ TEST_F(ScanLoader, NamesTheFileOfWhatIsWrong) {
   EXPECT_EQ(Load().message, "/nowhere.csv: cannot be opened (No such file or directory)");
 
   request_.labels_path = "";
-  request_.odom_from_body.translation.x_m = std::numeric_limits<float>::quiet_NaN();
+  request_.pose.position.x_m = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(Load().status, Status::kNotFinite);
-  request_.odom_from_body.translation.x_m = 0.0f;
-  request_.odom_from_body.rotation[4] = std::numeric_limits<float>::infinity();
+  request_.pose.position.x_m = 0.0f;
+  request_.pose.roll_rad = std::numeric_limits<float>::infinity();
   EXPECT_EQ(Load().status, Status::kNotFinite);
+  request_.pose.roll_rad = 0.0f;
+  request_.perception.mapping.ageing_revolutions = 0;
+  EXPECT_EQ(Load().message, "parameters: out of their range");
 }
 
 TEST_F(ScanLoader, SaysWhenACaptureHoldsNoPacketOfTheSensor) {
@@ -255,14 +268,14 @@ TEST_F(ScanLoader, LoadsTheRecordedScanWithItsLabels) {
   request_.capture_path = base + "os1-64_2048x10_legacy_reencoded.pcap";
   request_.metadata_path = base + "os1-64_2048x10_legacy_reencoded.json";
   request_.labels_path = base + "labelled.csv";
-  request_.mount.z_m = 1.284f;
+  request_.perception.mount.z_m = 1.284f;
   // The box that holds what the data set leaves unlabelled around the sensor; the person standing
   // beside it begins at y = 2.0 m.
-  request_.mount.self_min_x_m = -1.95f;
-  request_.mount.self_max_x_m = -0.6f;
-  request_.mount.self_max_abs_y_m = 2.0005f;
-  request_.mount.self_max_z_m = 1.95f;
-  const ReadOutcome outcome = LoadLidarScan(request_, *ring_, *grid_, report_);
+  request_.perception.mount.self_min_x_m = -1.95f;
+  request_.perception.mount.self_max_x_m = -0.6f;
+  request_.perception.mount.self_max_abs_y_m = 2.0005f;
+  request_.perception.mount.self_max_z_m = 1.95f;
+  const ReadOutcome outcome = LoadLidarScan(request_, *mapper_, report_);
   ASSERT_TRUE(outcome.ok()) << outcome.message;
   EXPECT_EQ(report_.frame_id, 104);
   EXPECT_EQ(report_.packets, 128);

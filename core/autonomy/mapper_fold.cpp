@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+// How columns leave the ring: by their labels, by the deadline, and into every build meanwhile.
+#include "core/autonomy/mapper.h"
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
+#include "core/base/saturate.h"
+
+namespace hardpack {
+namespace {
+
+constexpr float kCentimetersPerMeter = 100.0f;
+
+}  // namespace
+
+Status Mapper::AddLabels(const ColumnLabels& labels) {
+  if (!configured_) return Status::kNotStarted;
+  if (labels.beams != model_.beams) return Status::kInvalidArgument;
+  int64_t sequence = -1;
+  const Status found = ring_.FindForLabels(labels.frame_id, labels.measurement_id, sequence);
+  if (!IsUsable(found)) return found;
+  const int slot = ring_.SlotOf(sequence);
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int row = 0; row < model_.beams; ++row) {
+    PackedReturn packed = ring_.at(slot, row);
+    if (packed.range_mm() == 0) continue;
+    const bool known = packed.height_known();
+    const float height_m =
+        known ? static_cast<float>(packed.height_cm()) / kCentimetersPerMeter : 0.0f;
+    const ReturnClass said = table_.class_of[labels.label[row]];
+    packed.SetClass(CheckedLabel(said, height_m, known, obstacle_height_m_), true);
+    ring_.Set(slot, row, packed);
+  }
+  ring_.MarkLabelled(slot);
+  if (ring_.column(slot).state == ColumnState::kClassed) Fold(slot);
+  return Status::kOk;
+}
+
+// What a return is filed as: nothing (kIgnored) for the vehicle itself, what hangs over the way,
+// and ground that was filed when it was classed. A person is filed wherever the label finds one.
+ReturnClass Mapper::FiledClass(PackedReturn packed) const {
+  const ReturnClass what = packed.return_class();
+  if (packed.range_mm() == 0) return ReturnClass::kIgnored;
+  if (packed.self() && what != ReturnClass::kPerson) return ReturnClass::kIgnored;
+  if (what == ReturnClass::kGround && !packed.labelled()) return ReturnClass::kIgnored;
+  return what;
+}
+
+bool Mapper::IsOverhead(PackedReturn packed) const {
+  return packed.height_known() && packed.height_cm() > clearance_cm_;
+}
+
+uint32_t Mapper::RevolutionOf(int64_t sequence) const {
+  return static_cast<uint32_t>(sequence / model_.columns_per_revolution);
+}
+
+Vec3 Mapper::PointOdom(const ScanColumn& column, int row, PackedReturn packed) const {
+  const SinCosPair encoder = EncoderSinCos(model_, column.measurement_id);
+  return column.odom_from_sensor.Apply(PointInSensor(model_, encoder, row, packed.range_mm()));
+}
+
+void Mapper::Fold(int slot) {
+  const ScanColumn& column = ring_.column(slot);
+  const uint32_t revolution = RevolutionOf(column.sequence);
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int row = 0; row < model_.beams; ++row) {
+    const PackedReturn packed = ring_.at(slot, row);
+    const ReturnClass what = FiledClass(packed);
+    if (what == ReturnClass::kIgnored) continue;
+    if (what != ReturnClass::kGround && IsOverhead(packed)) {
+      ++counters_.overhead_returns;
+      continue;
+    }
+    if (!IsUsable(heights_.Insert(PointOdom(column, row, packed), what, revolution))) {
+      ++counters_.returns_off_map;
+    }
+  }
+  if (column.labelled) {
+    ++counters_.folded_with_labels;
+  } else {
+    ++counters_.folded_without_labels;
+  }
+  ring_.MarkFolded(slot);
+}
+
+void Mapper::Advance(uint64_t now_ns) {
+  if (!configured_) return;
+  const bool fell_silent = !silent_ && ring_.newest_sequence() >= 0 &&
+                           now_ns > newest_time_ns_ + static_cast<uint64_t>(kSilence_ns);
+  if (fell_silent) {
+    silent_ = true;
+    EndDirections();
+    ring_.EndRevolution();
+  }
+  const bool all = FoldPending(now_ns, restarting_ ? 0 : deadline_ns_);
+  if (restarting_ && all) {
+    restarting_ = false;
+    fold_next_ = -1;
+    ring_.Restart();
+  }
+}
+
+// Folds pending columns in order, until one that was taken less than deadline_ns ago, or the work
+// of one tick is done. True when none is left.
+bool Mapper::FoldPending(uint64_t now_ns, uint64_t deadline_ns) {
+  const int64_t newest = ring_.newest_sequence();
+  if (fold_next_ < 0) return true;
+  if (fold_next_ <= newest - ring_.slots()) fold_next_ = newest - ring_.slots() + 1;
+  int folded = 0;
+  HP_LOOP_BOUND(ScanRing::kMaxColumns)
+  for (; fold_next_ <= newest && folded < kMaxFolds; ++fold_next_) {
+    if (!ring_.Holds(fold_next_)) continue;
+    const int slot = ring_.SlotOf(fold_next_);
+    const ScanColumn& column = ring_.column(slot);
+    if (column.state == ColumnState::kFolded) continue;
+    if (column.state == ColumnState::kRaw || column.time_ns + deadline_ns > now_ns) return false;
+    Fold(slot);
+    ++folded;
+  }
+  return fold_next_ > newest;
+}
+
+void Mapper::Finish() {
+  if (!configured_) return;
+  EndDirections();
+  ring_.EndRevolution();
+  silent_ = true;
+  HP_LOOP_BOUND(ScanRing::kMaxColumns / kMaxFolds + 1)
+  while (!FoldPending(UINT64_MAX, 0)) {
+  }
+}
+
+void Mapper::MarkPending(int slot, uint32_t since, CostmapBuilder& builder) const {
+  const ScanColumn& column = ring_.column(slot);
+  // Differences, because the counter wraps.
+  const bool folded_since =
+      column.state == ColumnState::kFolded && static_cast<int32_t>(column.fold_count - since) >= 0;
+  if (column.state != ColumnState::kClassed && !folded_since) return;
+  const GridWindow& window = builder.result().window;
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int row = 0; row < model_.beams; ++row) {
+    const PackedReturn packed = ring_.at(slot, row);
+    const uint8_t flags = PendingFlags(packed);
+    if (flags == 0) continue;
+    const Vec3 point = PointOdom(column, row, packed);
+    const Cell cell = CellAt({point.x_m, point.y_m});
+    if (window.Contains(cell)) builder.Mark(window.Index(cell), flags);
+  }
+}
+
+// What a return by itself makes of its cell, by the obstacle rule with the local ground that the
+// segmenter found. Where that is not known: hard stays hard, and soft soft.
+uint8_t Mapper::PendingFlags(PackedReturn packed) const {
+  const ReturnClass what = FiledClass(packed);
+  if (what == ReturnClass::kIgnored || what == ReturnClass::kGround || IsOverhead(packed)) return 0;
+  const bool high = !packed.height_known() || packed.height_cm() > obstacle_cm_;
+  if (what == ReturnClass::kPerson) return Costmap::kHard | Costmap::kPerson;
+  if (!high) return 0;
+  return what == ReturnClass::kHard ? Costmap::kHard : Costmap::kSoft;
+}
+
+}  // namespace hardpack
