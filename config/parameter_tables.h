@@ -218,9 +218,20 @@ inline constexpr std::array kSegmentationTable = {
     HP_SEGMENTATION(max_ground_slope, 0.05f, 2.0f,
                     "Rise over level distance up to which a surface can be ground; 25 degrees are "
                     "0.47 (ours)."),
+    HP_SEGMENTATION(ground_band_m, 0.0f, 0.5f,
+                    "A return no higher above the local ground, and no lower below it, than this "
+                    "is ground (ours)."),
+    HP_SEGMENTATION(carry_m, 0.0f, 50.0f,
+                    "Beyond the last ground return of a direction the ground is carried on and "
+                    "taken as known so far (ours)."),
     HP_SEGMENTATION(isolation_m, 0.05f, 5.0f,
                     "A return whose neighbours in the range image are all further away in range "
                     "than this is rain or dust, and is ignored (ours)."),
+    HP_SEGMENTATION(roughness_m, 0.01f, 0.5f,
+                    "Returns of one surface lie within this of it: the noise of the range and the "
+                    "texture of walls, bark and clothes. What scatters more is vegetation (ours)."),
+    HP_SEGMENTATION(max_soft_height_m, 0.0f, 10.0f,
+                    "Vegetation that reaches higher above the ground is a tree, and hard (ours)."),
     HP_SEGMENTATION(bridge_factor, 0.0f, 10.0f,
                     "Ground between two ground returns counts as observed up to this many spacings "
                     "of the rings on flat ground (ours)."),

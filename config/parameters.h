@@ -110,7 +110,11 @@ struct LidarMountParams {
 // What a return is by geometry alone (core/segmentation), and where ground counts as observed.
 struct SegmentationParams {
   float max_ground_slope = 0.55f;  // rise over level distance of drivable ground
+  float ground_band_m = 0.2f;      // what is no higher above the ground is ground
+  float carry_m = 5.0f;            // beyond its last return the ground is known so far
   float isolation_m = 0.4f;        // a return with no neighbour so near in range is rain or dust
+  float roughness_m = 0.08f;       // returns of one surface lie so near to it
+  float max_soft_height_m = 2.0f;  // what reaches higher is a tree, and hard
   float bridge_factor = 1.5f;      // ring spacings that observed ground may bridge
   float bridge_max_slope = 0.3f;   // and the slope that it may have
 };
