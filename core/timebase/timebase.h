@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 #include "core/base/result.h"
@@ -13,35 +14,57 @@
 // two clocks by forgetting what is older than its window, and tells a jump of the device's clock (a
 // reboot, a step by its time server) from late datagrams. It does not estimate the smallest delay
 // itself, which stays in the offset. Integer nanoseconds; no clock is read here.
+//
+// How far ToHost is off the moment of a stamp of now, after the first window, if every window
+// brings a datagram that was delayed by no more than delay_short, none is delayed by less than
+// delay_min, the clocks drift apart by rho and datagrams that are not late come at least every G:
+//   delay_min - 2 rho (kWindow_ns + G) <= error <= delay_short + 2 rho (kWindow_ns + G)
+// With 100 ppm, 0.1 ms for both delays and small G: -0.3 .. +0.5 ms. Drift is no jump while
+// 2 rho (kWindow_ns + G) and the jitter together stay below kJump_ns: 1 % with 10 ms of jitter.
 
 namespace hardpack {
 
 struct TimebaseCounters {
-  uint32_t observations = 0;  // that entered the filter
+  uint32_t observations = 0;  // that were not refused
   uint32_t jumps = 0;         // of the device's clock, either way
-  uint32_t late = 0;          // datagrams delayed by more than the jump's threshold, no jump yet
+  uint32_t late = 0;          // observations later by more than the jump's threshold, no jump (yet)
   uint32_t refused = 0;       // our clock went backwards, or the stamps do not fit the arithmetic
 };
 
 class Timebase {
  public:
-  // A minimum is remembered for one to two windows.
+  // A minimum is remembered for one to two windows with datagrams; a silence between them, or one
+  // of late datagrams only, does not count.
   static constexpr int64_t kWindow_ns = 2'000'000'000;
-  // An offset that falls by more than this between two observations, or that stays above the
-  // minimum by more than this for kConfirm_ns of consecutive observations (at least
-  // kConfirmObservations of them), is a jump.
+  // What an observation may lie off the offset and be no sign of a jump. Smaller steps of the
+  // device's clock are not told: one forward is followed at once, one back when the minimum of
+  // before is forgotten.
   static constexpr int64_t kJump_ns = 50'000'000;
-  static constexpr int64_t kConfirm_ns = 250'000'000;
+  // A run of late observations is steady while none is earlier than its first by more than this, or
+  // later by more than kJump_ns. A jump makes a steady run. A backlog does not: each of its
+  // datagrams was delayed for less long than the one before. A delay beyond kJump_ns that stays the
+  // same for kConfirm_ns does too: it cannot be told from a jump, nor its end from another.
+  static constexpr int64_t kSteady_ns = 5'000'000;
+  // A steady run is a jump after so many observations if the device's stamps went back as it began,
+  // which no delay does; else, when it has lasted for so long besides.
   static constexpr int32_t kConfirmObservations = 8;
+  static constexpr int64_t kConfirm_ns = 250'000'000;
 
   // Forgets everything, the counters too.
   void Reset();
 
   // A datagram stamped device_ns by the device came at host_ns of our monotonic clock.
-  // kOk; kClockJumped: the device's clock jumped, and the offset is that of this observation (or of
-  // those that confirmed it) from here on; kInvalidArgument: host_ns is before the last
-  // observation's, or a stamp is 2^62 or more: nothing changes but the counter. Cost: constant.
+  // kOk; kClockJumped: the device's clock jumped, forward (told by the first observation, since
+  // nothing comes before it was sent) or back (told once it is confirmed), and the offset is that
+  // of this observation, or the smallest of those that confirmed it, from here on;
+  // kInvalidArgument: host_ns is before the last observation's, or a stamp is 2^62 or more: nothing
+  // changes but the counter. Each jump is told once. A first observation that was itself late by
+  // more than kJump_ns is told as a jump forward when one comes that was not. Cost: constant.
   Status Observe(uint64_t device_ns, uint64_t host_ns);
+
+  // True while the newest observations look like a jump back that is not confirmed yet: the stamps
+  // went back. The times of their stamps are not to be relied upon.
+  bool suspect() const { return run_.observations > 0 && run_.stamps_went_back; }
 
   // Our time of a device's stamp. kNotStarted: nothing has been observed; kInvalidArgument: the
   // stamp is 2^62 or more, or its time would be negative. Cost: constant.
@@ -53,7 +76,28 @@ class Timebase {
   const TimebaseCounters& counters() const { return counters_; }
 
  private:
+  // Consecutive observations that are later than the offset by more than kJump_ns.
+  struct LateRun {
+    int32_t observations = 0;  // counted up to kConfirmObservations
+    bool stamps_went_back = false;
+    uint64_t begin_ns = 0;  // our time of the first
+    int64_t first_ns = 0;   // host minus device of it, and the smallest of all
+    int64_t smallest_ns = 0;
+  };
+  static constexpr int64_t kNone_ns = std::numeric_limits<int64_t>::max();
+
+  void StartFrom(int64_t difference_ns, uint64_t device_ns, uint64_t host_ns);
+  void Enter(int64_t difference_ns, uint64_t device_ns, uint64_t host_ns);
+  Status TakeLate(int64_t difference_ns, uint64_t device_ns, uint64_t host_ns);
+
   bool started_ = false;
+  uint64_t last_host_ns_ = 0;
+  uint64_t newest_device_ns_ = 0;  // of the observations that were not late
+  uint64_t window_begin_ns_ = 0;   // our time
+  int64_t window_smallest_ns_ = kNone_ns;
+  int64_t previous_smallest_ns_ = kNone_ns;  // of the window before
+  int64_t offset_ns_ = 0;
+  LateRun run_;
   TimebaseCounters counters_;
 };
 static_assert(std::is_trivially_copyable_v<Timebase>);
