@@ -9,12 +9,8 @@ namespace hardpack {
 namespace {
 
 constexpr float kCentimetersPerMeter = 100.0f;
-constexpr int32_t kMaxHeight_cm = HeightGrid::kNone - 1;
-
-int16_t HeightInCm(float z_m) {
-  const int32_t height_cm = RoundToInt(z_m * kCentimetersPerMeter);
-  return static_cast<int16_t>(ClampInt(height_cm, -kMaxHeight_cm, kMaxHeight_cm));
-}
+constexpr float kCellReach_cm = 14.142136f;  // from a cell's middle to its corner
+constexpr float kMaxAssumed_m = 50.0f;
 
 // kNone is above every height, so the first return needs no case of its own here ...
 void Lower(int16_t& lowest_cm, int16_t height_cm) {
@@ -24,6 +20,106 @@ void Lower(int16_t& lowest_cm, int16_t height_cm) {
 // ... and does here.
 void Raise(int16_t& highest_cm, int16_t height_cm) {
   if (highest_cm == HeightGrid::kNone || height_cm > highest_cm) highest_cm = height_cm;
+}
+
+bool IsFinitePoint(const Vec3& point) {
+  return IsFinite(point.x_m) && IsFinite(point.y_m) && IsFinite(point.z_m);
+}
+
+// Where in its cell a coordinate lies: 0 .. 1.
+float PlaceInCell(float coordinate_m, int32_t cell) {
+  return Clamp(coordinate_m * kCellsPerMeter - static_cast<float>(cell), 0.0f, 1.0f);
+}
+
+int32_t Offset(int32_t cell, int32_t by) {
+  const int64_t sum = int64_t{cell} + by;
+  return sum > INT32_MAX ? INT32_MAX : sum < INT32_MIN ? INT32_MIN : static_cast<int32_t>(sum);
+}
+
+// Where floats tell cells apart.
+bool IsNearOrigin(Cell cell) {
+  constexpr int32_t kFar = 1 << 22;
+  return cell.x > -kFar && cell.x < kFar && cell.y > -kFar && cell.y < kFar;
+}
+
+int64_t StepsBetween(int32_t from, int32_t to) {
+  const int64_t steps = int64_t{to} - from;
+  return steps < 0 ? -steps : steps;
+}
+
+// The cells that a straight line crosses, one after the other, each with a side in common with the
+// next. The line runs along its major axis, column by column, in one or two cells of each.
+class CellWalk {
+ public:
+  CellWalk(Vec2 start_odom, Vec2 direction) : cell_(CellAt(start_odom)) {
+    along_x_ = Abs(direction.x_m) >= Abs(direction.y_m);
+    const float u = PlaceInCell(start_odom.x_m, cell_.x);
+    const float v = PlaceInCell(start_odom.y_m, cell_.y);
+    const float major = along_x_ ? direction.x_m : direction.y_m;
+    const float minor = along_x_ ? direction.y_m : direction.x_m;
+    const float ratio = major == 0.0f ? 0.0f : minor / Abs(major);
+    const float place = along_x_ ? u : v;
+    const float to_edge = major < 0.0f ? place : 1.0f - place;
+    step_ = major < 0.0f ? -1 : 1;
+    ratio_q20_ = RoundToInt(ratio * kOne_q20);
+    edge_q20_ = RoundToInt(((along_x_ ? v : u) + ratio * to_edge) * kOne_q20);
+  }
+
+  Cell cell() const { return cell_; }
+
+  // Precondition: called at most kMapSize_cells times along either axis, which keeps edge_q20_ an
+  // int32.
+  void Next() {
+    const int32_t at_edge = edge_q20_ >> 20;
+    if (at_edge == minor_) {
+      (along_x_ ? cell_.x : cell_.y) += step_;
+      edge_q20_ += ratio_q20_;
+      return;
+    }
+    const int32_t step = at_edge > minor_ ? 1 : -1;
+    minor_ += step;
+    (along_x_ ? cell_.y : cell_.x) += step;
+  }
+
+ private:
+  static constexpr float kOne_q20 = 1048576.0f;
+  Cell cell_;
+  bool along_x_;
+  int32_t step_;       // along the major axis
+  int32_t minor_ = 0;  // across it, from the first cell
+  int32_t edge_q20_;   // across it, where the line leaves the present column
+  int32_t ratio_q20_;  // how far it goes across in one column
+};
+
+// The fan can be used, and its furthest return; 0: it saw nothing.
+Status CheckFan(const SightFan& fan, float& furthest_m) {
+  furthest_m = 0.0f;
+  if (fan.beams < 0 || fan.beams > kMaxBeams) return Status::kInvalidArgument;
+  if (!IsFinitePoint(fan.sensor_odom) || !IsFinite(fan.direction_odom.x_m) ||
+      !IsFinite(fan.direction_odom.y_m) || !IsFinite(fan.lowest_slope) ||
+      !IsFinite(fan.highest_slope)) {
+    return Status::kNotFinite;
+  }
+  bool finite = true;
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int beam = 0; beam < fan.beams; ++beam) {
+    const float level_m = fan.level_m[beam];
+    finite = finite && IsFinite(level_m) && (level_m <= 0.0f || IsFinite(fan.slope[beam]));
+    furthest_m = Max(furthest_m, level_m);
+  }
+  if (!finite) return Status::kNotFinite;
+  const Vec2 direction = fan.direction_odom;
+  const float length2 = direction.x_m * direction.x_m + direction.y_m * direction.y_m;
+  const bool unit = length2 >= 0.99f * 0.99f && length2 <= 1.01f * 1.01f;
+  return unit ? Status::kOk : Status::kInvalidArgument;
+}
+
+// How many cells a walk takes until their middles are further away than any return can tell of.
+int CellsInReach(Vec2 direction, float furthest_m) {
+  const float cells_per_m = (Abs(direction.x_m) + Abs(direction.y_m)) * kCellsPerMeter;
+  // A cell's middle lies up to 0.15 m ahead of a return in it, the line's end in it as far again.
+  const float cells = (furthest_m + 2.0f * HeightGrid::kEndsBefore_m) * cells_per_m;
+  return ClampInt(FloorToInt(cells), 0, HeightGrid::kMaxSight_cells - 3) + 3;
 }
 
 // By how many cells a window's edge moves, as far as it matters: a whole window empties it.
@@ -43,6 +139,7 @@ HeightGrid::HeightGrid() : window_(GridWindow::CenteredAt({})) {
 Status HeightGrid::Reset(Vec2 center_odom) {
   if (!IsFinite(center_odom.x_m) || !IsFinite(center_odom.y_m)) return Status::kNotFinite;
   window_ = GridWindow::CenteredAt(center_odom);
+  datum_cm_ = 0;
   Clear(0, 0, kMapSize_cells, kMapSize_cells);
   return Status::kOk;
 }
@@ -61,37 +158,297 @@ Status HeightGrid::Recenter(Vec2 center_odom) {
   return Status::kOk;
 }
 
-Status HeightGrid::Insert(const Vec3& point_odom, ReturnClass return_class) {
+int16_t HeightGrid::Stored(float z_m) const {
+  constexpr int32_t kMost_cm = kMaxHeight_cm + kMaxShift_cm;
+  const int32_t height_cm = ClampInt(RoundToInt(z_m * kCentimetersPerMeter), -kMost_cm, kMost_cm);
+  return static_cast<int16_t>(ClampInt(height_cm - datum_cm_, -kMaxHeight_cm, kMaxHeight_cm));
+}
+
+int16_t HeightGrid::Told(int16_t stored_cm) const {
+  return static_cast<int16_t>(stored_cm == kNone ? kNone : stored_cm + datum_cm_);
+}
+
+bool HeightGrid::HasObstacle(int slot) const {
+  return highest_hard_cm_[slot] != kNone || highest_soft_cm_[slot] != kNone;
+}
+
+// No misses, and none any more in this revolution.
+void HeightGrid::MakeYoung(int slot, bool odd) {
+  seen_[slot] =
+      static_cast<uint8_t>((seen_[slot] & ~(kMissMask | kSightOdd)) | (odd ? kSightOdd : 0));
+}
+
+Status HeightGrid::Insert(const Vec3& point_odom, ReturnClass return_class, uint32_t revolution) {
   if (return_class == ReturnClass::kIgnored) return Status::kOk;
   if (return_class > ReturnClass::kPerson) return Status::kInvalidArgument;
-  if (!IsFinite(point_odom.x_m) || !IsFinite(point_odom.y_m) || !IsFinite(point_odom.z_m)) {
-    return Status::kNotFinite;
-  }
+  if (!IsFinitePoint(point_odom)) return Status::kNotFinite;
   const Cell cell = CellAt({point_odom.x_m, point_odom.y_m});
   if (!window_.Contains(cell)) return Status::kInvalidArgument;
 
   const int slot = Slot(cell);
-  const int16_t height_cm = HeightInCm(point_odom.z_m);
-  Lower(lowest_cm_[slot], height_cm);
-  if (return_class == ReturnClass::kGround) seen_[slot] |= kGroundSeen;
-  if (return_class == ReturnClass::kPerson) seen_[slot] |= kPersonSeen;
-  if (return_class == ReturnClass::kSoft) Raise(highest_soft_cm_[slot], height_cm);
-  if (return_class == ReturnClass::kHard || return_class == ReturnClass::kPerson) {
-    Lower(lowest_hard_cm_[slot], height_cm);
-    Raise(highest_hard_cm_[slot], height_cm);
+  const int16_t height_cm = Stored(point_odom.z_m);
+  const bool odd = (revolution & 1) != 0;
+  if (return_class == ReturnClass::kGround) {
+    FileGround(slot, height_cm, odd);
+  } else if (return_class == ReturnClass::kSoft) {
+    FileSoft(slot, height_cm, odd);
+  } else {
+    FileHard(slot, height_cm, odd, return_class == ReturnClass::kPerson);
   }
   return Status::kOk;
+}
+
+// True when the last return that was noted was of another revolution; notes this one's.
+bool HeightGrid::IsNewlyFiled(int slot, bool odd) {
+  const bool was_odd = (seen_[slot] & kFiledOdd) != 0;
+  seen_[slot] = static_cast<uint8_t>((seen_[slot] & ~kFiledOdd) | (odd ? kFiledOdd : 0));
+  return odd != was_odd;
+}
+
+void HeightGrid::FileGround(int slot, int16_t height_cm, bool odd) {
+  if (!HasObstacle(slot) && IsNewlyFiled(slot, odd) && lowest_cm_[slot] < height_cm) {
+    ++lowest_cm_[slot];
+  }
+  Lower(lowest_cm_[slot], height_cm);
+  seen_[slot] |= kGroundSeen;
+}
+
+void HeightGrid::FileHard(int slot, int16_t height_cm, bool odd, bool person) {
+  const bool fades = IsNewlyFiled(slot, odd) && (seen_[slot] & kPersonMask) != 0;
+  if (person) {
+    seen_[slot] |= kPersonMask;
+  } else if (fades) {
+    seen_[slot] = static_cast<uint8_t>(seen_[slot] - kPersonOne);
+  }
+  Lower(lowest_cm_[slot], height_cm);
+  Lower(lowest_hard_cm_[slot], height_cm);
+  Raise(highest_hard_cm_[slot], height_cm);
+  if (2 * height_cm >= lowest_hard_cm_[slot] + highest_hard_cm_[slot]) MakeYoung(slot, odd);
+}
+
+void HeightGrid::FileSoft(int slot, int16_t height_cm, bool odd) {
+  Lower(lowest_cm_[slot], height_cm);
+  Raise(highest_soft_cm_[slot], height_cm);
+  const bool upper = 2 * height_cm >= lowest_cm_[slot] + highest_soft_cm_[slot];
+  if (upper && highest_hard_cm_[slot] == kNone) MakeYoung(slot, odd);
+}
+
+void HeightGrid::TakeAsGround(Cell cell, float z_m) {
+  if (!window_.Contains(cell)) return;
+  const int slot = Slot(cell);
+  if ((seen_[slot] & kGroundSeen) != 0) return;
+  Lower(lowest_cm_[slot], Stored(z_m));
+  seen_[slot] |= kGroundSeen;
+}
+
+Status HeightGrid::BridgeGround(const Vec3& from_odom, const Vec3& to_odom) {
+  if (!IsFinitePoint(from_odom) || !IsFinitePoint(to_odom)) return Status::kNotFinite;
+  const Vec2 from = {from_odom.x_m, from_odom.y_m};
+  const Vec2 along = {to_odom.x_m - from.x_m, to_odom.y_m - from.y_m};
+  const float length2 = along.x_m * along.x_m + along.y_m * along.y_m;
+  const Cell last = CellAt({to_odom.x_m, to_odom.y_m});
+  CellWalk walk(from, along);
+  const int64_t columns = StepsBetween(walk.cell().x, last.x);
+  const int64_t rows = StepsBetween(walk.cell().y, last.y);
+  if (!(length2 <= kMaxBridge_m * kMaxBridge_m) || !IsNearOrigin(walk.cell()) ||
+      !IsNearOrigin(last) || columns + rows >= kMaxBridge_cells) {
+    return Status::kInvalidArgument;
+  }
+
+  const int steps = static_cast<int>(columns + rows);
+  HP_LOOP_BOUND(kMaxBridge_cells)
+  for (int step = 0; step <= steps; ++step) {
+    // Rounding could lead the walk past the last cell by a corner.
+    const Cell cell = step == steps ? last : walk.cell();
+    const Vec2 middle = CellCenter(cell);
+    const float reach = (middle.x_m - from.x_m) * along.x_m + (middle.y_m - from.y_m) * along.y_m;
+    const float part = length2 > 0.0f ? Clamp(reach / length2, 0.0f, 1.0f) : 0.0f;
+    TakeAsGround(cell, from_odom.z_m + (to_odom.z_m - from_odom.z_m) * part);
+    walk.Next();
+  }
+  return Status::kOk;
+}
+
+Status HeightGrid::AssumeGround(const Vec3& center_odom, float radius_m) {
+  if (!IsFinitePoint(center_odom) || !IsFinite(radius_m)) return Status::kNotFinite;
+  if (radius_m < 0.0f || radius_m > kMaxAssumed_m) return Status::kInvalidArgument;
+  const Cell middle = CellAt({center_odom.x_m, center_odom.y_m});
+  const float u = PlaceInCell(center_odom.x_m, middle.x);
+  const float v = PlaceInCell(center_odom.y_m, middle.y);
+  const float radius_cells = radius_m * kCellsPerMeter;
+  const int reach = FloorToInt(radius_cells) + 1;
+  static_assert(2 * (kMaxAssumed_m * kCellsPerMeter + 1) + 1 <= kMapSize_cells);
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int dy = -reach; dy <= reach; ++dy) {
+    const float along_y = static_cast<float>(dy) + 0.5f - v;
+    HP_LOOP_BOUND(kMapSize_cells)
+    for (int dx = -reach; dx <= reach; ++dx) {
+      const float along_x = static_cast<float>(dx) + 0.5f - u;
+      if (along_x * along_x + along_y * along_y > radius_cells * radius_cells) continue;
+      // Saturates rather than wraps at the end of the plane: such a cell is off any window.
+      TakeAsGround({Offset(middle.x, dx), Offset(middle.y, dy)}, center_odom.z_m);
+    }
+  }
+  return Status::kOk;
+}
+
+Status HeightGrid::ShiftHeights(float dz_m) {
+  if (!IsFinite(dz_m)) return Status::kNotFinite;
+  const int32_t shift_cm = RoundToInt(dz_m * kCentimetersPerMeter);
+  if (shift_cm < -kMaxShift_cm || shift_cm > kMaxShift_cm) return Status::kInvalidArgument;
+  const int32_t datum_cm = datum_cm_ + shift_cm;
+  if (datum_cm < -kMaxShift_cm || datum_cm > kMaxShift_cm) return Status::kInvalidArgument;
+  datum_cm_ = datum_cm;
+  return Status::kOk;
+}
+
+Status HeightGrid::Age(const SightFan& fan, uint32_t revolution, int ageing_revolutions) {
+  float furthest_m = 0.0f;
+  const Status status = CheckFan(fan, furthest_m);
+  if (status != Status::kOk) return status;
+  const Vec2 sensor = {fan.sensor_odom.x_m, fan.sensor_odom.y_m};
+  if (ageing_revolutions < 1 || ageing_revolutions > kMaxAgeingRevolutions ||
+      !window_.Contains(CellAt(sensor))) {
+    return Status::kInvalidArgument;
+  }
+  if (furthest_m <= 0.0f) return Status::kOk;
+
+  Sight sight = {};
+  const Vec2 given = fan.direction_odom;
+  const float length = Sqrt(given.x_m * given.x_m + given.y_m * given.y_m);
+  sight.direction = {given.x_m / length, given.y_m / length};
+  sight.z_cm = fan.sensor_odom.z_m * kCentimetersPerMeter - static_cast<float>(datum_cm_);
+  const float spread = Max(fan.highest_slope - fan.lowest_slope, 0.0f) * kCentimetersPerMeter;
+  sight.spacing_cm_per_m = fan.beams > 1 ? spread / static_cast<float>(fan.beams - 1) : 0.0f;
+  sight.odd = (revolution & 1) != 0;
+  sight.ageing_revolutions = ageing_revolutions;
+
+  const int cells = CellsInReach(sight.direction, furthest_m);
+  CellWalk walk(sensor, sight.direction);
+  HP_LOOP_BOUND(kMaxSight_cells)
+  for (int i = 0; i < cells; ++i) {
+    if (!window_.Contains(walk.cell())) break;
+    const int slot = Slot(walk.cell());
+    if (HasObstacle(slot)) {
+      const Vec2 middle = CellCenter(walk.cell());
+      AgeCell(slot,
+              (middle.x_m - sensor.x_m) * sight.direction.x_m +
+                  (middle.y_m - sensor.y_m) * sight.direction.y_m,
+              fan, sight);
+    }
+    walk.Next();
+  }
+  return Status::kOk;
+}
+
+void HeightGrid::AgeCell(int slot, float distance_m, const SightFan& fan, const Sight& sight) {
+  const int misses = (seen_[slot] & kMissMask) / kMissOne;
+  const bool is_new = ((seen_[slot] & kSightOdd) != 0) != sight.odd;
+  if (!is_new && misses == 0) return;  // neither a hit nor a miss would change anything
+
+  const bool hard = highest_hard_cm_[slot] != kNone;
+  Target target = {};
+  target.lowest_cm = hard ? lowest_hard_cm_[slot] : lowest_cm_[slot];
+  target.highest_cm = hard ? highest_hard_cm_[slot] : highest_soft_cm_[slot];
+  target.distance_m = distance_m;
+  target.margin_cm = kEdge_cm + sight.spacing_cm_per_m * Max(distance_m, 0.0f);
+  const Evidence evidence = Look(fan, sight, target);
+  if (evidence.hit) {
+    MakeYoung(slot, sight.odd);
+    return;
+  }
+  const bool through = evidence.inside || (evidence.around && !evidence.ended);
+  if (!is_new || !through) return;
+  MakeYoung(slot, sight.odd);
+  if (misses + 1 < sight.ageing_revolutions) {
+    seen_[slot] = static_cast<uint8_t>(seen_[slot] + (misses + 1) * kMissOne);
+    return;
+  }
+  CutDown(slot, hard, evidence.inside ? Cut_cm(fan, sight, target) : target.lowest_cm);
+}
+
+HeightGrid::Evidence HeightGrid::Look(const SightFan& fan, const Sight& sight,
+                                      const Target& target) {
+  const float near_m = Max(target.distance_m - kEndsBefore_m, 0.0f);
+  const float behind_m = target.distance_m + kBehind_m;
+  const float distance_cm = target.distance_m * kCentimetersPerMeter;
+  const float low_cm = target.lowest_cm - target.margin_cm;
+  const float high_cm = target.highest_cm + target.margin_cm;
+  const float middle_cm = 0.5f * (target.lowest_cm + target.highest_cm);
+  const float hit_cm = middle_cm - kEdge_cm;
+  const float top_cm = target.highest_cm - kEdge_cm;
+  int32_t hit = 0;
+  int32_t ended = 0;
+  int32_t inside = 0;
+  int32_t below = 0;
+  int32_t above = 0;
+  // No branches: it runs for every obstacle along every direction.
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int beam = 0; beam < fan.beams; ++beam) {
+    const float level_m = fan.level_m[beam];
+    const float slope = fan.slope[beam];
+    const int32_t beyond = level_m > behind_m;
+    const int32_t here = (level_m > near_m) & (level_m <= behind_m);
+    const float end_cm = sight.z_cm + slope * (level_m * kCentimetersPerMeter);
+    const float cross_cm = sight.z_cm + slope * distance_cm;
+    const float half_cm = Abs(slope) * kCellReach_cm;
+    ended |= here & (end_cm >= low_cm) & (end_cm <= high_cm);
+    hit |= here & (end_cm >= hit_cm) & (end_cm <= high_cm);
+    inside |= beyond & (cross_cm - half_cm >= target.lowest_cm) & (cross_cm + half_cm <= top_cm);
+    below |= beyond & (cross_cm >= low_cm) & (cross_cm <= middle_cm);
+    above |= beyond & (cross_cm >= middle_cm) & (cross_cm <= high_cm);
+  }
+  return {hit != 0, ended != 0, inside != 0, below != 0 && above != 0};
+}
+
+// Down to where an obstacle is cut: a beam went through inside it, and none hit it.
+float HeightGrid::Cut_cm(const SightFan& fan, const Sight& sight, const Target& target) {
+  const float near_m = Max(target.distance_m - kEndsBefore_m, 0.0f);
+  const float behind_m = target.distance_m + kBehind_m;
+  const float top_cm = target.highest_cm - kEdge_cm;
+  float lowest_through_cm = top_cm;
+  float highest_end_cm = target.lowest_cm;
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int beam = 0; beam < fan.beams; ++beam) {
+    const float level_m = fan.level_m[beam];
+    if (!(level_m > near_m)) continue;
+    const float slope = fan.slope[beam];
+    const float cross_cm = sight.z_cm + slope * (target.distance_m * kCentimetersPerMeter);
+    const float half_cm = Abs(slope) * kCellReach_cm;
+    const float end_cm = sight.z_cm + slope * (level_m * kCentimetersPerMeter);
+    if (level_m > behind_m) {
+      if (cross_cm - half_cm >= target.lowest_cm) {
+        lowest_through_cm = Min(lowest_through_cm, cross_cm + half_cm);
+      }
+    } else if (end_cm <= top_cm) {
+      highest_end_cm = Max(highest_end_cm, end_cm);
+    }
+  }
+  return Max(lowest_through_cm, highest_end_cm);
+}
+
+// The hard obstacle, or the soft one, ends at a height below its highest return from now on.
+void HeightGrid::CutDown(int slot, bool hard, float cut_cm) {
+  const int32_t highest_cm = RoundToInt(cut_cm);
+  const int16_t lowest_cm = hard ? lowest_hard_cm_[slot] : lowest_cm_[slot];
+  const bool gone = highest_cm <= lowest_cm + kRest_cm;
+  const int16_t kept_cm = gone ? kNone : static_cast<int16_t>(highest_cm);
+  if (hard) {
+    highest_hard_cm_[slot] = kept_cm;
+    if (gone) lowest_hard_cm_[slot] = kNone;
+    seen_[slot] = static_cast<uint8_t>(seen_[slot] & ~kPersonMask);
+  } else {
+    highest_soft_cm_[slot] = kept_cm;
+  }
+  if (!HasObstacle(slot) && (seen_[slot] & kGroundSeen) == 0) lowest_cm_[slot] = kNone;
 }
 
 HeightGrid::CellHeights HeightGrid::At(Cell cell) const {
   if (!window_.Contains(cell)) return {};
   const int slot = Slot(cell);
-  return {lowest_cm_[slot],
-          lowest_hard_cm_[slot],
-          highest_hard_cm_[slot],
-          highest_soft_cm_[slot],
-          (seen_[slot] & kGroundSeen) != 0,
-          (seen_[slot] & kPersonSeen) != 0};
+  return {Told(lowest_cm_[slot]),           Told(lowest_hard_cm_[slot]),
+          Told(highest_hard_cm_[slot]),     Told(highest_soft_cm_[slot]),
+          (seen_[slot] & kGroundSeen) != 0, (seen_[slot] & kPersonMask) != 0};
 }
 
 void HeightGrid::Read(Cell first, Strip& strip) const {
@@ -101,12 +458,12 @@ void HeightGrid::Read(Cell first, Strip& strip) const {
   if (side_by_side && window_.Contains(first) && window_.Contains(last)) {
     HP_LOOP_BOUND(kStripCells)
     for (int i = 0; i < kStripCells; ++i) {
-      strip.lowest_cm[i] = lowest_cm_[slot + i];
-      strip.lowest_hard_cm[i] = lowest_hard_cm_[slot + i];
-      strip.highest_hard_cm[i] = highest_hard_cm_[slot + i];
-      strip.highest_soft_cm[i] = highest_soft_cm_[slot + i];
+      strip.lowest_cm[i] = Told(lowest_cm_[slot + i]);
+      strip.lowest_hard_cm[i] = Told(lowest_hard_cm_[slot + i]);
+      strip.highest_hard_cm[i] = Told(highest_hard_cm_[slot + i]);
+      strip.highest_soft_cm[i] = Told(highest_soft_cm_[slot + i]);
       strip.ground[i] = seen_[slot + i] & kGroundSeen;
-      strip.person[i] = (seen_[slot + i] & kPersonSeen) / kPersonSeen;
+      strip.person[i] = (seen_[slot + i] & kPersonMask) != 0;
     }
     return;
   }

@@ -15,16 +15,52 @@
 // does not decide what an obstacle is. Storage is toroidal, so rolling only clears what comes in.
 // The map follows the vehicle by whole cells.
 //
-// Ageing by visibility (ours). Time alone removes nothing. A cell ages when beams that came back
-// from further away went through the height range in which its obstacle was seen: once in each
-// revolution at most, and a return that supports the obstacle's upper half makes it young again.
-// After ageing_revolutions such revolutions what lies above the lowest of these beams is removed,
-// and with nothing left of the obstacle the obstacle. So an obstacle lasts while it is occluded, in
-// the blind cone below the lowest beam or above the highest, or out of range. The counter is the
-// hard obstacle's while there is one, else the soft one's. A person's flag lasts while returns of a
-// person come, and fades with kPersonMemory revolutions of other returns in the cell.
+// Ageing by visibility (ours). Time alone removes nothing. Age looks at every cell that a
+// direction's beams crossed and that holds an obstacle: the hard one, from its lowest to its
+// highest hard return, or where there is none the soft one, from the cell's lowest return to the
+// highest soft one. A beam's height in the cell is the one over the place where it passes the
+// cell's middle, at the level distance d from the sensor.
+//
+//              sensor o---___
+//                            ------____ o o o o   over the top: says nothing
+//   highest ------------------ - - - - -|- ------------------
+//                        inside, through| : seen through here; what is above it goes
+//   middle  - - - - - - - - - - - - - - | - - - - - - - - - -
+//                                       |
+//   lowest  ----------------------------|--------------------
+//                                 kEndsBefore, kBehind about the cell's middle
+//
+//   A beam ended here    when its return lies more than d - kEndsBefore_m and at most d + kBehind_m
+//                        from the sensor, and not above or below the interval by more than the
+//                        margin: kEdge_cm and the mean spacing of the fan's beams at d.
+//   It went through      when its return lies further away than d + kBehind_m.
+//   The cell is hit      when a beam ended here, kEdge_cm below the interval's middle or higher.
+//   Its
+//                        misses are 0, and it has no miss in this revolution any more.
+//   It is seen through   when it is not hit, and a beam went through inside the interval: from one
+//                        end of the cell to the other not below the lowest nor above the highest
+//                        less kEdge_cm. Or where no such beam is, when none ended here, and one
+//                        went through below the middle and one above it, both inside the interval
+//                        or within the margin of it (a single return has no inside). One miss in
+//                        each revolution at most.
+//
+// With ageing_revolutions misses the obstacle is cut down: its highest return becomes the top of
+// the lowest beam that went through inside, or of the highest that ended here if that is higher;
+// with no beam inside, or what is left not higher than kRest_cm, it is gone. It is no person any
+// more, and its misses are 0. A cell of which no obstacle is left and whose ground was not observed
+// is unknown again. So an obstacle lasts while it is occluded, in the blind cone below the lowest
+// beam, all of it above the highest, or out of range. It lasts too, with ageing_revolutions of 2 or
+// more, as long as it is hit once in each revolution, whenever its returns are filed: the fan knows
+// at once. A hard or person return that is filed in the upper half of the hard interval (or,
+// without one, a soft return in the soft interval's) makes the misses 0 and keeps its revolution
+// free of misses too. One below does not: a root does not keep the ghost of a person who stood on
+// it. Whether a revolution is a new one is told by its parity, so that after a pause of an odd
+// number of revolutions ageing begins one revolution later.
+//
+// A person's flag lasts while returns of a person come: each sets a memory of kPersonMemory, and
+// each new revolution in which another hard return is filed first takes one off.
 // The ground ages by being seen: in a cell without an obstacle, a ground return of a new revolution
-// lets `lowest` rise by at most one centimetre before it is taken into account, so that the ground
+// lets `lowest` rise by at most one centimetre, and not above that return, so that the ground
 // follows a slow drift of the odometry's height.
 
 namespace hardpack {
@@ -35,11 +71,13 @@ struct SightFan {
   Vec3 sensor_odom;
   Vec2 direction_odom;  // level, length 1
   int32_t beams = 0;
-  // [beams], any order. How far a beam got: level distance of its return from the sensor [m]; 0 for
-  // a beam without a return or one that must not count: it saw nothing.
+  // [beams], any order. How far a beam got: level distance of its return from the sensor [m], of
+  // whatever class; 0 or less for a beam without a return or one that must not count: it saw
+  // nothing.
   float level_m[kMaxBeams] = {};
   float slope[kMaxBeams] = {};  // rise of the beam over level distance
-  // Slopes of the lowest and highest beam that the sensor has in this direction.
+  // Slopes of the lowest and highest beam that the sensor has in this direction: with `beams` they
+  // tell the mean spacing.
   float lowest_slope = 0.0f;
   float highest_slope = 0.0f;
 };
@@ -47,13 +85,16 @@ struct SightFan {
 class HeightGrid {
  public:
   // Heights are centimetres in the odom frame, rounded to the nearest and saturated to
-  // +-kMaxHeight_cm; kNone: no such return.
+  // +-kMaxHeight_cm about the sum of the shifts since Reset; kNone: no such return.
   static constexpr int16_t kNone = 32767;
   static constexpr int32_t kMaxHeight_cm = 20000;
 
-  // Beams are judged by the beam spacing of real lidars; a beam goes through a cell when it came
-  // back from so far behind the cell's middle.
+  // Of ageing, see above. kBehind_m and kEndsBefore_m: a cell reaches 0.14 m from its middle;
+  // behind it a wall's returns scatter.
   static constexpr float kBehind_m = 0.3f;
+  static constexpr float kEndsBefore_m = 0.15f;
+  static constexpr float kEdge_cm = 3.0f;
+  static constexpr int kRest_cm = 5;
   static constexpr int kPersonMemory = 3;
   static constexpr int kMaxAgeingRevolutions = 7;
 
@@ -95,26 +136,33 @@ class HeightGrid {
   Status Insert(const Vec3& point_odom, ReturnClass return_class, uint32_t revolution = 0);
 
   // Ground observed along the straight line between two points of it, both ends included: every
-  // cell on the way that has no ground yet gets the height of the line there; one that has is left
-  // alone, as is what is off the window. kNotFinite: nothing is filed; kInvalidArgument: longer
-  // than kMaxBridge_m. Cost: at most kMaxBridge_cells cells.
+  // cell that the line crosses and that has no ground yet gets ground at the height of the line's
+  // point nearest to the cell's middle (`lowest` stays below it where it is); one that has is left
+  // alone, as is what is off the window. kNotFinite; kInvalidArgument: longer over ground than
+  // kMaxBridge_m, or beyond 2^22 cells from the origin, where floats do not tell cells apart well:
+  // nothing is filed. Cost: at most kMaxBridge_cells cells.
   static constexpr float kMaxBridge_m = 40.0f;
-  static constexpr int kMaxBridge_cells = 402;
+  static constexpr int kMaxBridge_cells = 286;  // a line of 200 cells' length crosses 284 borders
   Status BridgeGround(const Vec3& from_odom, const Vec3& to_odom);
 
   // Takes the ground of all cells whose centre lies within radius_m of a point as observed, at that
-  // point's height, where nothing is known of it. kNotFinite; kInvalidArgument: radius_m is
-  // negative or above 50. Cost: (2 radius + 1)^2 cells, at most kMapCells.
+  // point's height, where no ground is known yet, as BridgeGround does. kNotFinite;
+  // kInvalidArgument: radius_m is negative or above 50. Cost: the cells of the square around it, at
+  // most kMapCells.
   Status AssumeGround(const Vec3& center_odom, float radius_m);
 
-  // Lets the cells age that the fan's beams went through. kNotFinite: a number of the fan (beams
-  // without a return excepted); kInvalidArgument: beams not 0 .. kMaxBeams, a direction that has
-  // not length 1 to 1 %, or ageing_revolutions not 1 .. kMaxAgeingRevolutions: nothing ages. Cost:
-  // at most kMapSize_cells cells, of which those with an obstacle look at every beam.
+  // Lets the cells age that the fan's beams crossed. kNotFinite: a number of the fan (slopes of
+  // beams that saw nothing excepted); kInvalidArgument: beams not 0 .. kMaxBeams, a direction that
+  // has not length 1 to 1 %, a sensor off the window, or ageing_revolutions not 1 ..
+  // kMaxAgeingRevolutions: nothing ages. Cost: at most kMaxSight_cells cells, of which those with
+  // an obstacle look at every beam, at most twice.
+  static constexpr int kMaxSight_cells = 2 * kMapSize_cells;
   Status Age(const SightFan& fan, uint32_t revolution, int ageing_revolutions);
 
-  // The odometry's height jumped by dz_m: everything that was filed is told in the new heights.
-  // kNotFinite; kInvalidArgument: beyond +-100 m: nothing changes. Cost: constant.
+  // The odometry's height jumped by dz_m: everything that was filed is told in the new heights, to
+  // the centimetre. kNotFinite; kInvalidArgument: the shift, or the sum of all since Reset, is
+  // beyond +-kMaxShift_cm: nothing changes. Cost: constant.
+  static constexpr int32_t kMaxShift_cm = 10000;
   Status ShiftHeights(float dz_m);
 
   const GridWindow& window() const { return window_; }
@@ -127,8 +175,40 @@ class HeightGrid {
   void Read(Cell first, Strip& strip) const;
 
  private:
-  // A cell's byte: ground 1 bit, person's memory 2 bits, misses 3 bits, the revolution (mod 4) of
-  // its last event 2 bits.
+  // A cell's byte: whether ground was observed, a person's memory, misses, and the parity of two
+  // revolutions: of the last miss or hit, and of the last return that was filed (ground returns
+  // where there is no obstacle, hard ones).
+  enum Seen : uint8_t {
+    kGroundSeen = 1,
+    kPersonOne = 2,
+    kPersonMask = 3 * kPersonOne,
+    kMissOne = 8,
+    kMissMask = 7 * kMissOne,
+    kSightOdd = 64,
+    kFiledOdd = 128,
+  };
+
+  // One fan as its cells see it.
+  struct Sight {
+    Vec2 direction;          // of length 1 to rounding
+    float z_cm;              // the sensor's, above the stored heights' zero
+    float spacing_cm_per_m;  // of the beams, by level distance
+    bool odd;                // the revolution
+    int ageing_revolutions;
+  };
+  // A cell's obstacle, in stored heights, and where its middle is along the fan.
+  struct Target {
+    float lowest_cm;
+    float highest_cm;
+    float distance_m;
+    float margin_cm;
+  };
+  struct Evidence {
+    bool hit;
+    bool ended;   // a beam ended here
+    bool inside;  // a beam went through inside
+    bool around;  // one below the middle, one above it
+  };
 
   // The storage place of a cell of the plane; the cells of one window all have different ones.
   static constexpr int Slot(Cell cell) {
@@ -140,8 +220,23 @@ class HeightGrid {
   // Empties width x height cells, their lowest corner at offset (dx, dy) from the window's origin.
   void Clear(int dx, int dy, int width, int height);
 
+  int16_t Stored(float z_m) const;
+  int16_t Told(int16_t stored_cm) const;
+  bool HasObstacle(int slot) const;
+  bool IsNewlyFiled(int slot, bool odd);
+  void FileGround(int slot, int16_t height_cm, bool odd);
+  void FileHard(int slot, int16_t height_cm, bool odd, bool person);
+  void FileSoft(int slot, int16_t height_cm, bool odd);
+  void TakeAsGround(Cell cell, float z_m);
+  void MakeYoung(int slot, bool odd);
+  void AgeCell(int slot, float distance_m, const SightFan& fan, const Sight& sight);
+  static Evidence Look(const SightFan& fan, const Sight& sight, const Target& target);
+  static float Cut_cm(const SightFan& fan, const Sight& sight, const Target& target);
+  void CutDown(int slot, bool hard, float cut_cm);
+
   GridWindow window_;
-  int32_t datum_cm_ = 0;  // what is added to the stored heights
+  int32_t datum_cm_ = 0;  // what is added to the stored heights, +-kMaxShift_cm
+  // Stored heights, [kMapSize_cells x kMapSize_cells] by Slot.
   int16_t lowest_cm_[kMapCells];
   int16_t lowest_hard_cm_[kMapCells];
   int16_t highest_hard_cm_[kMapCells];

@@ -71,9 +71,9 @@ TEST(HeightGrid, RoundsAndSaturatesHeights) {
   const struct {
     float z_m;
     int expected_cm;
-  } cases[] = {{0.004f, 0},      {0.006f, 1},       {-0.006f, -1},      {327.66f, 32766},
-               {327.67f, 32766}, {5000.0f, 32766},  {-327.66f, -32766}, {-9.0e9f, -32766},
-               {3.4e38f, 32766}, {-3.4e38f, -32766}};
+  } cases[] = {{0.004f, 0},      {0.006f, 1},       {-0.006f, -1},      {199.99f, 19999},
+               {200.01f, 20000}, {5000.0f, 20000},  {-200.01f, -20000}, {-9.0e9f, -20000},
+               {3.4e38f, 20000}, {-3.4e38f, -20000}};
   for (const auto& item : cases) {
     const auto grid = MakeGrid();
     ASSERT_EQ(grid->Insert({0.1f, 0.1f, item.z_m}, ReturnClass::kHard), Status::kOk);
