@@ -176,9 +176,9 @@ void Mapper::FoldOccupant(int64_t sequence) {
   const int slot = ring_.SlotOf(sequence);
   const ScanColumn& occupant = ring_.column(slot);
   if (occupant.sequence == sequence || !Awaits(occupant.state)) return;
-  if (occupant.state == ColumnState::kRaw) ClassAsHard(slot, ring_.column(slot).sequence + 1);
   ++counters_.folded_early;
-  Fold(slot);
+  if (occupant.state == ColumnState::kRaw) ClassAsHard(slot, occupant.sequence + 1);
+  if (occupant.state == ColumnState::kClassed) Fold(slot);
 }
 
 void Mapper::MarkSelf(const LidarColumn& column) {
@@ -199,10 +199,9 @@ void Mapper::MarkSelf(const LidarColumn& column) {
 
 // Classes every direction that the column has made complete. newest: the furthest column before it.
 void Mapper::ClassDirections(int64_t sequence, int64_t newest) {
-  if (sequence <= newest && next_direction_ >= 0) {
-    // It came late: directions that it belongs to may have been classed without it.
-    const int64_t classed = next_direction_ - Segmenter::kLag;
-    ClassAsHard(ring_.SlotOf(sequence), classed);
+  if (sequence <= newest) {
+    // It came late: the directions that were looked along had to do without it.
+    ClassAsHard(ring_.SlotOf(sequence), next_direction_ >= 0 ? next_direction_ : newest + 1);
     return;
   }
   const bool gap =
@@ -223,9 +222,9 @@ void Mapper::ClassUpTo(int64_t last) {
   }
 }
 
-// Rows of a column whose directions lie before `classed`, and so have been classed without them,
-// are hard: when in doubt. With all its rows classed the column is.
-void Mapper::ClassAsHard(int slot, int64_t classed) {
+// Rows of a column whose directions lie before `looked`, and so were looked along without them, are
+// hard: when in doubt. With all its rows classed the column is.
+void Mapper::ClassAsHard(int slot, int64_t looked) {
   const ScanColumn& column = ring_.column(slot);
   if (column.state != ColumnState::kRaw) return;
   bool any = false;
@@ -233,14 +232,14 @@ void Mapper::ClassAsHard(int slot, int64_t classed) {
   for (int row = 0; row < model_.beams; ++row) {
     PackedReturn packed = ring_.at(slot, row);
     if (packed.range_mm() == 0 || packed.self()) continue;
-    if (column.sequence - model_.column_shift[row] >= classed) continue;
+    if (column.sequence - model_.column_shift[row] >= looked) continue;
     any = true;
     if (packed.labelled()) continue;
     packed.SetClass(ReturnClass::kHard, false);
     ring_.Set(slot, row, packed);
   }
   if (any) ++counters_.late_unclassed_columns;
-  if (column.sequence < classed) FinishColumn(slot);
+  if (column.sequence < looked) FinishColumn(slot);
 }
 
 void Mapper::FinishColumn(int slot) {
@@ -319,7 +318,7 @@ void Mapper::UseClasses() {
   const auto revolution = RevolutionOf(direction.sequence);
   HP_LOOP_BOUND(kMaxBeams)
   for (int beam = 0; beam < model_.beams; ++beam) {
-    ClassReturn(direction.sequence, beam, classes);
+    if (direction.fan.level_m[beam] > 0.0f) ClassReturn(direction.sequence, beam, classes);
     if (classes.what[beam] != ReturnClass::kGround) continue;
     const Vec3& point = direction.point_odom[beam];
     if (!IsUsable(heights_.Insert(point, ReturnClass::kGround, revolution))) {

@@ -30,10 +30,10 @@
 namespace hardpack {
 
 struct MapperCounters {
-  uint32_t columns_without_pose = 0;   // not filed
-  uint32_t folded_with_labels = 0;     // columns
-  uint32_t folded_without_labels = 0;  // by deadline, or because labels are not used
-  uint32_t folded_early = 0;  // their slot was needed: the ring is too small for the deadline
+  uint32_t columns_without_pose = 0;    // not filed
+  uint32_t folded_with_labels = 0;      // columns
+  uint32_t folded_without_labels = 0;   // by deadline, or because labels are not used
+  uint32_t folded_early = 0;            // of both: their slot was needed before the deadline
   uint32_t late_unclassed_columns = 0;  // came after their direction was classed: hard as a whole
   uint32_t returns_off_map = 0;
   uint32_t overhead_returns = 0;  // above the clearance height: not filed
@@ -121,7 +121,7 @@ class Mapper {
   void BeginRestart();
   void ClassDirections(int64_t sequence, int64_t newest);
   void ClassUpTo(int64_t last);
-  void ClassAsHard(int slot, int64_t classed);
+  void ClassAsHard(int slot, int64_t looked);
   void FinishColumn(int slot);
   Direction& DirectionOf(int64_t sequence);
   void LookAlong(int64_t sequence);

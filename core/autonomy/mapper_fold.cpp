@@ -91,7 +91,7 @@ void Mapper::Advance(uint64_t now_ns) {
     EndDirections();
     ring_.EndRevolution();
   }
-  const bool all = FoldPending(now_ns, restarting_ ? 0 : deadline_ns_);
+  const bool all = restarting_ ? FoldPending(UINT64_MAX, 0) : FoldPending(now_ns, deadline_ns_);
   if (restarting_ && all) {
     restarting_ = false;
     fold_next_ = -1;
