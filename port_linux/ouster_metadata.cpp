@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <system_error>
+#include <tuple>
 #include <vector>
 
 #include "port_linux/read_file.h"
@@ -50,6 +51,7 @@ constexpr int64_t kMaxColumnsPerFrame = 4096;
 constexpr int64_t kMaxColumnsPerPacket = 64;
 constexpr int64_t kMaxInitId = 0xffffff;
 constexpr uint64_t kMaxSerialNumber = 0xffffffffffu;
+constexpr FirmwareVersion kFirstWithCrc = {3, 2, 0};
 
 // A text of the file as a message may show it: short, and printable.
 std::string Quoted(std::string_view text) {
@@ -274,6 +276,56 @@ void ReadProfile(FieldReader& reader, Metadata& metadata) {
   reader.Fail("udp_profile_lidar", Quoted(name) + " is not a known profile", Status::kUnsupported);
 }
 
+// Takes "3.2.0" off the front of the text; a third number may be missing. False when it does not
+// begin with a version, or one of its numbers is absurd.
+bool ParseVersion(std::string_view text, FirmwareVersion& version) {
+  constexpr int32_t kLargest = 9999;
+  int32_t* const numbers[] = {&version.first, &version.second, &version.third};
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (int32_t* const number : numbers) {
+    if (number != numbers[0]) {
+      if (at == end || *at != '.') return number == numbers[2];
+      ++at;
+    }
+    // from_chars would take a sign.
+    if (at == end || *at < '0' || *at > '9') return false;
+    const auto [stop, error] = std::from_chars(at, end, *number);
+    if (error != std::errc() || *number > kLargest) return false;
+    at = stop;
+  }
+  return true;
+}
+
+// image_rev is "ousteros-image-prod-aries-v2.3.0+20220415163956", build_rev "v2.3.0", in builds of
+// the maker's own a commit: a version is what follows the first v that one follows.
+FirmwareVersion VersionIn(std::string_view text) {
+  for (size_t at = text.find('v'); at != std::string_view::npos; at = text.find('v', at + 1)) {
+    FirmwareVersion version;
+    const bool begins_word = at == 0 || text[at - 1] == '-';
+    if (begins_word && ParseVersion(text.substr(at + 1), version)) return version;
+  }
+  return {};
+}
+
+bool IsBefore(const FirmwareVersion& a, const FirmwareVersion& b) {
+  return std::tie(a.first, a.second, a.third) < std::tie(b.first, b.second, b.third);
+}
+
+void ReadFirmware(FieldReader& reader, Metadata& metadata) {
+  const std::string header_type = reader.Text("header_type");
+  if (!header_type.empty() && header_type != "STANDARD") {
+    reader.Fail("header_type", Quoted(header_type) + " is not handled", Status::kUnsupported);
+    return;
+  }
+  constexpr FirmwareVersion kUnknown;
+  metadata.firmware = VersionIn(reader.Text("image_rev"));
+  if (!IsBefore(kUnknown, metadata.firmware)) {
+    metadata.firmware = VersionIn(reader.Text("build_rev"));
+  }
+  metadata.crc_in_footer = !IsBefore(metadata.firmware, kFirstWithCrc);
+}
+
 void ReadIdentity(FieldReader& reader, Metadata& metadata) {
   metadata.init_id = static_cast<uint32_t>(reader.Integer("initialization_id", 0, kMaxInitId, 0));
   const std::string serial = reader.Text("prod_sn");
@@ -338,6 +390,7 @@ ReadOutcome ReadFields(const Json& root, std::string_view name, Metadata& metada
   ReadBeams(reader, read);
   ReadDataFormat(reader, read);
   ReadProfile(reader, read);
+  ReadFirmware(reader, read);
   ReadIdentity(reader, read);
   ReadGeometry(reader, read);
   if (reader.ok()) metadata = read;

@@ -22,6 +22,12 @@
 //   lidar_origin_to_beam_origin_mm    x of beam_to_lidar_transform, else by prod_line
 //   lidar_to_sensor_transform         half a turn about z, 36.18 mm up
 //   initialization_id, prod_sn        0: packets are not held against them
+//   image_rev                         build_rev; without a version in either, firmware is 0
+//   header_type                       STANDARD, the only one that is read
+//
+// crc_in_footer is set from firmware 3.2 on. The maker does not say in which version the field came
+// to be filled in: recordings of 2.2 have zeros there, those of 2.3 a constant, those of 3.2 the
+// CRC; in between the packets are not held to it.
 //
 // Lengths are millimetres in the file and metres in Metadata.
 
@@ -31,8 +37,9 @@ namespace hardpack::ouster {
 inline constexpr size_t kMaxMetadataBytes = 1024 * 1024;
 
 // `name` is what messages call the text, as a rule its path. On failure `metadata` is empty:
-// kUnsupported (an unknown profile or beam geometry), kCapacityExceeded (more beams than kMaxBeams,
-// a text longer than its field), kOversized, kNotFinite or kInvalidArgument (everything else).
+// kUnsupported (an unknown profile, packet header or beam geometry), kCapacityExceeded (more beams
+// than kMaxBeams, a text longer than its field), kOversized, kNotFinite or kInvalidArgument
+// (everything else).
 ReadOutcome ParseMetadata(std::string_view json, std::string_view name, Metadata& metadata);
 
 // Reads and parses a file. Besides: kInvalidArgument when it cannot be read.

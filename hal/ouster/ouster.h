@@ -7,18 +7,40 @@
 #include "core/base/status.h"
 #include "core/measurements/measurements.h"
 
-// Ouster lidar packets to LidarColumns. Layouts as documented by the maker (REFERENCES.md): LEGACY
-// (no packet header) and RNG19_RFL8_SIG16_NIR16 (32 B header, 32 B footer). Decodes one column at a
-// time into the caller's LidarColumn; keeps no state, allocates nothing. Does not check the CRC of
-// the footer: it is wrong or absent on the firmware these two profiles were recorded with.
+// Ouster lidar packets to LidarColumns and IMU packets to ImuSamples. Layouts as documented by the
+// maker (REFERENCES.md). Decodes one column at a time into the caller's LidarColumn; keeps no state
+// (packet_monitor.h follows a sensor's stream), allocates nothing, knows nothing of revolutions.
+//
+//                               header  column header  pixel  column footer  footer  [B]
+//   LEGACY                           0             16     12              4       0
+//   RNG19_RFL8_SIG16_NIR16          32             12     12              0      32
+//   RNG15_RFL8_NIR8                 32             12      4              0      32
+//   RNG19_RFL8_SIG16_NIR16_DUAL     32             12     16              0      32
+//
+// What a pixel becomes in a LidarColumn:
+//   range         LEGACY 20 bits, RNG19 19 bits of 1 mm; RNG15 15 bits of 8 mm: a multiple of 8 mm,
+//                 at most 262,136 mm. 0: no return.
+//   flags         LEGACY 4 bits, RNG19 5 bits, RNG15 1 bit.
+//   reflectivity  LEGACY 16 bits, else 8.
+//   signal        photons, 16 bits; RNG15 sends none: 0.
+//   near_ir       photons, 16 bits; RNG15 sends 8 bits of 16 photons: a multiple of 16.
+//   second_*      DUAL only: the second return of the beam (returns is 2). All others leave them as
+//                 they are and set returns to 1.
 
 namespace hardpack::ouster {
 
 enum class Profile : uint8_t {
   kLegacy = 0,
   kRng19Rfl8Sig16Nir16 = 1,
-  kRng15Rfl8Nir8 = 2,            // known by name; decoding it is kUnsupported
-  kRng19Rfl8Sig16Nir16Dual = 3,  // known by name; decoding it is kUnsupported
+  kRng15Rfl8Nir8 = 2,
+  kRng19Rfl8Sig16Nir16Dual = 3,
+};
+
+// As in v2.3.0. Pre-releases count as the release that they lead to.
+struct FirmwareVersion {
+  int32_t first = 0;
+  int32_t second = 0;
+  int32_t third = 0;
 };
 
 // What the sensor's metadata say, as far as decoding and geometry need it. Filled by the port
@@ -32,6 +54,10 @@ struct Metadata {
   int32_t column_window_last = 0;  // inclusive; first > last wraps past zero
   uint32_t init_id = 0;            // 0: not stated
   uint64_t serial_number = 0;      // 0: not stated
+  FirmwareVersion firmware;        // all 0: not stated
+  // The firmware fills in the CRC-64 of the packet's footer. Where it does not, or is not known to,
+  // the eight bytes mean nothing.
+  bool crc_in_footer = false;
   float beam_altitude_deg[kMaxBeams] = {};
   float beam_azimuth_deg[kMaxBeams] = {};
   float lidar_origin_to_beam_origin_m = 0.0f;
@@ -42,6 +68,7 @@ struct Metadata {
 // Sizes and offsets of one profile at a number of beams.
 struct PacketLayout {
   Profile profile = Profile::kLegacy;
+  bool crc_in_footer = false;  // packets are held to it
   int32_t beams = 0;
   int32_t columns_per_packet = 0;
   int32_t columns_per_frame = 0;
@@ -49,13 +76,17 @@ struct PacketLayout {
   int32_t column_header_bytes = 0;
   int32_t pixel_bytes = 0;
   int32_t column_footer_bytes = 0;
+  int32_t packet_footer_bytes = 0;
   int32_t column_bytes = 0;
   int32_t packet_bytes = 0;
 };
 
-// kUnsupported: a profile that is not decoded; kInvalidArgument: a count out of range;
-// kCapacityExceeded: more columns a frame than kMaxColumnsPerRevolution. On failure the layout is
-// empty, and the functions below refuse it with kInvalidArgument.
+// What fits in one UDP datagram over IPv4.
+inline constexpr int32_t kMaxPacketBytes = 65507;
+
+// kUnsupported: no profile of the list; kInvalidArgument: a count out of range; kCapacityExceeded:
+// more columns a frame than kMaxColumnsPerRevolution, or a packet larger than a datagram. On
+// failure the layout is empty, and the functions below refuse it with kInvalidArgument.
 Status MakeLayout(const Metadata& metadata, PacketLayout& layout);
 
 // What a packet's header says. LEGACY has none: everything 0.
@@ -66,19 +97,42 @@ struct PacketHeader {
   uint64_t serial_number = 0;
 };
 
-// Checks a datagram as a whole before any column is taken from it, and reads its header.
+// Which sensor, and which of its starts: the init id changes with each boot and each new
+// configuration. 0: not known, any will do.
+struct SensorIdentity {
+  uint32_t init_id = 0;
+  uint64_t serial_number = 0;
+};
+
+// Checks a datagram as a whole before any column is taken from it, and reads its header. In this
+// order, so that nothing is believed of a packet that is damaged:
 // kTruncated / kOversized: not exactly layout.packet_bytes; kWrongPacketType: header type is not a
-// lidar packet; kWrongSensor: the metadata state an init id or a serial number and the packet
-// another. A LEGACY packet carries no identity: its size is all that can be checked.
+// lidar packet; kBadCrc: layout.crc_in_footer, and the CRC-64 differs; kWrongSensor: another serial
+// number than the expected; kSensorRestarted: the serial number is the expected one or none is
+// expected, but the init id is another than the expected: the metadata may no longer be true.
+// A LEGACY packet carries no identity: its size is all that can be checked.
+// Cost: constant; with a CRC one pass over the packet in steps of 8 bytes.
+Status CheckPacket(const PacketLayout& layout, const SensorIdentity& expected,
+                   std::span<const uint8_t> packet, PacketHeader& header);
+
+// The same, expecting the sensor that the metadata describe.
 Status CheckPacket(const PacketLayout& layout, const Metadata& metadata,
                    std::span<const uint8_t> packet, PacketHeader& header);
 
 // Decodes column `index` (0 .. columns_per_packet - 1) of a packet that passed CheckPacket.
-// kColumnInvalid: the sensor marked it so; kBadColumn: measurement id beyond the frame (both: the
-// fields are decoded all the same); kTruncated; kInvalidArgument: no such index (both: `column` is
-// untouched). Rows beyond layout.beams are untouched.
+// kColumnInvalid: the sensor marked it so, as it does outside its window; kBadColumn: measurement
+// id beyond the frame (both: the fields are decoded all the same); kTruncated; kInvalidArgument: no
+// such index (both: `column` is untouched). Rows beyond layout.beams are untouched.
 // Cost: one pass over the beams, at most kMaxBeams.
 Status DecodeColumn(const PacketLayout& layout, std::span<const uint8_t> packet, int index,
                     LidarColumn& column);
+
+inline constexpr int32_t kImuPacketBytes = 48;
+
+// Decodes an IMU packet (udp_profile_imu LEGACY) into SI units, in the IMU's own frame: g and deg/s
+// on the wire. The packet names no sensor and has no checksum. kTruncated / kOversized: not exactly
+// kImuPacketBytes; kNotFinite: a reading is not, or is not any more in SI units; on failure
+// `sample` is untouched. Cost: constant.
+Status DecodeImu(std::span<const uint8_t> packet, ImuSample& sample);
 
 }  // namespace hardpack::ouster

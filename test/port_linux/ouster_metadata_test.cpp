@@ -203,6 +203,69 @@ TEST(OusterMetadata, NamesTheFieldOfABadIdentityOrGeometry) {
                 Status::kUnsupported);
 }
 
+TEST(OusterMetadata, KnowsEveryProfileByItsName) {
+  const std::pair<const char*, Profile> profiles[] = {
+      {"LEGACY", Profile::kLegacy},
+      {"RNG19_RFL8_SIG16_NIR16", Profile::kRng19Rfl8Sig16Nir16},
+      {"RNG15_RFL8_NIR8", Profile::kRng15Rfl8Nir8},
+      {"RNG19_RFL8_SIG16_NIR16_DUAL", Profile::kRng19Rfl8Sig16Nir16Dual}};
+  for (const auto& [name, profile] : profiles) {
+    Metadata metadata;
+    const std::string member = R"("udp_profile_lidar": ")" + std::string(name) + "\"";
+    ASSERT_TRUE(ParseMetadata(With(member), "scan.json", metadata).ok()) << name;
+    EXPECT_EQ(metadata.profile, profile) << name;
+    PacketLayout layout;
+    EXPECT_EQ(MakeLayout(metadata, layout), Status::kOk) << name;
+  }
+}
+
+TEST(OusterMetadata, TakesTheCrcFromTheFirmwaresVersion) {
+  struct Case {
+    const char* members;
+    FirmwareVersion firmware;
+    bool crc;
+  };
+  const Case cases[] = {
+      {R"("image_rev": "ousteros-image-prod-aries-v2.3.0+20220415163956")", {2, 3, 0}, false},
+      {R"("image_rev": "ousteros-image-prod-bootes-v3.1.0+20240425071424")", {3, 1, 0}, false},
+      {R"("image_rev": "ousteros-image-dev-bootes-v3.2.0-alpha.1+20240812193256")",
+       {3, 2, 0},
+       true},
+      {R"("image_rev": "ousteros-image-prod-bootes-v3.2")", {3, 2, 0}, true},
+      {R"("image_rev": "ousteros-image-prod-bootes-v10.0.12")", {10, 0, 12}, true},
+      // The later field where the first says nothing; the first where both do.
+      {R"("image_rev": "", "build_rev": "v3.2.1")", {3, 2, 1}, true},
+      {R"("build_rev": "v1.14.0-beta.1-87-gde6f92c")", {1, 14, 0}, false},
+      {R"("image_rev": "image-v2.5.3", "build_rev": "v3.2.0")", {2, 5, 3}, false},
+      // No version.
+      {R"("build_rev": "035522cb7ffa0b1f8c4adff238e03ca3397973c8")", {0, 0, 0}, false},
+      {R"("image_rev": "v", "build_rev": "rev3.2.0")", {0, 0, 0}, false},
+      {R"("image_rev": "v3", "build_rev": "v3.")", {0, 0, 0}, false},
+      {R"("image_rev": "v-3.2.0", "build_rev": "v3.-2.0")", {0, 0, 0}, false},
+      {R"("image_rev": "v99999999999.2.0", "build_rev": "v3.10000.0")", {0, 0, 0}, false},
+      {R"("image_rev": null)", {0, 0, 0}, false}};
+  for (const Case& one : cases) {
+    Metadata metadata;
+    ASSERT_TRUE(ParseMetadata(With(one.members), "scan.json", metadata).ok()) << one.members;
+    EXPECT_EQ(metadata.firmware.first, one.firmware.first) << one.members;
+    EXPECT_EQ(metadata.firmware.second, one.firmware.second) << one.members;
+    EXPECT_EQ(metadata.firmware.third, one.firmware.third) << one.members;
+    EXPECT_EQ(metadata.crc_in_footer, one.crc) << one.members;
+  }
+}
+
+TEST(OusterMetadata, RefusesOtherPacketHeaders) {
+  Metadata metadata;
+  EXPECT_TRUE(
+      ParseMetadata(With(R"("config_params": {"header_type": "STANDARD"})"), "scan.json", metadata)
+          .ok());
+  ExpectRefused(With(R"("config_params": {"header_type": "FUSA"})"),
+                "scan.json: header_type: \"FUSA\" is not handled", Status::kUnsupported);
+  ExpectRefused(With(R"("header_type": 1)"), "scan.json: header_type: expected a text");
+  ExpectRefused(With(R"("image_rev": 3.2)"), "scan.json: image_rev: expected a text");
+  ExpectRefused(With(R"("build_rev": ["v3.2.0"])"), "scan.json: build_rev: expected a text");
+}
+
 TEST(OusterMetadata, RefusesDeepNestingAndLargeTexts) {
   ExpectRefused(std::string(kMaxMetadataBytes + 1, ' '),
                 "scan.json: larger than 1048576 bytes; not a lidar's metadata", Status::kOversized);
@@ -228,8 +291,8 @@ TEST(OusterMetadata, SaysWhyAFileCannotBeRead) {
 // Changed anywhere, a file is read or refused; what is read is within the stated limits.
 TEST(OusterMetadata, WithstandsDamage) {
   const std::string original = "{" + Beams(16) + R"(, "lidar_mode": "2048x10", "prod_line": "OS-1",
-      "prod_sn": "992210000957", "initialization_id": 5431293, "data_format": {
-      "column_window": [2000, 100], "columns_per_packet": 8}, "lidar_to_sensor_transform": )" +
+      "prod_sn": "992210000957", "initialization_id": 5431293, "image_rev": "image-v3.2.0+1",
+      "data_format": {"column_window": [2000, 100], "columns_per_packet": 8}, "lidar_to_sensor_transform": )" +
                                kTransform + "}";
   const unsigned seed = 9001;
   SCOPED_TRACE(seed);
@@ -286,6 +349,8 @@ TEST_F(RecordedMetadata, OfEveryFormIsRead) {
   EXPECT_EQ(os2.serial_number, 992210000957u);
   EXPECT_FLOAT_EQ(os2.sensor_from_lidar.translation.z_m, 0.078296f);
   EXPECT_STREQ(os2.product_line, "OS-2-128");
+  EXPECT_EQ(os2.firmware.second, 3);
+  EXPECT_FALSE(os2.crc_in_footer);
 
   const Metadata os1 = Read("ouster/OS-1-128_v2.3.0_1024x10.json");
   EXPECT_EQ(os1.profile, Profile::kRng15Rfl8Nir8);
@@ -294,9 +359,12 @@ TEST_F(RecordedMetadata, OfEveryFormIsRead) {
   EXPECT_EQ(reduced.profile, Profile::kLegacy);
   EXPECT_EQ(reduced.beams, 64);
   EXPECT_EQ(reduced.columns_per_frame, 1024);
+  EXPECT_EQ(reduced.firmware.first, 0);
+  EXPECT_FALSE(reduced.crc_in_footer);
 
   const Metadata gen1 = Read("ouster/meta_1_14_os1-64_legacy.json");
   EXPECT_EQ(gen1.profile, Profile::kLegacy);
+  EXPECT_EQ(gen1.firmware.second, 14);
   EXPECT_EQ(gen1.serial_number, 991937000062u);
   EXPECT_FLOAT_EQ(gen1.beam_altitude_deg[0], 16.509f);
 
@@ -305,9 +373,13 @@ TEST_F(RecordedMetadata, OfEveryFormIsRead) {
   EXPECT_EQ(windowed.column_window_first, 1);
   EXPECT_EQ(windowed.column_window_last, 256);
   EXPECT_FLOAT_EQ(windowed.lidar_origin_to_beam_origin_m, 0.02767f);
+  EXPECT_FALSE(windowed.crc_in_footer);
 
   const Metadata crc = Read("ouster/crc_test.json");
   EXPECT_EQ(crc.init_id, 11394290u);
+  EXPECT_EQ(crc.firmware.first, 3);
+  EXPECT_EQ(crc.firmware.second, 2);
+  EXPECT_TRUE(crc.crc_in_footer);
   EXPECT_FLOAT_EQ(crc.lidar_origin_to_beam_origin_m, 0.027116f);
   EXPECT_FLOAT_EQ(crc.sensor_from_lidar.translation.z_m, 0.038195f);
 

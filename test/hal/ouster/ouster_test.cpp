@@ -14,7 +14,7 @@
 namespace hardpack::ouster {
 namespace {
 
-using test::EncodeLegacy;
+using test::Encode;
 using test::EncodeRng19;
 using test::PacketIdentity;
 using test::RandomColumns;
@@ -42,6 +42,7 @@ void ExpectSameColumn(const LidarColumn& a, const LidarColumn& b) {
   EXPECT_EQ(a.encoder_ticks, b.encoder_ticks);
   EXPECT_EQ(a.status, b.status);
   EXPECT_EQ(a.valid, b.valid);
+  EXPECT_EQ(a.returns, b.returns);
   ASSERT_EQ(a.beams, b.beams);
   for (int row = 0; row < a.beams; ++row) {
     ASSERT_EQ(a.range_mm[row], b.range_mm[row]) << row;
@@ -49,6 +50,10 @@ void ExpectSameColumn(const LidarColumn& a, const LidarColumn& b) {
     ASSERT_EQ(a.reflectivity[row], b.reflectivity[row]) << row;
     ASSERT_EQ(a.near_ir[row], b.near_ir[row]) << row;
     ASSERT_EQ(a.flags[row], b.flags[row]) << row;
+    ASSERT_EQ(a.second_range_mm[row], b.second_range_mm[row]) << row;
+    ASSERT_EQ(a.second_signal[row], b.second_signal[row]) << row;
+    ASSERT_EQ(a.second_reflectivity[row], b.second_reflectivity[row]) << row;
+    ASSERT_EQ(a.second_flags[row], b.second_flags[row]) << row;
   }
 }
 
@@ -58,13 +63,15 @@ TEST(OusterLayout, HasTheDocumentedSizes) {
   EXPECT_EQ(LayoutOf(MetadataOf(Profile::kLegacy, 64)).column_bytes, 788);
   EXPECT_EQ(LayoutOf(MetadataOf(Profile::kRng19Rfl8Sig16Nir16, 64)).packet_bytes, 12544);
   EXPECT_EQ(LayoutOf(MetadataOf(Profile::kRng19Rfl8Sig16Nir16, 128)).packet_bytes, 24832);
+  EXPECT_EQ(LayoutOf(MetadataOf(Profile::kRng15Rfl8Nir8, 64)).packet_bytes, 4352);
+  EXPECT_EQ(LayoutOf(MetadataOf(Profile::kRng15Rfl8Nir8, 128)).packet_bytes, 8448);
+  EXPECT_EQ(LayoutOf(MetadataOf(Profile::kRng19Rfl8Sig16Nir16Dual, 64)).packet_bytes, 16640);
+  EXPECT_EQ(LayoutOf(MetadataOf(Profile::kRng19Rfl8Sig16Nir16Dual, 128)).packet_bytes, 33024);
 }
 
 TEST(OusterLayout, RefusesWhatItCannotDecode) {
   PacketLayout layout;
-  EXPECT_EQ(MakeLayout(MetadataOf(Profile::kRng15Rfl8Nir8, 64), layout), Status::kUnsupported);
-  EXPECT_EQ(MakeLayout(MetadataOf(Profile::kRng19Rfl8Sig16Nir16Dual, 64), layout),
-            Status::kUnsupported);
+  EXPECT_EQ(MakeLayout(MetadataOf(static_cast<Profile>(4), 64), layout), Status::kUnsupported);
   EXPECT_EQ(MakeLayout(MetadataOf(static_cast<Profile>(200), 64), layout), Status::kUnsupported);
   for (const int beams : {-1, 0, 129, INT32_MAX, INT32_MIN}) {
     EXPECT_EQ(MakeLayout(MetadataOf(Profile::kLegacy, beams), layout), Status::kInvalidArgument);
@@ -74,6 +81,13 @@ TEST(OusterLayout, RefusesWhatItCannotDecode) {
     metadata.columns_per_packet = columns;
     EXPECT_EQ(MakeLayout(metadata, layout), Status::kInvalidArgument);
   }
+  // 42 columns of 128 DUAL beams are 86,584 B, more than a datagram holds.
+  Metadata large = MetadataOf(Profile::kRng19Rfl8Sig16Nir16Dual, 128);
+  large.columns_per_packet = 31;
+  EXPECT_EQ(MakeLayout(large, layout), Status::kOk);
+  EXPECT_EQ(layout.packet_bytes, 63924);
+  large.columns_per_packet = 42;
+  EXPECT_EQ(MakeLayout(large, layout), Status::kCapacityExceeded);
   metadata.columns_per_packet = 16;
   metadata.columns_per_frame = 4096;
   EXPECT_EQ(MakeLayout(metadata, layout), Status::kCapacityExceeded);
@@ -91,7 +105,7 @@ TEST(OusterLayout, RefusesWhatItCannotDecode) {
 class OusterCodec : public testing::TestWithParam<std::tuple<Profile, int>> {
  protected:
   std::vector<uint8_t> Encode(const std::vector<LidarColumn>& columns) const {
-    return profile() == Profile::kLegacy ? EncodeLegacy(columns) : EncodeRng19(identity_, columns);
+    return test::Encode(profile(), identity_, columns);
   }
   Profile profile() const { return std::get<0>(GetParam()); }
   int beams() const { return std::get<1>(GetParam()); }
@@ -196,38 +210,152 @@ TEST_P(OusterCodec, StaysWithinItsTypesOnRandomBytes) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Profiles, OusterCodec,
-                         testing::Combine(testing::Values(Profile::kLegacy,
-                                                          Profile::kRng19Rfl8Sig16Nir16),
-                                          testing::Values(16, 64, 128)),
-                         [](const testing::TestParamInfo<std::tuple<Profile, int>>& info) {
-                           const bool legacy = std::get<0>(info.param) == Profile::kLegacy;
-                           return std::string(legacy ? "Legacy" : "Rng19") + "x" +
-                                  std::to_string(std::get<1>(info.param));
-                         });
+std::string ProfileName(Profile profile) {
+  switch (profile) {
+    case Profile::kLegacy:
+      return "Legacy";
+    case Profile::kRng19Rfl8Sig16Nir16:
+      return "Rng19";
+    case Profile::kRng15Rfl8Nir8:
+      return "Rng15";
+    default:
+      return "Dual";
+  }
+}
 
-TEST(OusterCheckPacket, RefusesOtherSensorsAndPackets) {
+INSTANTIATE_TEST_SUITE_P(
+    Profiles, OusterCodec,
+    testing::Combine(testing::Values(Profile::kLegacy, Profile::kRng19Rfl8Sig16Nir16,
+                                     Profile::kRng15Rfl8Nir8, Profile::kRng19Rfl8Sig16Nir16Dual),
+                     testing::Values(16, 32, 64, 128)),
+    [](const testing::TestParamInfo<std::tuple<Profile, int>>& info) {
+      return ProfileName(std::get<0>(info.param)) + "x" + std::to_string(std::get<1>(info.param));
+    });
+
+// A column that held two returns and now one keeps no trace of the second in `returns`.
+TEST(OusterDecodeColumn, SaysHowManyReturnsABeamHas) {
+  std::mt19937 random(7006);
+  const auto column = std::make_unique<LidarColumn>();
+  for (const Profile profile : {Profile::kRng19Rfl8Sig16Nir16Dual, Profile::kRng19Rfl8Sig16Nir16,
+                                Profile::kRng19Rfl8Sig16Nir16Dual, Profile::kRng15Rfl8Nir8,
+                                Profile::kRng19Rfl8Sig16Nir16Dual, Profile::kLegacy}) {
+    const PacketLayout layout = LayoutOf(MetadataOf(profile, 16));
+    const std::vector<uint8_t> packet =
+        Encode(profile, {}, RandomColumns(random, profile, 16, 16, 0, 0));
+    ASSERT_EQ(DecodeColumn(layout, packet, 3, *column), Status::kOk);
+    EXPECT_EQ(column->returns, profile == Profile::kRng19Rfl8Sig16Nir16Dual ? 2 : 1);
+  }
+}
+
+// A window's first and last packet hold columns of both kinds, also where it is narrower than one.
+TEST(OusterDecodeColumn, TellsEachColumnOfAPartlyInvalidPacket) {
+  std::mt19937 random(7007);
+  for (const Profile profile : {Profile::kLegacy, Profile::kRng15Rfl8Nir8}) {
+    const PacketLayout layout = LayoutOf(MetadataOf(profile, 32));
+    std::vector<LidarColumn> columns = RandomColumns(random, profile, 32, 16, 0, 256);
+    for (int i = 0; i < 16; ++i) {
+      if (i == 5 || i == 6) continue;
+      columns[static_cast<size_t>(i)].status = 0;
+    }
+    const std::vector<uint8_t> packet = Encode(profile, {}, columns);
+    const auto column = std::make_unique<LidarColumn>();
+    for (int i = 0; i < 16; ++i) {
+      const bool valid = i == 5 || i == 6;
+      EXPECT_EQ(DecodeColumn(layout, packet, i, *column),
+                valid ? Status::kOk : Status::kColumnInvalid);
+      EXPECT_EQ(column->valid, valid);
+      EXPECT_EQ(column->measurement_id, 256 + i);
+    }
+  }
+}
+
+TEST(OusterCheckPacket, TellsAnotherSensorFromANewStartOfTheSame) {
   std::mt19937 random(7005);
   Metadata metadata = MetadataOf(Profile::kRng19Rfl8Sig16Nir16, 16);
   const PacketLayout layout = LayoutOf(metadata);
   const PacketIdentity identity{1, 3, 0x123456, 0x123456789a};
   const std::vector<LidarColumn> columns = RandomColumns(random, metadata.profile, 16, 16, 3, 0);
   const std::vector<uint8_t> packet = EncodeRng19(identity, columns);
+  constexpr uint32_t kSame = 0x123456;
+  constexpr uint32_t kOther = 0x123457;
+  struct Case {
+    uint32_t init_id;  // expected
+    uint64_t serial_number;
+    Status status;
+  };
+  const Case cases[] = {{0, 0, Status::kOk},
+                        {kSame, 0, Status::kOk},
+                        {0, 0x123456789a, Status::kOk},
+                        {kSame, 0x123456789a, Status::kOk},
+                        {kOther, 0, Status::kSensorRestarted},
+                        {kOther, 0x123456789a, Status::kSensorRestarted},
+                        {0, 0x123456789b, Status::kWrongSensor},
+                        {kSame, 0x123456789b, Status::kWrongSensor},
+                        {kOther, 0x123456789b, Status::kWrongSensor},
+                        {kSame, 0x5512345678, Status::kWrongSensor}};
+  for (const Case& one : cases) {
+    metadata.init_id = one.init_id;
+    metadata.serial_number = one.serial_number;
+    PacketHeader header;
+    EXPECT_EQ(CheckPacket(layout, metadata, packet, header), one.status);
+    EXPECT_EQ(header.init_id, kSame);
+    EXPECT_EQ(header.serial_number, 0x123456789au);
+    EXPECT_EQ(CheckPacket(layout, SensorIdentity{one.init_id, one.serial_number}, packet, header),
+              one.status);
+  }
+}
+
+TEST(OusterCheckPacket, RefusesOtherPacketTypes) {
+  std::mt19937 random(7008);
+  const Metadata metadata = MetadataOf(Profile::kRng15Rfl8Nir8, 16);
+  const PacketLayout layout = LayoutOf(metadata);
+  const std::vector<LidarColumn> columns = RandomColumns(random, metadata.profile, 16, 16, 3, 0);
   PacketHeader header;
-  EXPECT_EQ(CheckPacket(layout, metadata, packet, header), Status::kOk);
-  metadata.init_id = 0x123456;
-  metadata.serial_number = 0x123456789a;
-  EXPECT_EQ(CheckPacket(layout, metadata, packet, header), Status::kOk);
-  metadata.init_id = 0x123457;
-  EXPECT_EQ(CheckPacket(layout, metadata, packet, header), Status::kWrongSensor);
-  metadata.init_id = 0;
-  metadata.serial_number = 0x123456789b;
-  EXPECT_EQ(CheckPacket(layout, metadata, packet, header), Status::kWrongSensor);
-  metadata.serial_number = 0;
   for (const uint16_t type : {uint16_t{0}, uint16_t{2}, uint16_t{257}}) {
-    const PacketIdentity other{type, 3, 0x123456, 0x123456789a};
-    EXPECT_EQ(CheckPacket(layout, metadata, EncodeRng19(other, columns), header),
-              Status::kWrongPacketType);
+    const std::vector<uint8_t> packet = Encode(metadata.profile, {type, 3, 5, 6}, columns);
+    EXPECT_EQ(CheckPacket(layout, metadata, packet, header), Status::kWrongPacketType);
+  }
+}
+
+TEST(OusterCheckPacket, HoldsPacketsToTheCrcOnlyWhereTheFirmwareHasIt) {
+  std::mt19937 random(7009);
+  for (const Profile profile : {Profile::kRng19Rfl8Sig16Nir16, Profile::kRng15Rfl8Nir8,
+                                Profile::kRng19Rfl8Sig16Nir16Dual, Profile::kLegacy}) {
+    Metadata metadata = MetadataOf(profile, 32);
+    std::vector<uint8_t> packet =
+        Encode(profile, {1, 3, 5, 6}, RandomColumns(random, profile, 32, 16, 3, 0));
+    PacketHeader header;
+    EXPECT_EQ(CheckPacket(LayoutOf(metadata), metadata, packet, header), Status::kOk);
+    metadata.crc_in_footer = true;
+    const PacketLayout layout = LayoutOf(metadata);
+    // LEGACY has no footer: nothing to hold it to.
+    EXPECT_EQ(layout.crc_in_footer, profile != Profile::kLegacy);
+    EXPECT_EQ(CheckPacket(layout, metadata, packet, header),
+              profile == Profile::kLegacy ? Status::kOk : Status::kBadCrc);
+    test::SetCrc(packet);
+    EXPECT_EQ(CheckPacket(layout, metadata, packet, header), Status::kOk);
+  }
+}
+
+// No single flipped bit gets through, wherever it is; a damaged identity is not taken for a new
+// one.
+TEST(OusterCheckPacket, SeesEveryFlippedBit) {
+  std::mt19937 random(7010);
+  Metadata metadata = MetadataOf(Profile::kRng15Rfl8Nir8, 16);
+  metadata.crc_in_footer = true;
+  metadata.init_id = 5;
+  metadata.serial_number = 6;
+  const PacketLayout layout = LayoutOf(metadata);
+  std::vector<uint8_t> packet =
+      Encode(metadata.profile, {1, 3, 5, 6}, RandomColumns(random, metadata.profile, 16, 16, 3, 0));
+  test::SetCrc(packet);
+  PacketHeader header;
+  ASSERT_EQ(CheckPacket(layout, metadata, packet, header), Status::kOk);
+  for (size_t bit = 0; bit < 8 * packet.size(); ++bit) {
+    packet[bit / 8] ^= static_cast<uint8_t>(1u << bit % 8);
+    const Status expected = bit < 16 ? Status::kWrongPacketType : Status::kBadCrc;
+    ASSERT_EQ(CheckPacket(layout, metadata, packet, header), expected) << bit;
+    packet[bit / 8] ^= static_cast<uint8_t>(1u << bit % 8);
   }
 }
 
