@@ -11,6 +11,8 @@ constexpr uint32_t kMaxPackedRange_mm = 0x7ffffu;
 constexpr float kMillimetersPerMeter = 1000.0f;
 constexpr float kMaxAltitude_deg = 90.0f;
 constexpr float kMaxAzimuth_deg = 360.0f;
+constexpr float kTurn_deg = 360.0f;
+constexpr float kHalfTurn_deg = 180.0f;
 
 bool IsFiniteTransform(const Transform3& transform) {
   bool finite = IsFinite(transform.translation.x_m) && IsFinite(transform.translation.y_m) &&
@@ -31,8 +33,53 @@ Status CheckBeams(std::span<const float> altitude_deg, std::span<const float> az
   return Status::kOk;
 }
 
-bool IsReturnClass(ReturnClass value) {
-  return static_cast<uint8_t>(value) <= static_cast<uint8_t>(ReturnClass::kPerson);
+// In (-180, 180]. Precondition: at most 360 either way.
+float WrapDegrees(float angle_deg) {
+  if (angle_deg > kHalfTurn_deg) return angle_deg - kTurn_deg;
+  return angle_deg <= -kHalfTurn_deg ? angle_deg + kTurn_deg : angle_deg;
+}
+
+// theta_e(j + s) + theta_a = theta_e(j) + const makes s = -azimuth W / 360 + const.
+Status SetColumnShifts(std::span<const float> azimuth_deg, int columns, BeamModel& model) {
+  const float columns_per_deg = static_cast<float>(columns) / kTurn_deg;
+  int32_t least = INT32_MAX;
+  int32_t most = INT32_MIN;
+  HP_LOOP_BOUND(kMaxBeams)
+  for (size_t row = 0; row < azimuth_deg.size(); ++row) {
+    const int32_t shift = RoundToInt(-WrapDegrees(azimuth_deg[row]) * columns_per_deg);
+    model.column_shift[row] = shift;
+    least = shift < least ? shift : least;
+    most = shift > most ? shift : most;
+  }
+  if (most - least > kMaxColumnShift) return Status::kInvalidArgument;
+  HP_LOOP_BOUND(kMaxBeams)
+  for (size_t row = 0; row < azimuth_deg.size(); ++row) model.column_shift[row] -= least;
+  model.max_column_shift = most - least;
+  return Status::kOk;
+}
+
+// By insertion: beams of the same altitude stay in the order of their rows.
+void OrderByAltitude(std::span<const float> altitude_deg, BeamModel& model) {
+  HP_LOOP_BOUND(kMaxBeams)
+  for (size_t row = 0; row < altitude_deg.size(); ++row) {
+    size_t place = row;
+    HP_LOOP_BOUND(kMaxBeams - 1)
+    while (place > 0 && altitude_deg[model.by_altitude[place - 1]] > altitude_deg[row]) {
+      model.by_altitude[place] = model.by_altitude[place - 1];
+      --place;
+    }
+    model.by_altitude[place] = static_cast<uint8_t>(row);
+  }
+}
+
+void SetEncoderAngles(int columns, BeamModel& model) {
+  HP_LOOP_BOUND(kMaxColumnsPerRevolution)
+  for (int id = 0; id < columns; ++id) {
+    const float share = static_cast<float>(id) / static_cast<float>(columns);
+    const SinCosPair encoder = SinCos(kTwoPi * (1.0f - share));
+    model.sin_encoder[id] = encoder.sin;
+    model.cos_encoder[id] = encoder.cos;
+  }
 }
 
 }  // namespace
@@ -42,6 +89,7 @@ Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float>
                      const Transform3& sensor_from_lidar, BeamModel& model) {
   model.beams = 0;
   model.columns_per_revolution = 0;
+  model.max_column_shift = 0;
   if (altitude_deg.empty() || altitude_deg.size() > kMaxBeams ||
       altitude_deg.size() != azimuth_deg.size() || columns_per_revolution < 1 ||
       columns_per_revolution > kMaxColumnsPerRevolution) {
@@ -53,6 +101,12 @@ Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float>
   if (const Status status = CheckBeams(altitude_deg, azimuth_deg); !IsUsable(status)) {
     return status;
   }
+  if (const Status status = SetColumnShifts(azimuth_deg, columns_per_revolution, model);
+      !IsUsable(status)) {
+    return status;
+  }
+  OrderByAltitude(altitude_deg, model);
+  SetEncoderAngles(columns_per_revolution, model);
   HP_LOOP_BOUND(kMaxBeams)
   for (size_t row = 0; row < altitude_deg.size(); ++row) {
     const SinCosPair altitude = SinCos(altitude_deg[row] * kRadPerDeg);
@@ -71,9 +125,7 @@ Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float>
 
 SinCosPair EncoderSinCos(const BeamModel& model, int measurement_id) {
   HP_ASSERT(measurement_id >= 0 && measurement_id < model.columns_per_revolution);
-  const float share =
-      static_cast<float>(measurement_id) / static_cast<float>(model.columns_per_revolution);
-  return SinCos(kTwoPi * (1.0f - share));
+  return {model.sin_encoder[measurement_id], model.cos_encoder[measurement_id]};
 }
 
 Vec3 PointInSensor(const BeamModel& model, SinCosPair encoder, int row, uint32_t range_mm) {
@@ -90,11 +142,23 @@ Vec3 PointInSensor(const BeamModel& model, SinCosPair encoder, int row, uint32_t
                                         beam_m * model.sin_altitude[row]});
 }
 
+uint32_t NearestRange(const LidarColumn& column, int row) {
+  HP_ASSERT(row >= 0 && row < kMaxBeams);
+  const uint32_t first_mm = column.range_mm[row];
+  if (column.returns < 2) return first_mm;
+  const uint32_t second_mm = column.second_range_mm[row];
+  if (first_mm == 0) return second_mm;
+  return second_mm != 0 && second_mm < first_mm ? second_mm : first_mm;
+}
+
 Status ScanRing::Configure(int beams, int columns_per_revolution, int window_first,
                            int window_last) {
   beams_ = 0;
   columns_ = 0;
-  any_ = false;
+  slots_ = 0;
+  newest_sequence_ = -1;
+  first_turn_ = 0;
+  fold_count_ = 0;
   counters_ = ScanCounters{};
   if (beams < 1 || beams > kMaxBeams || columns_per_revolution < 1 ||
       columns_per_revolution > kMaxColumnsPerRevolution || window_first < 0 ||
@@ -102,16 +166,33 @@ Status ScanRing::Configure(int beams, int columns_per_revolution, int window_fir
       window_last >= columns_per_revolution) {
     return Status::kInvalidArgument;
   }
-  if (beams * columns_per_revolution > kCapacityReturns) return Status::kCapacityExceeded;
+  const int32_t returns = beams * columns_per_revolution;
+  if (returns > kCapacityReturns) return Status::kCapacityExceeded;
   beams_ = beams;
   columns_ = columns_per_revolution;
   window_first_ = window_first;
   window_last_ = window_last;
-  HP_LOOP_BOUND(kMaxColumnsPerRevolution)
-  for (int slot = 0; slot < columns_; ++slot) info_[slot].present = false;
-  HP_LOOP_BOUND(kCapacityReturns)
-  for (int i = 0; i < beams_ * columns_; ++i) returns_[i] = PackedReturn();
+  const int32_t turns = ClampInt(kMaxReturns / returns, 1, kMaxColumns / columns_);
+  slots_ = turns * columns_;
+  // From here on each column that the ring reaches back to has a number that is not negative.
+  first_turn_ = turns;
+  ForgetColumns();
+  HP_LOOP_BOUND(kMaxReturns)
+  for (int i = 0; i < slots_ * beams_; ++i) returns_[i] = PackedReturn();
   return Status::kOk;
+}
+
+void ScanRing::ForgetColumns() {
+  newest_sequence_ = -1;
+  HP_LOOP_BOUND(kMaxColumns)
+  for (int slot = 0; slot < slots_; ++slot) info_[slot] = ScanColumn{};
+}
+
+void ScanRing::Restart() {
+  if (newest_sequence_ < 0) return;
+  // No number is given twice, not even to a column that was looked for and never came.
+  first_turn_ = TurnOf(newest_sequence_) + slots_ / columns_;
+  ForgetColumns();
 }
 
 int ScanRing::window_columns() const {
@@ -133,92 +214,191 @@ int ScanRing::WindowPosition(int measurement_id) const {
   return measurement_id - window_first_ + window_last_ + 1;
 }
 
-// Counts columns in the order the sensor took them: an ideal stream advances by one.
-void ScanRing::CountSequence(const LidarColumn& column, int position) {
-  const int32_t frames = static_cast<int16_t>(static_cast<uint16_t>(
-      static_cast<uint32_t>(column.frame_id) - static_cast<uint32_t>(last_frame_id_)));
-  const int32_t advance = frames * window_columns() + (position - last_position_);
-  if (any_ && advance < 0 && advance > -window_columns()) {
-    ++counters_.late_columns;
-    return;  // the latest column stays the latest
-  }
-  if (any_ && (advance <= 0 || frames > kMaxFrameGap)) {
-    ++counters_.restarts;
-  } else if (any_) {
-    counters_.missing_columns += static_cast<uint32_t>(advance - 1);
-  }
-  any_ = true;
-  last_frame_id_ = column.frame_id;
-  last_position_ = position;
+Result<int64_t> ScanRing::SequenceOf(uint16_t frame_id, uint16_t measurement_id) const {
+  if (columns_ == 0) return Status::kNotStarted;
+  if (!InWindow(measurement_id)) return Status::kBadColumn;
+  if (newest_sequence_ < 0) return first_turn_ * columns_ + measurement_id;
+  // Frame ids wrap: the difference of 16 bits is the way from one to the other.
+  const uint32_t newest_frame = info_[SlotOf(newest_sequence_)].frame_id;
+  const int32_t ahead = static_cast<int16_t>(static_cast<uint16_t>(frame_id - newest_frame));
+  if (ahead > kMaxFrameGap || ahead < -kMaxFrameGap) return Status::kSensorRestarted;
+  const int64_t sequence = (TurnOf(newest_sequence_) + ahead) * columns_ + measurement_id;
+  if (sequence <= newest_sequence_ - slots_) return Status::kLate;
+  return sequence;
 }
 
-Status ScanRing::Push(const LidarColumn& column, const Transform3& odom_from_sensor,
-                      ReturnClass unlabelled_class) {
-  HP_ASSERT(IsReturnClass(unlabelled_class));
+// Counts a column that is about to be filed: the window's columns between the first and the last
+// that were filed are either filed or missing.
+void ScanRing::Count(int64_t sequence) {
+  const int64_t turn = TurnOf(sequence);
+  const int64_t place = PlaceOf(sequence);
+  if (newest_sequence_ < 0) {
+    BeginRevolution();
+    first_place_ = place;
+    last_place_ = place - 1;
+  } else if (turn > TurnOf(newest_sequence_)) {
+    EndRevolution();
+    const auto skipped = static_cast<uint32_t>(turn - TurnOf(newest_sequence_) - 1);
+    counters_.revolutions += skipped;
+    counters_.incomplete_revolutions += skipped;
+    BeginRevolution();
+  }
+  ++counters_.columns;
+  if (newest_sequence_ < 0 || turn >= TurnOf(newest_sequence_)) ++filed_in_revolution_;
+  if (place > last_place_) {
+    counters_.missing_columns += static_cast<uint32_t>(place - last_place_ - 1);
+    last_place_ = place;
+    return;
+  }
+  ++counters_.late_columns;
+  if (place > first_place_) {
+    --counters_.missing_columns;
+    return;
+  }
+  counters_.missing_columns += static_cast<uint32_t>(first_place_ - place - 1);
+  first_place_ = place;
+}
+
+void ScanRing::BeginRevolution() {
+  ++counters_.revolutions;
+  filed_in_revolution_ = 0;
+  revolution_ended_ = false;
+}
+
+void ScanRing::EndRevolution() {
+  if (newest_sequence_ < 0 || revolution_ended_) return;
+  revolution_ended_ = true;
+  const int64_t begin = TurnOf(newest_sequence_) * window_columns();
+  const int64_t end = begin + window_columns();
+  counters_.missing_columns += static_cast<uint32_t>(end - 1 - last_place_);
+  last_place_ = end - 1;
+  // What the sensor sent before it was first heard is not missing.
+  const int64_t expected = end - (first_place_ > begin ? first_place_ : begin);
+  if (filed_in_revolution_ < expected) ++counters_.incomplete_revolutions;
+}
+
+Status ScanRing::Push(const LidarColumn& column, uint64_t time_ns,
+                      const Transform3& odom_from_sensor, std::span<const uint8_t> self) {
   if (columns_ == 0) return Status::kNotStarted;
+  if (self.size() != static_cast<size_t>(beams_)) return Status::kInvalidArgument;
   if (!IsFiniteTransform(odom_from_sensor)) return Status::kNotFinite;
   if (!column.valid) {
     ++counters_.invalid_columns;
     return Status::kColumnInvalid;
   }
-  const int position = WindowPosition(column.measurement_id);
-  if (position < 0 || column.beams != beams_) {
+  const Result<int64_t> named = SequenceOf(column.frame_id, column.measurement_id);
+  if (column.beams != beams_ || named.status() == Status::kBadColumn) {
     ++counters_.bad_columns;
     return Status::kBadColumn;
   }
-  ScanColumn& info = info_[column.measurement_id];
-  if (info.present && info.frame_id == column.frame_id &&
-      info.timestamp_ns == column.timestamp_ns) {
+  if (!named.ok()) {
+    ++(named.status() == Status::kLate ? counters_.too_late_columns : counters_.restarts);
+    return named.status();
+  }
+  const int64_t sequence = named.value();
+  if (Holds(sequence)) {
     ++counters_.duplicates;
     return Status::kDuplicate;
   }
-  CountSequence(column, position);
-  ++counters_.columns;
-  info = {column.timestamp_ns, column.frame_id, column.measurement_id, true, odom_from_sensor};
-  PackedReturn* const returns = &returns_[column.measurement_id * beams_];
+  Count(sequence);
+  const int slot = SlotOf(sequence);
+  ScanColumn& info = info_[slot];
+  info = ScanColumn{};
+  info.sequence = sequence;
+  info.time_ns = time_ns;
+  info.frame_id = column.frame_id;
+  info.measurement_id = column.measurement_id;
+  info.state = ColumnState::kRaw;
+  info.odom_from_sensor = odom_from_sensor;
+  FileReturns(column, slot, self);
+  if (sequence > newest_sequence_) newest_sequence_ = sequence;
+  return Status::kOk;
+}
+
+void ScanRing::FileReturns(const LidarColumn& column, int slot, std::span<const uint8_t> self) {
   HP_LOOP_BOUND(kMaxBeams)
   for (int row = 0; row < beams_; ++row) {
-    uint32_t range_mm = column.range_mm[row];
+    uint32_t range_mm = NearestRange(column, row);
     if (range_mm > kMaxPackedRange_mm) {
       range_mm = 0;
       ++counters_.unusable_ranges;
     }
-    returns[row] =
-        PackedReturn(range_mm, range_mm == 0 ? ReturnClass::kIgnored : unlabelled_class, false);
+    returns_[slot * beams_ + row] =
+        PackedReturn::Raw(range_mm, self[static_cast<size_t>(row)] != 0);
   }
-  return Status::kOk;
 }
 
-Status ScanRing::Label(const ColumnLabels& labels) {
-  const bool known = labels.measurement_id < columns_ && labels.beams == beams_ &&
-                     info_[labels.measurement_id].present &&
-                     info_[labels.measurement_id].frame_id == labels.frame_id;
-  if (!known) {
+Status ScanRing::FindForLabels(uint16_t frame_id, uint16_t measurement_id, int64_t& sequence) {
+  const Result<int64_t> named = SequenceOf(frame_id, measurement_id);
+  if (!named.ok() || !Holds(named.value())) {
     ++counters_.labels_without_column;
     return Status::kBadColumn;
   }
-  HP_LOOP_BOUND(kMaxBeams)
-  for (int row = 0; row < beams_; ++row) {
-    if (!IsReturnClass(labels.label[row])) return Status::kInvalidArgument;
+  sequence = named.value();
+  const ScanColumn& info = info_[SlotOf(sequence)];
+  if (info.labelled) {
+    ++counters_.duplicate_labels;
+    return Status::kDuplicate;
   }
-  PackedReturn* const returns = &returns_[labels.measurement_id * beams_];
-  HP_LOOP_BOUND(kMaxBeams)
-  for (int row = 0; row < beams_; ++row) {
-    const uint32_t range_mm = returns[row].range_mm();
-    returns[row] =
-        PackedReturn(range_mm, range_mm == 0 ? ReturnClass::kIgnored : labels.label[row], true);
+  if (info.state == ColumnState::kFolded) {
+    ++counters_.late_labels;
+    return Status::kLate;
   }
   return Status::kOk;
 }
 
+bool ScanRing::Holds(int64_t sequence) const {
+  return sequence >= 0 && slots_ > 0 && info_[SlotOf(sequence)].sequence == sequence;
+}
+
+int ScanRing::SlotOf(int64_t sequence) const {
+  HP_ASSERT(sequence >= 0 && slots_ > 0);
+  return static_cast<int>(sequence % slots_);
+}
+
+int64_t ScanRing::TurnOf(int64_t sequence) const {
+  return sequence / columns_;
+}
+
+int64_t ScanRing::PlaceOf(int64_t sequence) const {
+  const auto measurement_id = static_cast<int>(sequence % columns_);
+  return TurnOf(sequence) * window_columns() + WindowPosition(measurement_id);
+}
+
 const ScanColumn& ScanRing::column(int slot) const {
-  HP_ASSERT(slot >= 0 && slot < columns_);
+  HP_ASSERT(slot >= 0 && slot < slots_);
   return info_[slot];
 }
 
 PackedReturn ScanRing::at(int slot, int row) const {
-  HP_ASSERT(slot >= 0 && slot < columns_ && row >= 0 && row < beams_);
+  HP_ASSERT(slot >= 0 && slot < slots_ && row >= 0 && row < beams_);
   return returns_[slot * beams_ + row];
+}
+
+void ScanRing::Set(int slot, int row, PackedReturn packed) {
+  HP_ASSERT(slot >= 0 && slot < slots_ && row >= 0 && row < beams_);
+  returns_[slot * beams_ + row] = packed;
+}
+
+void ScanRing::MarkClassed(int slot) {
+  HP_ASSERT(column(slot).state == ColumnState::kRaw);
+  info_[slot].state = ColumnState::kClassed;
+}
+
+void ScanRing::MarkLabelled(int slot) {
+  HP_ASSERT(column(slot).state == ColumnState::kRaw || column(slot).state == ColumnState::kClassed);
+  info_[slot].labelled = true;
+}
+
+void ScanRing::MarkFolded(int slot) {
+  HP_ASSERT(column(slot).state == ColumnState::kClassed);
+  info_[slot].state = ColumnState::kFolded;
+  info_[slot].fold_count = fold_count_++;
+}
+
+void ScanRing::ShiftHeights(float dz_m) {
+  HP_LOOP_BOUND(kMaxColumns)
+  for (int slot = 0; slot < slots_; ++slot) info_[slot].odom_from_sensor.translation.z_m += dz_m;
 }
 
 bool IsSelfReturn(const LidarMountParams& params, const Vec3& point_body, float range_m) {

@@ -22,7 +22,9 @@ namespace hardpack {
 // Beam angles in degrees, as the sensor's metadata give them, to sines and cosines.
 // altitude_deg, azimuth_deg: [beams]. columns_per_revolution: 1 .. kMaxColumnsPerRevolution.
 // kInvalidArgument: counts out of range or different, an altitude beyond 90 degrees, an azimuth
-// beyond 360; kNotFinite: an angle, the origin or the transform is. On failure the model is empty.
+// beyond 360, azimuths that differ by more than kMaxColumnShift columns; kNotFinite: an angle, the
+// origin or the transform is. On failure the model is empty.
+// Cost: kMaxColumnsPerRevolution sines, and kMaxBeams^2 / 2 comparisons to order the beams.
 Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float> azimuth_deg,
                      int columns_per_revolution, float origin_to_beam_m,
                      const Transform3& sensor_from_lidar, BeamModel& model);
@@ -36,6 +38,9 @@ SinCosPair EncoderSinCos(const BeamModel& model, int measurement_id);
 //   x = (r - n) cos(theta_e + theta_a) cos(phi) + n cos(theta_e); y with sin; z = (r - n) sin(phi)
 // and from there the metadata's lidar-to-sensor transform. Precondition: 0 <= row < model.beams.
 Vec3 PointInSensor(const BeamModel& model, SinCosPair encoder, int row, uint32_t range_mm);
+
+// The range of the nearer of a beam's returns [mm]; 0: none. Precondition: 0 <= row < kMaxBeams.
+uint32_t NearestRange(const LidarColumn& column, int row);
 
 // One return as it lies in the ring, in 32 bits.
 //   bits 0-18 range [mm], 19-21 ReturnClass, 22 labelled, 23-30 height above the local ground,
@@ -121,15 +126,17 @@ struct ScanCounters {
   uint32_t columns = 0;  // filed
   uint32_t duplicates = 0;
   uint32_t invalid_columns = 0;
-  uint32_t bad_columns = 0;       // off the window or the revolution, or another number of beams
-  uint32_t missing_columns = 0;   // of the window, skipped between two columns that were filed
+  uint32_t bad_columns = 0;  // off the window or the revolution, or another number of beams
+  // Of the window, skipped between two columns that were filed, or before EndRevolution.
+  uint32_t missing_columns = 0;
   uint32_t late_columns = 0;      // filed although a later one had come; no longer missing
-  uint32_t too_late_columns = 0;  // their revolution has left the ring: not filed
-  uint32_t revolutions = 0;       // begun, the first included
-  uint32_t incomplete_revolutions = 0;  // ended with columns missing, by the next frame id
-  uint32_t restarts = 0;         // jumps in the sensor's counting: nothing is counted as missing
-  uint32_t unusable_ranges = 0;  // beyond what a PackedReturn holds; filed as no return
-  uint32_t labels_without_column = 0;  // of another frame, or their column never came
+  uint32_t too_late_columns = 0;  // older than the ring reaches: not filed
+  uint32_t revolutions = 0;       // begun: the first, and those of which nothing came, included
+  // Of those, ended with columns missing. Columns that come afterwards do not change it.
+  uint32_t incomplete_revolutions = 0;
+  uint32_t restarts = 0;               // columns not filed because the sensor's counting has jumped
+  uint32_t unusable_ranges = 0;        // beyond what a PackedReturn holds; filed as no return
+  uint32_t labels_without_column = 0;  // their column never came, or has left the ring
   uint32_t late_labels = 0;            // their column was folded before
   uint32_t duplicate_labels = 0;
 };
@@ -137,29 +144,29 @@ struct ScanCounters {
 // The most recent revolutions, column by column, from their coming until a later revolution needs
 // their slots: at least three revolutions, so that 250 ms of pending columns fit at 10 and (with
 // 1024 columns) at 20 revolutions a second. A column is named by its sequence number: turn x
-// columns
-// + measurement id, where turn counts revolutions from the first on and does not wrap. Owned by the
-// caller; at most 2 MiB.
+// columns + measurement id, where turn counts revolutions and does not wrap, nor begin again after
+// a restart. Owned by the caller; at most 2 MiB.
 class ScanRing {
  public:
   static constexpr int kCapacityReturns = 131072;  // rows x columns of one revolution
   static constexpr int kMaxColumns = 6144;
   static constexpr int kMaxReturns = 393216;
-  // A frame counter that jumps further ahead, or further back than the ring reaches, is a restart
-  // of the sensor, not a loss.
+  // A frame counter that jumps further, ahead or back, is a restart of the sensor, not a loss.
   static constexpr int kMaxFrameGap = 100;
 
   // Empties the ring and its counters. The window is the range of measurement ids that the sensor
   // sends, both ends included; first > last wraps past zero.
   // kCapacityExceeded when beams x columns do not fit; kInvalidArgument when a count is not
   // positive or beyond its maximum, or the window is not within the revolution. On failure the ring
-  // takes nothing.
+  // takes nothing. It holds as many whole revolutions as fit, slots() columns.
+  // Cost: kMaxColumns and kMaxReturns, cleared.
   Status Configure(int beams, int columns_per_revolution, int window_first, int window_last);
   Status Configure(int beams, int columns_per_revolution) {
     return Configure(beams, columns_per_revolution, 0, columns_per_revolution - 1);
   }
 
-  // Forgets all columns but keeps the counters: the sensor has restarted.
+  // Forgets all columns but keeps the counters: the sensor has restarted. What its last revolution
+  // lacked is not counted. Cost: kMaxColumns.
   void Restart();
 
   // The sensor has fallen silent: the revolution ends, and what its window still lacks is missing
@@ -167,8 +174,9 @@ class ScanRing {
   void EndRevolution();
 
   // The sequence number that a column has or would have, without filing it. kNotStarted;
-  // kBadColumn: off the window or the revolution; kLate: its revolution is older than the ring
-  // reaches; kSensorRestarted: its frame id is no successor of the last one's; Restart() first.
+  // kBadColumn: off the window or the revolution; kSensorRestarted: its frame id is more than
+  // kMaxFrameGap from the newest column's; Restart() first; else kLate: it is older than the ring
+  // reaches, slots() columns back from the newest.
   Result<int64_t> SequenceOf(uint16_t frame_id, uint16_t measurement_id) const;
 
   // Files one column with its time and the sensor's pose then, as kRaw; what is in its slot from an
@@ -181,31 +189,35 @@ class ScanRing {
   Status Push(const LidarColumn& column, uint64_t time_ns, const Transform3& odom_from_sensor,
               std::span<const uint8_t> self);
 
-  // Whether a column can still take labels: kOk; else counted: kBadColumn: it is not in the ring;
-  // kLate: it is folded; kDuplicate: it has its labels. Sets `sequence` in all but kBadColumn.
+  // Whether a column can still take labels, be it kRaw or kClassed: kOk; else counted: kBadColumn:
+  // it is not in the ring; kDuplicate: it has its labels, folded or not; kLate: it was folded
+  // without. Sets `sequence` in all but kBadColumn.
   Status FindForLabels(uint16_t frame_id, uint16_t measurement_id, int64_t& sequence);
 
   // Whether the column is in the ring.
   bool Holds(int64_t sequence) const;
-  // Where a sequence number lies; any number that is not negative has a slot.
+  // Where a sequence number lies; any number that is not negative has a slot. Precondition: that,
+  // and Configure has succeeded.
   int SlotOf(int64_t sequence) const;
   // Of the column that is the furthest on; -1 before the first.
   int64_t newest_sequence() const { return newest_sequence_; }
   int slots() const { return slots_; }
 
-  // Preconditions: 0 <= slot < slots() and 0 <= row < beams().
+  // Preconditions: 0 <= slot < slots() and 0 <= row < beams(). The returns of a column that is
+  // kAbsent mean nothing.
   const ScanColumn& column(int slot) const;
   PackedReturn at(int slot, int row) const;
   void Set(int slot, int row, PackedReturn packed);
   // kRaw -> kClassed -> kFolded, never back. Preconditions: the column is there, and in the state
-  // before.
+  // before; for labels it is kRaw or kClassed.
   void MarkClassed(int slot);
   void MarkLabelled(int slot);
   void MarkFolded(int slot);
   // Columns folded since Configure.
   uint32_t fold_count() const { return fold_count_; }
 
-  // Raises the poses of all columns by dz_m: the odometry's height has jumped. Cost: kMaxColumns.
+  // Raises the poses of all columns by dz_m: the odometry's height has jumped. Precondition: dz_m
+  // is finite. Cost: kMaxColumns.
   void ShiftHeights(float dz_m);
 
   // Columns in the sensor's window, and whether a measurement id is one of them.
@@ -218,6 +230,12 @@ class ScanRing {
 
  private:
   int WindowPosition(int measurement_id) const;
+  int64_t TurnOf(int64_t sequence) const;
+  int64_t PlaceOf(int64_t sequence) const;
+  void ForgetColumns();
+  void Count(int64_t sequence);
+  void BeginRevolution();
+  void FileReturns(const LidarColumn& column, int slot, std::span<const uint8_t> self);
 
   int32_t beams_ = 0;
   int32_t columns_ = 0;
@@ -225,6 +243,13 @@ class ScanRing {
   int32_t window_first_ = 0;
   int32_t window_last_ = 0;
   int64_t newest_sequence_ = -1;
+  int64_t first_turn_ = 0;  // of the next column when there is none yet
+  // Places are columns of the window, counted on through the revolutions. Between these two, both
+  // included, every one is filed or counted as missing.
+  int64_t first_place_ = 0;
+  int64_t last_place_ = 0;
+  int32_t filed_in_revolution_ = 0;  // the newest column's
+  bool revolution_ended_ = false;    // and whether EndRevolution has counted it
   uint32_t fold_count_ = 0;
   ScanCounters counters_;
   ScanColumn info_[kMaxColumns] = {};
