@@ -70,15 +70,13 @@ class CellWalk {
   // Precondition: called at most kMapSize_cells times along either axis, which keeps edge_q20_ an
   // int32.
   void Next() {
-    const int32_t at_edge = edge_q20_ >> 20;
-    if (at_edge == minor_) {
-      (along_x_ ? cell_.x : cell_.y) += step_;
-      edge_q20_ += ratio_q20_;
-      return;
-    }
-    const int32_t step = at_edge > minor_ ? 1 : -1;
-    minor_ += step;
-    (along_x_ ? cell_.y : cell_.x) += step;
+    // Branches would not be foreseen: which way it goes changes all the time.
+    const int32_t across = (edge_q20_ >> 20) - minor_;  // -1 .. 1
+    const int32_t along = across == 0 ? step_ : 0;
+    edge_q20_ += across == 0 ? ratio_q20_ : 0;
+    minor_ += across;
+    cell_.x += along_x_ ? along : across;
+    cell_.y += along_x_ ? across : along;
   }
 
  private:
@@ -169,7 +167,7 @@ int16_t HeightGrid::Told(int16_t stored_cm) const {
 }
 
 bool HeightGrid::HasObstacle(int slot) const {
-  return highest_hard_cm_[slot] != kNone || highest_soft_cm_[slot] != kNone;
+  return ((highest_hard_cm_[slot] ^ kNone) | (highest_soft_cm_[slot] ^ kNone)) != 0;
 }
 
 // No misses, and none any more in this revolution.
@@ -371,7 +369,7 @@ HeightGrid::Evidence HeightGrid::Look(const SightFan& fan, const Sight& sight,
                                       const Target& target) {
   const float near_m = Max(target.distance_m - kEndsBefore_m, 0.0f);
   const float behind_m = target.distance_m + kBehind_m;
-  const float distance_cm = target.distance_m * kCentimetersPerMeter;
+  const float reach_cm = target.distance_m * kCentimetersPerMeter;
   const float low_cm = target.lowest_cm - target.margin_cm;
   const float high_cm = target.highest_cm + target.margin_cm;
   const float middle_cm = 0.5f * (target.lowest_cm + target.highest_cm);
@@ -387,16 +385,18 @@ HeightGrid::Evidence HeightGrid::Look(const SightFan& fan, const Sight& sight,
   for (int beam = 0; beam < fan.beams; ++beam) {
     const float level_m = fan.level_m[beam];
     const float slope = fan.slope[beam];
-    const int32_t beyond = level_m > behind_m;
-    const int32_t here = (level_m > near_m) & (level_m <= behind_m);
-    const float end_cm = sight.z_cm + slope * (level_m * kCentimetersPerMeter);
-    const float cross_cm = sight.z_cm + slope * distance_cm;
+    const int32_t beyond = -(level_m > behind_m);
+    const int32_t got_here = -(level_m > near_m);
+    const float level_cm = level_m * kCentimetersPerMeter;
+    const float height_cm = sight.z_cm + slope * Min(level_cm, reach_cm);
     const float half_cm = Abs(slope) * kCellReach_cm;
-    ended |= here & (end_cm >= low_cm) & (end_cm <= high_cm);
-    hit |= here & (end_cm >= hit_cm) & (end_cm <= high_cm);
-    inside |= beyond & (cross_cm - half_cm >= target.lowest_cm) & (cross_cm + half_cm <= top_cm);
-    below |= beyond & (cross_cm >= low_cm) & (cross_cm <= middle_cm);
-    above |= beyond & (cross_cm >= middle_cm) & (cross_cm <= high_cm);
+    const int32_t near_it = got_here & -(height_cm >= low_cm) & -(height_cm <= high_cm);
+    ended |= near_it & ~beyond;
+    hit |= near_it & ~beyond & -(height_cm >= hit_cm);
+    inside |=
+        beyond & -(height_cm - half_cm >= target.lowest_cm) & -(height_cm + half_cm <= top_cm);
+    below |= near_it & beyond & -(height_cm <= middle_cm);
+    above |= near_it & beyond & -(height_cm >= middle_cm);
   }
   return {hit != 0, ended != 0, inside != 0, below != 0 && above != 0};
 }
@@ -405,6 +405,7 @@ HeightGrid::Evidence HeightGrid::Look(const SightFan& fan, const Sight& sight,
 float HeightGrid::Cut_cm(const SightFan& fan, const Sight& sight, const Target& target) {
   const float near_m = Max(target.distance_m - kEndsBefore_m, 0.0f);
   const float behind_m = target.distance_m + kBehind_m;
+  const float reach_cm = target.distance_m * kCentimetersPerMeter;
   const float top_cm = target.highest_cm - kEdge_cm;
   float lowest_through_cm = top_cm;
   float highest_end_cm = target.lowest_cm;
@@ -413,15 +414,15 @@ float HeightGrid::Cut_cm(const SightFan& fan, const Sight& sight, const Target& 
     const float level_m = fan.level_m[beam];
     if (!(level_m > near_m)) continue;
     const float slope = fan.slope[beam];
-    const float cross_cm = sight.z_cm + slope * (target.distance_m * kCentimetersPerMeter);
+    const float level_cm = level_m * kCentimetersPerMeter;
+    const float height_cm = sight.z_cm + slope * Min(level_cm, reach_cm);
     const float half_cm = Abs(slope) * kCellReach_cm;
-    const float end_cm = sight.z_cm + slope * (level_m * kCentimetersPerMeter);
     if (level_m > behind_m) {
-      if (cross_cm - half_cm >= target.lowest_cm) {
-        lowest_through_cm = Min(lowest_through_cm, cross_cm + half_cm);
+      if (height_cm - half_cm >= target.lowest_cm) {
+        lowest_through_cm = Min(lowest_through_cm, height_cm + half_cm);
       }
-    } else if (end_cm <= top_cm) {
-      highest_end_cm = Max(highest_end_cm, end_cm);
+    } else if (height_cm <= top_cm) {
+      highest_end_cm = Max(highest_end_cm, height_cm);
     }
   }
   return Max(lowest_through_cm, highest_end_cm);

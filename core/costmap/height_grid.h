@@ -15,50 +15,53 @@
 // does not decide what an obstacle is. Storage is toroidal, so rolling only clears what comes in.
 // The map follows the vehicle by whole cells.
 //
-// Ageing by visibility (ours). Time alone removes nothing. Age looks at every cell that a
-// direction's beams crossed and that holds an obstacle: the hard one, from its lowest to its
-// highest hard return, or where there is none the soft one, from the cell's lowest return to the
-// highest soft one. A beam's height in the cell is the one over the place where it passes the
-// cell's middle, at the level distance d from the sensor.
+// Ageing by visibility (ours). Time alone removes nothing. Age looks at every cell that the beams
+// of one direction cross and that holds an obstacle: the hard one, from its lowest to its highest
+// hard return, or where there is none the soft one, from the cell's lowest return to the highest
+// soft one. d is how far the cell's middle lies along the direction; a beam's height is taken where
+// it ended or, where it got further, at d.
 //
-//              sensor o---___
-//                            ------____ o o o o   over the top: says nothing
-//   highest ------------------ - - - - -|- ------------------
-//                        inside, through| : seen through here; what is above it goes
-//   middle  - - - - - - - - - - - - - - | - - - - - - - - - -
-//                                       |
-//   lowest  ----------------------------|--------------------
-//                                 kEndsBefore, kBehind about the cell's middle
+//   sensor o---____
+//                  -----_____|____ ____|____   over the top: says nothing
+//   highest  - - - - - - - - +---------+
+//          -------___________|_________|____   inside, and came back from behind: seen through,
+//   middle - - - - - - - - - |         |       and what lies above this beam is what will go
+//          ------------___o  |         |       ended before the cell: says nothing
+//   lowest - - - - - - - - - +----|----+
+//                                 d
 //
-//   A beam ended here    when its return lies more than d - kEndsBefore_m and at most d + kBehind_m
-//                        from the sensor, and not above or below the interval by more than the
-//                        margin: kEdge_cm and the mean spacing of the fan's beams at d.
-//   It went through      when its return lies further away than d + kBehind_m.
-//   The cell is hit      when a beam ended here, kEdge_cm below the interval's middle or higher.
-//   Its
-//                        misses are 0, and it has no miss in this revolution any more.
-//   It is seen through   when it is not hit, and a beam went through inside the interval: from one
-//                        end of the cell to the other not below the lowest nor above the highest
-//                        less kEdge_cm. Or where no such beam is, when none ended here, and one
-//                        went through below the middle and one above it, both inside the interval
-//                        or within the margin of it (a single return has no inside). One miss in
-//                        each revolution at most.
+//   It ended here: its return lies further away than d - kEndsBefore_m (and 0), not further than
+//     d + kBehind_m, and its height in the interval or out of it by no more than the margin, which
+//     is kEdge_cm and d times the mean spacing of the fan's beams.
+//   It went through: its return lies further away than d + kBehind_m.
+//   A cell is hit when a beam ended here not lower than kEdge_cm below the interval's middle. Its
+//     misses are 0, and it can have none any more in this revolution.
+//   A cell is seen through when it is not hit, and a beam went through inside: over the cell's
+//   whole
+//     length (d +- 0.1414 m) not below the lowest return and not above the highest less kEdge_cm.
+//     Or, where none did, when no beam ended here, one went through not above the middle and one
+//     not below it, both in the interval or out of it by no more than the margin: a single return
+//     has no inside. That is a miss; each revolution counts one at most.
 //
-// With ageing_revolutions misses the obstacle is cut down: its highest return becomes the top of
-// the lowest beam that went through inside, or of the highest that ended here if that is higher;
-// with no beam inside, or what is left not higher than kRest_cm, it is gone. It is no person any
-// more, and its misses are 0. A cell of which no obstacle is left and whose ground was not observed
-// is unknown again. So an obstacle lasts while it is occluded, in the blind cone below the lowest
-// beam, all of it above the highest, or out of range. It lasts too, with ageing_revolutions of 2 or
-// more, as long as it is hit once in each revolution, whenever its returns are filed: the fan knows
-// at once. A hard or person return that is filed in the upper half of the hard interval (or,
-// without one, a soft return in the soft interval's) makes the misses 0 and keeps its revolution
-// free of misses too. One below does not: a root does not keep the ghost of a person who stood on
-// it. Whether a revolution is a new one is told by its parity, so that after a pause of an odd
-// number of revolutions ageing begins one revolution later.
+// With ageing_revolutions misses the obstacle is cut: its highest return is from now on where the
+// lowest of the beams inside was highest over the cell, or where the highest beam ended here if
+// that is higher. With no beam inside, or nothing left that is higher than kRest_cm above the
+// lowest, it is gone. What is left is no person and has no misses. A cell that has lost its last
+// obstacle and whose ground was not observed is unknown again.
+// So an obstacle lasts while it is occluded, in the blind cone below the lowest beam, as a whole
+// above the highest, or out of range. With ageing_revolutions of 2 or more it also lasts as long as
+// the fans hit it once in each revolution, however late its returns are filed. With 1, what fills
+// its cell so little that beams pass beside it in the same revolution is lost until it is filed
+// again.
+// Filing a hard return in the upper half of the hard interval (or, where there is none, a soft one
+// in the soft interval's) makes the misses 0 and ends the misses of its revolution too. One below
+// does not: a root does not keep the ghost of a person who stood on it. Filing alone keeps an
+// obstacle that is filed for each revolution, by up to ageing_revolutions - 2 revolutions late.
+// Whether a revolution is a new one is told by its parity against that of the last miss or hit:
+// what is seen through in every second revolution only does not age.
 //
 // A person's flag lasts while returns of a person come: each sets a memory of kPersonMemory, and
-// each new revolution in which another hard return is filed first takes one off.
+// each new revolution (by parity too) whose first hard return is not a person's takes one off.
 // The ground ages by being seen: in a cell without an obstacle, a ground return of a new revolution
 // lets `lowest` rise by at most one centimetre, and not above that return, so that the ground
 // follows a slow drift of the odometry's height.
