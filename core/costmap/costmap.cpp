@@ -4,6 +4,7 @@
 #include "core/base/assert.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
+#include "core/costmap/rows.h"
 
 namespace hardpack {
 namespace {
@@ -11,91 +12,18 @@ namespace {
 constexpr uint8_t kFar2 = kMaxDistance2_cells2;
 constexpr uint8_t kFar = 16;  // squared, it is beyond the saturation
 
-constexpr float kCentimetersPerMeter = 100.0f;
-
 // What a cell holds, as opposed to what its surroundings make of it.
 constexpr uint8_t kCellFlags =
     Costmap::kHard | Costmap::kSoft | Costmap::kPerson | Costmap::kObserved;
 
-// Heights in the cost plane, which is free until the first costs: shifted, so that their order is
-// that of unsigned numbers.
-uint16_t Biased(int16_t height_cm) {
-  return static_cast<uint16_t>(int32_t{height_cm} + 32768);
-}
-int32_t Unbiased(uint16_t height) {
-  return int32_t{height} - 32768;
-}
-
-constexpr int kStrip = HeightGrid::kStripCells;
-
-template <typename T>
-constexpr T Smaller(T a, T b) {
-  return b < a ? b : a;
-}
-
-// smallest[x] = min(smallest[x], a[x], b[x]) along a row. a and b may overlap.
-template <typename T>
-void KeepSmallest(const T* __restrict a, const T* __restrict b, T* __restrict smallest) {
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) {
-    smallest[x] = Smaller(smallest[x], Smaller(a[x], b[x]));
-  }
-}
-
-template <typename T>
-void CopyRow(const T* __restrict from, T* __restrict to) {
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) to[x] = from[x];
-}
-
-// to[x] = the smallest of from[x - half .. x + half]; `from` has a margin of `half` on either side.
-template <typename T>
-void SmallestAlongRow(const T* from, int half, T* to) {
-  CopyRow(from, to);
-  HP_LOOP_BOUND(kMaxGroundWindow_cells / 2)
-  for (int dx = 1; dx <= half; ++dx) KeepSmallest(from - dx, from + dx, to);
-}
-
-// to[x] = the smallest of plane[x, row - half .. row + half]. A row beyond the map is replaced by
-// the map's last, which is in the neighbourhood anyway.
-template <typename T>
-void SmallestAcrossRows(const T* plane, int row, int half, T* to) {
-  CopyRow(plane + row * kMapSize_cells, to);
-  HP_LOOP_BOUND(kMaxGroundWindow_cells / 2)
-  for (int dy = 1; dy <= half; ++dy) {
-    const int low = ClampInt(row - dy, 0, kMapSize_cells - 1);
-    const int high = ClampInt(row + dy, 0, kMapSize_cells - 1);
-    KeepSmallest(plane + low * kMapSize_cells, plane + high * kMapSize_cells, to);
-  }
-}
-
-// What a cell's returns are held against.
-struct Reference {
-  int32_t ground_cm;
-  int32_t obstacle_cm;   // an obstacle is higher than this above the ground ...
-  int32_t clearance_cm;  // ... and does not begin higher than this above it
-  bool ground_seen;      // otherwise every hard return that is not overhead is an obstacle
-};
-
-// The flags of one cell of a strip: kHard, kSoft or neither, kPerson, kObserved. Only the lowest
-// and the highest hard return are known: whatever may lie between them counts as being there.
-// Without branches, so that the time does not depend on the data and the loop vectorises; the
-// differences mean nothing where there is no such return, and are not looked at then.
-uint8_t CellFlags(const HeightGrid::Strip& strip, int i, const Reference& reference) {
-  const int32_t ground_cm = reference.ground_cm;
-  const bool any_hard = strip.highest_hard_cm[i] != HeightGrid::kNone;
-  const bool overhead = strip.lowest_hard_cm[i] - ground_cm > reference.clearance_cm;
-  const bool high = strip.highest_hard_cm[i] - ground_cm > reference.obstacle_cm;
-  const bool person_seen = strip.person[i] != 0;
-  const bool hard = any_hard & !overhead & (high | person_seen | !reference.ground_seen);
-  const bool any_soft = strip.highest_soft_cm[i] != HeightGrid::kNone;
-  const bool high_soft = strip.highest_soft_cm[i] - ground_cm > reference.obstacle_cm;
-  const bool soft = any_soft & high_soft & !hard;
-  const bool person = hard & person_seen;
-  const bool observed = strip.lowest_cm[i] != HeightGrid::kNone;
-  return static_cast<uint8_t>((hard ? Costmap::kHard : 0) | (soft ? Costmap::kSoft : 0) |
-                              (person ? Costmap::kPerson : 0) |
-                              (observed ? Costmap::kObserved : 0));
+// What of a cell's flags is given, made to agree: a person is hard, a hard cell is not soft, and an
+// obstacle was observed.
+uint8_t Consistent(uint8_t flags) {
+  uint8_t kept = flags & kCellFlags;
+  if ((kept & Costmap::kPerson) != 0) kept |= Costmap::kHard;
+  if ((kept & Costmap::kHard) != 0) kept &= static_cast<uint8_t>(~Costmap::kSoft);
+  if ((kept & (Costmap::kHard | Costmap::kSoft)) != 0) kept |= Costmap::kObserved;
+  return kept;
 }
 
 // dx^2 + the smaller of the elements dx to the left and to the right, saturated; in bytes: what is
@@ -106,14 +34,21 @@ inline uint8_t PlusSquare(const uint8_t* center, int dx) {
   return static_cast<uint8_t>(Smaller(Smaller(center[-dx], center[dx]), limit) + dx2);
 }
 
-// out[x] = min over |dx| <= kReach of dx^2 + row[x + dx], saturated; the row has a margin of kReach
-// on either side. Three distances a round, because each round reads and writes all of `out`.
-template <int kReach>
-void SmallestPlusSquare(const uint8_t* __restrict row, uint8_t* __restrict out) {
-  static_assert(kReach % 3 == 0);
+uint8_t Squared(uint8_t distance) {
+  const uint8_t squared = static_cast<uint8_t>(distance * distance);
+  return distance < kFar ? squared : kFar2;
+}
+
+// out[x] = min over |dx| <= reach of dx^2 + row[x + dx], saturated; the row has margins. Three
+// distances a round, because each round reads and writes all of `out`: the reach is rounded up to
+// the next multiple of three.
+constexpr int kRoundCells = 3;
+static_assert(kRowMargin % kRoundCells == 0);
+
+void SmallestPlusSquare(const uint8_t* __restrict row, int reach, uint8_t* __restrict out) {
   CopyRow(row, out);
-  HP_LOOP_BOUND(kReach / 3)
-  for (int dx = 1; dx <= kReach; dx += 3) {
+  HP_LOOP_BOUND(kRowMargin / kRoundCells)
+  for (int dx = 1; dx <= reach; dx += kRoundCells) {
     HP_LOOP_BOUND(kMapSize_cells)
     for (int x = 0; x < kMapSize_cells; ++x) {
       const uint8_t* center = row + x;
@@ -121,6 +56,25 @@ void SmallestPlusSquare(const uint8_t* __restrict row, uint8_t* __restrict out) 
       out[x] = Smaller(out[x], Smaller(near, PlusSquare(center, dx + 2)));
     }
   }
+}
+
+// The largest whole number of cells whose square is not above distance2, but at most kRowMargin.
+int RootOf(int distance2) {
+  int root = 0;
+  HP_LOOP_BOUND(kRowMargin)
+  while (root < kRowMargin && (root + 1) * (root + 1) <= distance2) ++root;
+  return root;
+}
+
+// From how many cells on a layer's costs by squared distance do not change any more. A distance
+// that lies beyond need not be exact, as long as it is not found too short.
+int ReachOf(const uint16_t* costs_q8) {
+  int last_change2 = 0;
+  HP_LOOP_BOUND(kMaxDistance2_cells2)
+  for (int distance2 = 1; distance2 <= kMaxDistance2_cells2; ++distance2) {
+    if (costs_q8[distance2] != costs_q8[kMaxDistance2_cells2]) last_change2 = distance2;
+  }
+  return RootOf(last_change2);
 }
 
 // Cost of a layer inside the dilated region, s beyond its edge; and outside, s before it. At s = 0
@@ -165,10 +119,11 @@ Status CheckCostmapParams(const CostmapParams& params) {
   const float radius_m = params.planning_radius_m;
   const float hard = InsideCost(radius_m, params.hard_edge_cost, params.hard_slope_per_m, radius_m);
   const float soft = InsideCost(radius_m, params.soft_edge_cost, params.soft_slope_per_m, radius_m);
+  const float unknown = params.unknown_cost;
   const bool costs_fit = params.hard_edge_cost >= 0.0f && params.hard_slope_per_m >= 0.0f &&
                          params.soft_edge_cost >= 0.0f && params.soft_slope_per_m >= 0.0f &&
-                         hard <= kMaxCost && soft <= kMaxCost &&
-                         Quantized(hard) + Quantized(soft) <= kMaxCost_q8;
+                         hard <= kMaxCost && soft <= kMaxCost && Within(unknown, 0.0f, kMaxCost) &&
+                         Quantized(hard) + Quantized(soft) + Quantized(unknown) <= kMaxCost_q8;
   return costs_fit ? Status::kOk : Status::kParameterOutOfRange;
 }
 
@@ -184,7 +139,7 @@ Status CostmapBuilder::BeginCells(const GridWindow& window, const CostmapParams&
   if (status != Status::kOk) return status;
   Start(window, params, kHeightPasses);
   HP_LOOP_BOUND(kMapCells)
-  for (int index = 0; index < kMapCells; ++index) map_.flags[index] = 0;
+  for (uint8_t& flags : map_.flags) flags = Costmap::kObserved;
   return Status::kOk;
 }
 
@@ -202,43 +157,59 @@ void CostmapBuilder::Start(const GridWindow& window, const CostmapParams& params
   map_.window = window;
   params_ = params;
   built_ = false;
+  from_heights_ = first_pass == 0;
   pass_ = first_pass;
   row_ = 0;
   const float radius_cells = params.planning_radius_m * kCellsPerMeter;
   // A centre at the radius belongs to the region, also when the radius in float is a rounding less.
   constexpr float kRounding_cells2 = 0.001f;
   radius2_cells2_ = FloorToInt(radius_cells * radius_cells + kRounding_cells2);
-  HP_LOOP_BOUND(kReach_cells)
-  for (int x = 0; x < kReach_cells; ++x) {
-    padded_[x] = kFar2;
-    padded_[kReach_cells + kMapSize_cells + x] = kFar2;
-    row_heights_[x] = UINT16_MAX;
-    row_heights_[kReach_cells + kMapSize_cells + x] = UINT16_MAX;
+  radius_cells_ = RootOf(radius2_cells2_);
+  const int half = params.ground_window_cells / 2;
+  block_cells_ = half >= 15 ? 16 : half >= 7 ? 8 : half >= 3 ? 4 : half >= 1 ? 2 : 1;
+  static_assert(kReach_cells == kRowMargin);
+  FillMargins(padded_ + kReach_cells);
+  FillMargins(row_heights_ + kReach_cells);
+  HP_LOOP_BOUND(kNearRows)
+  for (auto& row : near_rows_) {
+    HP_LOOP_BOUND(kMapSize_cells)
+    for (int16_t& height_cm : row) height_cm = HeightGrid::kNone;
   }
 }
 
 void CostmapBuilder::SetCell(int index, uint8_t flags) {
   HP_ASSERT(index >= 0 && index < kMapCells);
-  HP_ASSERT(pass_ == kHeightPasses && row_ == 0);
-  uint8_t kept = flags & kCellFlags;
-  if ((kept & Costmap::kPerson) != 0) kept |= Costmap::kHard;
-  if ((kept & Costmap::kHard) != 0) kept &= static_cast<uint8_t>(~Costmap::kSoft);
-  map_.flags[index] = kept;
+  HP_ASSERT(!from_heights_ && pass_ == kHeightPasses && row_ == 0);
+  map_.flags[index] = Consistent(flags);
+}
+
+void CostmapBuilder::Mark(int index, uint8_t flags) {
+  HP_ASSERT(index >= 0 && index < kMapCells);
+  HP_ASSERT(from_heights_ && pass_ == kHeightPasses && row_ == 0);
+  constexpr uint8_t kObstacles = Costmap::kHard | Costmap::kSoft | Costmap::kPerson;
+  map_.flags[index] = Consistent(static_cast<uint8_t>(map_.flags[index] | (flags & kObstacles)));
 }
 
 Progress CostmapBuilder::Step(const HeightGrid& heights, int units) {
   HP_LOOP_BOUND(kUnits)
   for (int left = units; left > 0 && pass_ < kPasses; --left) {
-    if (pass_ == 0) {
-      LoadGround(heights);
-    } else if (pass_ == 1) {
-      ClassifyRow(heights);
+    if (pass_ < kHeightPasses) {
+      HeightUnit(heights);
     } else {
       DistanceUnit();
     }
     EndUnit();
   }
   return pass_ < kPasses ? Progress::kBusy : Progress::kDone;
+}
+
+Progress CostmapBuilder::StepHeights(const HeightGrid& heights, int units) {
+  HP_LOOP_BOUND(kHeightUnits)
+  for (int left = units; left > 0 && pass_ < kHeightPasses; --left) {
+    HeightUnit(heights);
+    EndUnit();
+  }
+  return pass_ < kHeightPasses ? Progress::kBusy : Progress::kDone;
 }
 
 Progress CostmapBuilder::StepCells(int units) {
@@ -258,49 +229,6 @@ void CostmapBuilder::EndUnit() {
   built_ = pass_ == kPasses;
 }
 
-// First half of the neighbourhood's lowest return and of whether ground was seen in it: along x.
-void CostmapBuilder::LoadGround(const HeightGrid& heights) {
-  const int half = params_.ground_window_cells / 2;
-  uint16_t* lowest = row_heights_ + kReach_cells;
-  uint8_t* unseen = padded_ + kReach_cells;
-  HP_LOOP_BOUND(kMapSize_cells / kStrip)
-  for (int start = 0; start < kMapSize_cells; start += kStrip) {
-    heights.Read({map_.window.origin.x + start, map_.window.origin.y + row_}, strip_);
-    HP_LOOP_BOUND(kStrip)
-    for (int i = 0; i < kStrip; ++i) {
-      lowest[start + i] = Biased(strip_.lowest_cm[i]);
-      unseen[start + i] = strip_.ground[i] ^ 1;
-    }
-  }
-  SmallestAlongRow(lowest, half, map_.cost_q8 + row_ * kMapSize_cells);
-  SmallestAlongRow(unseen, half, plane_ + row_ * kMapSize_cells);
-}
-
-// Second half: along y; and the obstacle rule.
-void CostmapBuilder::ClassifyRow(const HeightGrid& heights) {
-  const int half = params_.ground_window_cells / 2;
-  uint16_t* lowest = row_heights_ + kReach_cells;
-  uint8_t* unseen = padded_ + kReach_cells;
-  SmallestAcrossRows(map_.cost_q8, row_, half, lowest);
-  SmallestAcrossRows(plane_, row_, half, unseen);
-
-  const bool in_cell = params_.obstacle_rule == ObstacleRule::kInCell;
-  const int32_t obstacle_cm = RoundToInt(params_.obstacle_height_m * kCentimetersPerMeter);
-  const int32_t clearance_cm =
-      in_cell ? INT32_MAX : RoundToInt(params_.clearance_height_m * kCentimetersPerMeter);
-  uint8_t* flags = map_.flags + row_ * kMapSize_cells;
-  HP_LOOP_BOUND(kMapSize_cells / kStrip)
-  for (int start = 0; start < kMapSize_cells; start += kStrip) {
-    heights.Read({map_.window.origin.x + start, map_.window.origin.y + row_}, strip_);
-    HP_LOOP_BOUND(kStrip)
-    for (int i = 0; i < kStrip; ++i) {
-      const int32_t ground_cm = in_cell ? strip_.lowest_cm[i] : Unbiased(lowest[start + i]);
-      const bool ground_seen = in_cell | (unseen[start + i] == 0);
-      flags[start + i] = CellFlags(strip_, i, {ground_cm, obstacle_cm, clearance_cm, ground_seen});
-    }
-  }
-}
-
 // Four exact distance transforms: hard cells, lethal region, soft cells, soft region. Each is a
 // sweep towards larger y and one back; the way back finishes a row at once.
 void CostmapBuilder::DistanceUnit() {
@@ -316,13 +244,17 @@ void CostmapBuilder::DistanceUnit() {
   }
   const int row = kMapSize_cells - 1 - row_;
   SweepDown(row, region);
-  DistancesAlongRow(row, region, dilated);
-  if (dilated) {
-    if (row_ == 0) FillCosts(hard);
-    AddCosts(row, hard);
-  } else {
+  if (!dilated) {
+    // How far a hard cell is, the map tells as far as it can.
+    DistancesToRegion(row, region, hard ? kReach_cells : radius_cells_);
     Dilate(row, hard);
+    return;
   }
+  if (row_ == 0) FillCosts(hard);
+  DistancesToRegion(row, region, halo_reach_cells_);
+  DistancesOutOfRegion(row, region, hard ? kReach_cells : depth_reach_cells_);
+  if (hard) BeginCosts(row);
+  AddCosts(row);
 }
 
 // Vertical distance to the nearest cell on the other side of the region's edge, so far among the
@@ -360,33 +292,37 @@ void CostmapBuilder::SweepDown(int row, uint8_t region) {
   }
 }
 
-// From vertical distances to Euclidean ones: to the region for cells outside (0 inside); with
-// `inside` also out of it for cells inside (0 outside).
-void CostmapBuilder::DistancesAlongRow(int row, uint8_t region, bool inside) {
+// From vertical distances to Euclidean ones: to the region for cells outside (0 inside). Those
+// within the reach are exact, others beyond it.
+void CostmapBuilder::DistancesToRegion(int row, uint8_t region, int reach_cells) {
   const uint8_t* flags = map_.flags + row * kMapSize_cells;
   const uint8_t* distance = plane_ + row * kMapSize_cells;
   uint8_t* padded = padded_ + kReach_cells;
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = 0; x < kMapSize_cells; ++x) {
-    const uint8_t squared =
-        distance[x] < kFar ? static_cast<uint8_t>(distance[x] * distance[x]) : kFar2;
-    padded[x] = (flags[x] & region) != 0 ? uint8_t{0} : squared;
+    const uint8_t distance2 = Squared(distance[x]);
+    padded[x] = (flags[x] & region) != 0 ? uint8_t{0} : distance2;
   }
-  SmallestPlusSquare<kReach_cells>(padded, to_region2_);
-  if (!inside) return;
+  SmallestPlusSquare(padded, reach_cells, to_region2_);
+}
+
+// The same out of the region for cells inside (0 outside).
+void CostmapBuilder::DistancesOutOfRegion(int row, uint8_t region, int reach_cells) {
+  const uint8_t* flags = map_.flags + row * kMapSize_cells;
+  const uint8_t* distance = plane_ + row * kMapSize_cells;
+  uint8_t* padded = padded_ + kReach_cells;
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = 0; x < kMapSize_cells; ++x) {
-    const uint8_t squared =
-        distance[x] < kFar ? static_cast<uint8_t>(distance[x] * distance[x]) : kFar2;
-    padded[x] = (flags[x] & region) != 0 ? squared : uint8_t{0};
+    const uint8_t distance2 = Squared(distance[x]);
+    padded[x] = (flags[x] & region) != 0 ? distance2 : uint8_t{0};
   }
-  SmallestPlusSquare<kReach_cells>(padded, out_of_region2_);
+  SmallestPlusSquare(padded, reach_cells, out_of_region2_);
 }
 
 void CostmapBuilder::Dilate(int row, bool hard) {
   uint8_t* flags = map_.flags + row * kMapSize_cells;
   const uint8_t dilated = hard ? Costmap::kLethal : Costmap::kSoftRegion;
-  const int32_t radius2_cells2 = radius2_cells2_;
+  const uint8_t radius2_cells2 = static_cast<uint8_t>(radius2_cells2_);
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = 0; x < kMapSize_cells; ++x) {
     flags[x] = static_cast<uint8_t>(flags[x] | (to_region2_[x] <= radius2_cells2 ? dilated : 0));
@@ -412,22 +348,32 @@ void CostmapBuilder::FillCosts(bool hard) {
     halo_q8_[distance2] = static_cast<uint16_t>(Quantized(halo));
     depth_q8_[distance2] = static_cast<uint16_t>(Quantized(inside));
   }
+  halo_reach_cells_ = ReachOf(halo_q8_);
+  depth_reach_cells_ = ReachOf(depth_q8_);
 }
 
-void CostmapBuilder::AddCosts(int row, bool hard) {
+// What a cell costs before the layers. Takes the place of the heights.
+void CostmapBuilder::BeginCosts(int row) {
+  const uint8_t* flags = map_.flags + row * kMapSize_cells;
+  const uint8_t* out_of_region2 = out_of_region2_;
   uint16_t* cost_q8 = map_.cost_q8 + row * kMapSize_cells;
-  // The hard layer comes first and takes the place of the heights.
-  const uint16_t keep = hard ? 0 : UINT16_MAX;
+  uint8_t* hard_depth2 = map_.hard_depth2 + row * kMapSize_cells;
+  const uint16_t unknown_q8 = static_cast<uint16_t>(Quantized(params_.unknown_cost));
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = 0; x < kMapSize_cells; ++x) {
+    cost_q8[x] = (flags[x] & Costmap::kObserved) != 0 ? uint16_t{0} : unknown_q8;
+    hard_depth2[x] = out_of_region2[x];
+  }
+}
+
+void CostmapBuilder::AddCosts(int row) {
+  uint16_t* cost_q8 = map_.cost_q8 + row * kMapSize_cells;
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = 0; x < kMapSize_cells; ++x) {
     // One of the two distances is 0, and so is its cost.
     const int layer_q8 = halo_q8_[to_region2_[x]] + depth_q8_[out_of_region2_[x]];
-    cost_q8[x] = static_cast<uint16_t>((cost_q8[x] & keep) + layer_q8);
+    cost_q8[x] = static_cast<uint16_t>(cost_q8[x] + layer_q8);
   }
-  if (!hard) return;
-  uint8_t* hard_depth2 = map_.hard_depth2 + row * kMapSize_cells;
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) hard_depth2[x] = out_of_region2_[x];
 }
 
 }  // namespace hardpack

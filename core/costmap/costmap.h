@@ -96,6 +96,7 @@ class CostmapBuilder {
   static constexpr int kHeightPasses = 2;
   static constexpr int kPasses = kHeightPasses + 2 * 2 * 2;
   static constexpr int kUnits = kPasses * kMapSize_cells;
+  static constexpr int kHeightUnits = kHeightPasses * kMapSize_cells;
   static constexpr int kCellUnits = (kPasses - kHeightPasses) * kMapSize_cells;
 
   // From heights. The window is the grid's at this moment; the grid may be written to and may roll
@@ -137,43 +138,62 @@ class CostmapBuilder {
   const Costmap& result() const { return map_; }
 
  private:
+  // The near ground lies within so many cells in x and in y, in so many rows.
+  static constexpr int kNear_cells = 2;
+  static constexpr int kNearRows = 2 * kNear_cells + 1;
   static constexpr int kReach_cells = 15;  // the largest integer whose square is not saturated
   static_assert(kMaxGroundWindow_cells / 2 <= kReach_cells);
 
   void Start(const GridWindow& window, const CostmapParams& params, int first_pass);
   void EndUnit();
-  void LoadGround(const HeightGrid& heights);
-  void ClassifyRow(const HeightGrid& heights);
+  void HeightUnit(const HeightGrid& heights);
+  void LoadGround(const HeightGrid& heights, int row);
+  void LoadNearGround(const HeightGrid& heights, int row);
+  void FindNearGround(const HeightGrid& heights, int row);
+  void ClassifyRow(const HeightGrid& heights, int row);
+  void ClassifyStrip(int row, int start);
   void DistanceUnit();
   void SweepUp(int row, uint8_t region);
   void SweepDown(int row, uint8_t region);
-  void DistancesAlongRow(int row, uint8_t region, bool inside);
+  void DistancesToRegion(int row, uint8_t region, int reach_cells);
+  void DistancesOutOfRegion(int row, uint8_t region, int reach_cells);
   void Dilate(int row, bool hard);
   void FillCosts(bool hard);
-  void AddCosts(int row, bool hard);
+  void BeginCosts(int row);
+  void AddCosts(int row);
 
   Costmap map_ = {};
   CostmapParams params_;
-  bool built_ = false;  // a map is finished
+  bool built_ = false;         // a map is finished
+  bool from_heights_ = false;  // the present build
   int32_t pass_ = kPasses;
   int32_t row_ = 0;
   int32_t radius2_cells2_ = 0;  // of the dilation
-  // Scratch, [kMapSize_cells x kMapSize_cells] row-major: while classifying, 1 where no ground was
-  // seen along the row; then vertical distances to the region's edge.
+  int32_t radius_cells_ = 0;    // the largest integer within it
+  int32_t block_cells_ = 0;     // of the far ground's square, see LoadGround
+  // Scratch, [kMapSize_cells x kMapSize_cells] row-major: while classifying, 0 where ground was
+  // observed in the block that begins here, else 1; then vertical distances to the region's edge.
   uint8_t plane_[kMapCells] = {};
   // Scratch of one row, with a margin that stands for what lies beyond the map: whether ground is
   // missing, then squared vertical distances; heights.
   uint8_t padded_[kReach_cells + kMapSize_cells + kReach_cells] = {};
-  uint16_t row_heights_[kReach_cells + kMapSize_cells + kReach_cells] = {};
-  HeightGrid::Strip strip_ = {};  // of the row that is classified
+  int16_t row_heights_[kReach_cells + kMapSize_cells + kReach_cells] = {};
+  // The lowest observed ground of each cell and those beside it, of the rows around the one that is
+  // classified: row modulo kNearRows.
+  int16_t near_rows_[kNearRows][kMapSize_cells] = {};
+  int16_t near_ground_[kMapSize_cells] = {};  // the same over those rows
+  HeightGrid::Strip strip_ = {};              // of the row that is classified
   // Scratch of one row: squared distances to the region, and out of it.
   uint8_t to_region2_[kMapSize_cells] = {};
   uint8_t out_of_region2_[kMapSize_cells] = {};
-  // The present layer's costs by squared distance to the region, and out of it.
+  // The present layer's costs by squared distance to the region, and out of it, and from how many
+  // cells on they do not change any more.
   uint16_t halo_q8_[kMaxDistance2_cells2 + 1] = {};
   uint16_t depth_q8_[kMaxDistance2_cells2 + 1] = {};
+  int32_t halo_reach_cells_ = 0;
+  int32_t depth_reach_cells_ = 0;
 };
-static_assert(sizeof(CostmapBuilder) <= 6 * kMapCells + 4096);
+static_assert(sizeof(CostmapBuilder) <= 6 * kMapCells + 16384);
 static_assert(std::is_trivially_copyable_v<CostmapBuilder>);
 
 // Inline: the optimizer asks for it millions of times a second.
