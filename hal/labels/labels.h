@@ -3,28 +3,30 @@
 
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 #include "core/base/status.h"
 #include "core/measurements/measurements.h"
 
-// The datagrams of an external segmentation computer: one byte a pixel in the order in which the
-// lidar measured (docs/label_datagram.md). Decodes and encodes; keeps no state; what a code means
-// is core/segmentation's business. A datagram names the lidar's frame, its first column and how
-// many columns and beams follow, and ends in a checksum.
+// The datagrams of an external segmentation computer: one byte a return, in the order in which the
+// lidar measured (docs/label_datagram.md). Decodes and encodes; keeps no state. What a code means
+// is core/segmentation's business, whether its column can still take it core/scan's. A datagram
+// names the lidar's frame, its first column and how many columns and beams follow, and ends in a
+// checksum.
 
 namespace hardpack::labels {
 
 inline constexpr uint32_t kMagic = 0x424c5048u;  // "HPLB" as little-endian bytes
 inline constexpr uint8_t kVersion = 1;
 inline constexpr int kHeaderBytes = 24;
-inline constexpr int kFooterBytes = 4;  // CRC-32 (ISO-HDLC) over everything before it
+inline constexpr int kFooterBytes = 4;  // CRC-32 over everything before it
 inline constexpr int kMaxColumns = 64;  // in one datagram
 inline constexpr int kMaxDatagramBytes = kHeaderBytes + kMaxColumns * kMaxBeams + kFooterBytes;
 
 // All numbers little-endian; offsets in bytes.
 struct Header {
   uint8_t version = 0;             // @4
-  uint8_t beams = 0;               // @5   1 .. 128
+  uint8_t beams = 0;               // @5   1 .. kMaxBeams
   uint16_t frame_id = 0;           // @6   of the lidar, as it sent it
   uint16_t first_measurement = 0;  // @8   measurement id of the first column
   uint16_t columns = 0;            // @10  1 .. kMaxColumns; ids count on from the first, wrapping
@@ -32,24 +34,34 @@ struct Header {
   uint32_t sequence = 0;           // @12  of the sender's datagrams, counts up by one, wraps
   uint64_t timestamp_ns = 0;       // @16  the lidar's stamp of the first column
 };
+static_assert(std::is_trivially_copyable_v<Header>);
 
-// Checks a datagram as a whole and reads its header. kTruncated, kOversized: not exactly the size
-// that its header asks for; kWrongPacketType: another magic number; kUnsupported: another version;
-// kInvalidArgument: no columns or beams, or too many; kBadColumn: its columns reach beyond
-// columns_per_revolution, or its beams are not the sensor's; kBadCrc. On failure `header` holds
-// what could be read. Cost: one pass over the bytes, at most kMaxDatagramBytes.
+// CRC-32/ISO-HDLC (reflected polynomial 0xedb88320, start and final xor all ones), as of Ethernet
+// and zip. Precondition: no more than kMaxDatagramBytes. Cost: one pass.
+uint32_t Crc32(std::span<const uint8_t> bytes);
+
+// Checks a datagram as a whole and reads its header; of several things that are wrong the first of
+// this list is told. kTruncated: fewer bytes than a header and a footer (then `header` is that of
+// no datagram); kWrongPacketType: another magic number; kUnsupported: another version;
+// kInvalidArgument: no columns or beams, or too many; kTruncated, kOversized: not exactly the size
+// that its header asks for; kBadCrc; kWrongSensor: its beams are not the sensor's; kBadColumn: its
+// columns reach beyond columns_per_revolution. On every other failure `header` is what the bytes
+// say. Cost: one pass over the bytes, at most kMaxDatagramBytes.
 Status CheckDatagram(std::span<const uint8_t> datagram, int beams, int columns_per_revolution,
                      Header& header);
 
-// Column `index` (0 .. header.columns - 1) of a datagram that passed CheckDatagram.
-// kInvalidArgument: no such index; kTruncated: the datagram is not the header's. Then `column` is
-// untouched. Cost: one pass over the beams.
+// Column `index` (0 .. header.columns - 1) of a datagram that passed CheckDatagram: what names it,
+// and a code for each of its beams; the codes beyond are left as they were.
+// kInvalidArgument: no such index, or a header of no datagram; kTruncated: the datagram is not of
+// the header's size. Then `column` is untouched. Cost: one pass over the beams.
 Status DecodeColumn(const Header& header, std::span<const uint8_t> datagram, int index,
                     ColumnLabels& column);
 
 // Writes a datagram (for the segmentation computer's side, the simulator and the tests) and sets
-// `size_bytes`. codes: [columns x beams], column after column. kInvalidArgument: counts out of
-// range, or codes of another size; kCapacityExceeded: `datagram` is too small. Cost: as above.
+// `size_bytes`; its version is always kVersion. codes: [columns x beams], column after column.
+// kInvalidArgument: counts out of range, columns beyond kMaxColumnsPerRevolution, or codes of
+// another size; kCapacityExceeded: `datagram` is too small. Then nothing is written, and
+// `size_bytes` is 0. Cost: as above.
 Status Encode(const Header& header, std::span<const uint8_t> codes, std::span<uint8_t> datagram,
               int& size_bytes);
 
