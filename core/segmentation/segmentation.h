@@ -8,23 +8,29 @@
 #include "config/parameters.h"
 #include "core/base/status.h"
 #include "core/measurements/measurements.h"
+#include "core/segmentation/ground_line.h"
+#include "core/segmentation/texture.h"
 
 // What each return is by geometry alone, direction by direction as the lidar turns: the class until
 // a label comes, and the class for good where no segmentation computer is (docs/algorithm.md
-// sections 1 and 8). And the local ground surface: how high the ground is under each return, and
-// between which of them it was observed. Causal: a direction is classed as soon as its kLag
+// sections 1 and 8; ours). And the local ground surface: how high the ground is under each return,
+// and between which of them it was observed. Causal: a direction is classed as soon as its kLag
 // successors have come. It never says person, and when in doubt it says hard.
 //
 // One direction is a column of the range image with the beams' azimuth offsets taken out: all beams
 // that looked the same way, from the lowest to the highest.
 //
-// Ground line. From the vehicle outward, a return belongs to the ground when the way to it from the
-// last ground return rises by no more than max_ground_slope ... (the .cpp says the rest).
+// Ground: the line of GroundLine (ground_line.h), and what is no more than ground_band_m from it.
+// Ignored: what stands alone in the range image (texture.h): rain, dust, multipath.
+// Soft: what looks like vegetation there, with no sure surface beside it, and nothing at the same
+// distance reaches above max_soft_height_m. Hard: everything else, so all of unknown ground.
 // Observed ground: the stretch between two consecutive ground returns of one direction, if their
-// level distance is at most bridge_factor R^2 da / h (R level distance of the nearer, da the angle
-// between the nearer's beam and the next higher one, h the sensor's height above the nearer: the
-// spacing of rings on flat ground) and its slope at most bridge_max_slope. Larger gaps stay
-// unknown, so that a ditch does.
+// level distance is at most
+//   bridge_factor R^2 da / (h + R s)
+// (R level distance of the nearer, da the angle between the nearer's beam and the next higher one,
+// h the sensor's height above the nearer, s the rise over level distance between the two, 0 where
+// it falls: the spacing of rings on such ground) and the slope either way at most
+// bridge_max_slope. Larger gaps stay unknown, so that a ditch does.
 
 namespace hardpack {
 
@@ -55,21 +61,25 @@ struct DirectionClasses {
 
 class Segmenter {
  public:
+  // Directions on either side whose surfaces keep a return from being soft.
+  static constexpr int kSpread = 2;
   // Directions after one that must have come before it can be classed, and as many before it that
-  // are looked at. A sector of the 128 columns is never waited for.
-  static constexpr int kLag = 2;
+  // are looked at. A sector of 128 columns is never waited for.
+  static constexpr int kLag = kSpread + TextureFinder::kReach_directions;
 
   // kInvalidArgument: beams not 1 .. kMaxBeams; kParameterOutOfRange. Then the segmenter takes
-  // nothing (Push gives kNotStarted). Forgets all directions.
+  // nothing (Push gives kNotStarted). Forgets all directions. Cost: the window cleared.
   Status Configure(const SegmentationParams& params, int beams);
 
-  // Forgets the directions before: the next one is not their neighbour.
+  // Forgets the directions before: the next one is not their neighbour. Cost: the window cleared.
   void Restart();
 
   // Takes the next direction; a missing one is pushed with nothing seen, so that neighbours stay
   // neighbours. kInvalidArgument: another number of beams; kNotFinite: a number of a return that is
-  // seen; kNotStarted. Then the direction counts as one with nothing seen. Cost: constant, at most
-  // ... times the beams.
+  // seen, or the sensor's height. Then the direction counts as one with nothing seen.
+  // kNotStarted: nothing happens.
+  // Cost: constant; at most 24 neighbours a beam for the texture, 2 x 16 for the ground line, and
+  // 25 for each return that may be soft.
   Status Push(const DirectionView& view);
 
   // True when the direction kLag before the last one has come since Configure or Restart.
@@ -79,11 +89,49 @@ class Segmenter {
   const DirectionClasses& result() const { return result_; }
 
  private:
+  static constexpr int kSlots = 2 * kLag + 1;
+  // How far away vegetation may be soft, in steps of kTallStep_m.
+  static constexpr int kTallSteps = 64;
+
+  // One direction of the window.
+  struct Direction {
+    RangeColumn ranges;
+    float level_m[kMaxBeams] = {};
+    float height_m[kMaxBeams] = {};
+    float slope[kMaxBeams] = {};
+    float sensor_height_m = 0.0f;
+    Texture texture;
+  };
+
+  // The direction pushed `back` before the last one.
+  Direction& Back(int back) { return directions_[(newest_ + kSlots - back) % kSlots]; }
+  bool Take(const DirectionView& view, Direction& direction) const;
+  void FindTexture();
+  void Class();
+  void FindLine(const Direction& direction);
+  void FileHeights(const Direction& direction);
+  void FileGround(const Direction& direction);
+  bool IsObserved(const Direction& direction, int point) const;
+  void RememberTall(const Direction& direction);
+  bool IsTallAt(float level_m) const;
+  bool IsSurfaceNear(int beam);
+  void FileSoft(const Direction& direction);
+
   bool configured_ = false;
+  int32_t beams_ = 0;
   int32_t pushed_ = 0;  // since Restart, saturates beyond kLag
+  int32_t newest_ = 0;
   SegmentationParams params_;
+  Direction directions_[kSlots];
+  TextureFinder texture_finder_;
+  GroundCandidates candidates_;
+  GroundLine line_;
+  float above_m_[kMaxBeams] = {};  // height above the ground, guessed where it is not known
+  // For how many directions to come something tall stands at each level distance.
+  uint8_t tall_[kTallSteps] = {};
   DirectionClasses result_;
 };
 static_assert(std::is_trivially_copyable_v<Segmenter>);
+static_assert(sizeof(Segmenter) <= 32 * 1024);
 
 }  // namespace hardpack

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/segmentation/label_table.h"
+
+namespace hardpack {
+
+Status CheckLabelTable(const LabelTable& table) {
+  HP_LOOP_BOUND(kLabelCodes)
+  for (const ReturnClass meaning : table.class_of) {
+    if (static_cast<uint8_t>(meaning) > static_cast<uint8_t>(ReturnClass::kPerson)) {
+      return Status::kInvalidArgument;
+    }
+  }
+  return Status::kOk;
+}
+
+ReturnClass ClassFromLabel(const LabelTable& table, uint8_t code, float height_m, bool ground_known,
+                           float obstacle_height_m) {
+  const ReturnClass meaning = table.class_of[code];
+  const bool stands_up = ground_known && height_m > obstacle_height_m;
+  return meaning == ReturnClass::kGround && stands_up ? ReturnClass::kHard : meaning;
+}
+
+}  // namespace hardpack

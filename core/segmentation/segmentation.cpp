@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/segmentation/segmentation.h"
+
+#include "config/validate.h"
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
+#include "core/base/saturate.h"
+
+namespace hardpack {
+namespace {
+
+constexpr float kTallStep_m = 1.0f;
+// A crown reaches as far to the side as it may in so many directions, about 1.4 degrees of 2048.
+constexpr uint8_t kTallMemory = 8;
+// A neighbour within this in range is part of the same thing.
+constexpr float kSameThing_m = 1.0f;
+
+}  // namespace
+
+Status Segmenter::Configure(const SegmentationParams& params, int beams) {
+  configured_ = false;
+  if (beams < 1 || beams > kMaxBeams) return Status::kInvalidArgument;
+  if (FirstInvalidParameter(params) != nullptr) return Status::kParameterOutOfRange;
+  params_ = params;
+  beams_ = beams;
+  configured_ = true;
+  Restart();
+  return Status::kOk;
+}
+
+void Segmenter::Restart() {
+  pushed_ = 0;
+  newest_ = 0;
+  HP_LOOP_BOUND(kSlots)
+  for (Direction& direction : directions_) direction.ranges.Clear();
+  HP_LOOP_BOUND(kTallSteps)
+  for (uint8_t& left : tall_) left = 0;
+}
+
+Status Segmenter::Push(const DirectionView& view) {
+  if (!configured_) return Status::kNotStarted;
+  newest_ = (newest_ + 1) % kSlots;
+  if (pushed_ <= kLag) ++pushed_;
+  Direction& direction = Back(0);
+  Status status = Status::kOk;
+  if (view.beams != beams_) {
+    status = Status::kInvalidArgument;
+  } else if (!Take(view, direction)) {
+    status = Status::kNotFinite;
+  }
+  if (!IsUsable(status)) direction.ranges.Clear();
+  FindTexture();
+  if (ready()) Class();
+  return status;
+}
+
+// False when a number is not finite.
+bool Segmenter::Take(const DirectionView& view, Direction& direction) const {
+  float* range_m = direction.ranges.range_m + RangeColumn::kReach_beams;
+  bool finite = IsFinite(view.sensor_height_m);
+  direction.sensor_height_m = view.sensor_height_m;
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int beam = 0; beam < beams_; ++beam) {
+    direction.level_m[beam] = view.level_m[beam];
+    direction.height_m[beam] = view.height_m[beam];
+    direction.slope[beam] = view.slope[beam];
+  }
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int beam = 0; beam < beams_; ++beam) {
+    range_m[beam] = view.seen[beam] ? view.range_m[beam] : RangeColumn::kNoReturn_m;
+    const bool numbers = IsFinite(view.range_m[beam]) & IsFinite(view.level_m[beam]) &
+                         IsFinite(view.height_m[beam]) & IsFinite(view.slope[beam]);
+    finite = finite & (numbers | !view.seen[beam]);
+  }
+  return finite;
+}
+
+void Segmenter::FindTexture() {
+  constexpr int kReach = TextureFinder::kReach_directions;
+  const RangeColumn* columns[TextureFinder::kColumns];
+  HP_LOOP_BOUND(TextureFinder::kColumns)
+  for (int i = 0; i < TextureFinder::kColumns; ++i) columns[i] = &Back(2 * kReach - i).ranges;
+  texture_finder_.Find(columns, beams_, params_, Back(kReach).texture);
+}
+
+// Classes the direction in the middle of the window.
+void Segmenter::Class() {
+  const Direction& direction = Back(kLag);
+  result_.beams = beams_;
+  FindLine(direction);
+  FileHeights(direction);
+  FileGround(direction);
+  RememberTall(direction);
+  FileSoft(direction);
+}
+
+void Segmenter::FindLine(const Direction& direction) {
+  const float* range_m = direction.ranges.range_m + RangeColumn::kReach_beams;
+  int count = 0;
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int beam = 0; beam < beams_; ++beam) {
+    candidates_.level_m[count] = direction.level_m[beam];
+    candidates_.height_m[count] = direction.height_m[beam];
+    candidates_.slope[count] = direction.slope[beam];
+    candidates_.beam[count] = static_cast<uint8_t>(beam);
+    const bool stands = range_m[beam] != RangeColumn::kNoReturn_m;
+    count += stands && direction.texture.alone[beam] == 0 ? 1 : 0;
+  }
+  candidates_.count = count;
+  line_.Find(candidates_, params_.max_ground_slope);
+}
+
+// Heights above ground of all returns; what is near the ground is ground, all else hard for now.
+void Segmenter::FileHeights(const Direction& direction) {
+  const float* range_m = direction.ranges.range_m + RangeColumn::kReach_beams;
+  int point = 0;
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int beam = 0; beam < beams_; ++beam) {
+    result_.what[beam] = ReturnClass::kIgnored;
+    result_.ground_known[beam] = false;
+    result_.above_ground_m[beam] = 0.0f;
+    result_.observed_from[beam] = -1;
+    if (range_m[beam] == RangeColumn::kNoReturn_m) continue;
+    const float level_m = direction.level_m[beam];
+    point = line_.LastPointBefore(level_m, point);
+    const GroundHeight ground = line_.At(point, level_m, params_.carry_m);
+    const float above_m = direction.height_m[beam] - ground.height_m;
+    above_m_[beam] = above_m;
+    result_.ground_known[beam] = ground.known;
+    if (ground.known) result_.above_ground_m[beam] = above_m;
+    if (direction.texture.alone[beam] != 0) continue;
+    const bool is_ground = ground.known && Abs(above_m) <= params_.ground_band_m;
+    result_.what[beam] = is_ground ? ReturnClass::kGround : ReturnClass::kHard;
+  }
+}
+
+void Segmenter::FileGround(const Direction& direction) {
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int point = 1; point < line_.size(); ++point) {
+    const int beam = line_.beam(point);
+    result_.what[beam] = ReturnClass::kGround;
+    result_.ground_known[beam] = true;
+    result_.above_ground_m[beam] = 0.0f;
+    if (IsObserved(direction, point)) {
+      result_.observed_from[beam] = static_cast<int16_t>(line_.beam(point - 1));
+    }
+  }
+}
+
+// Whether the ground between a point of the line and the one before it counts as observed.
+bool Segmenter::IsObserved(const Direction& direction, int point) const {
+  const int near_beam = line_.beam(point - 1);
+  if (near_beam < 0) return false;
+  const float run_m = line_.level_m(point) - line_.level_m(point - 1);
+  const float rise_m = line_.height_m(point) - line_.height_m(point - 1);
+  if (!(Abs(rise_m) <= params_.bridge_max_slope * run_m)) return false;
+  // The nearer beam is below the point's own, so there is a next higher one.
+  const float low = direction.slope[near_beam];
+  const float step_rad = (direction.slope[near_beam + 1] - low) / (1.0f + low * low);
+  const float near_m = line_.level_m(point - 1);
+  const float above_m = direction.sensor_height_m - line_.height_m(point - 1);
+  // On rising ground the rings lie closer: R^2 da / (h + R s).
+  const float closing_m = above_m * run_m + near_m * Max(rise_m, 0.0f);
+  return closing_m > 0.0f &&
+         run_m * closing_m <= params_.bridge_factor * near_m * near_m * step_rad * run_m;
+}
+
+void Segmenter::RememberTall(const Direction& direction) {
+  HP_LOOP_BOUND(kTallSteps)
+  for (uint8_t& left : tall_) left = left > 0 ? static_cast<uint8_t>(left - 1) : uint8_t{0};
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int beam = 0; beam < beams_; ++beam) {
+    if (result_.what[beam] != ReturnClass::kHard) continue;
+    if (!(above_m_[beam] > params_.max_soft_height_m)) continue;
+    const int step = FloorToInt(direction.level_m[beam] / kTallStep_m);
+    if (step >= 0 && step < kTallSteps) tall_[step] = kTallMemory;
+  }
+}
+
+// Whether something tall stands at that distance or a step nearer or further; what is too far to
+// remember counts as tall.
+bool Segmenter::IsTallAt(float level_m) const {
+  const int step = FloorToInt(level_m / kTallStep_m);
+  if (step < 1 || step >= kTallSteps - 1) return true;
+  return tall_[step - 1] != 0 || tall_[step] != 0 || tall_[step + 1] != 0;
+}
+
+// Whether a return near this one and of the same thing surely lies on a surface: a trunk in a bush,
+// an arm beside a body.
+bool Segmenter::IsSurfaceNear(int beam) {
+  const float range_m = Back(kLag).ranges.range_m[beam + RangeColumn::kReach_beams];
+  HP_LOOP_BOUND(2 * kSpread + 1)
+  for (int across = -kSpread; across <= kSpread; ++across) {
+    const Direction& other = Back(kLag + across);
+    HP_LOOP_BOUND(2 * kSpread + 1)
+    for (int up = -kSpread; up <= kSpread; ++up) {
+      const int there = beam + up;
+      if (there < 0 || there >= beams_ || other.texture.smooth[there] == 0) continue;
+      const float there_m = other.ranges.range_m[there + RangeColumn::kReach_beams];
+      if (Abs(there_m - range_m) <= kSameThing_m) return true;
+    }
+  }
+  return false;
+}
+
+void Segmenter::FileSoft(const Direction& direction) {
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int beam = 0; beam < beams_; ++beam) {
+    if (result_.what[beam] != ReturnClass::kHard || direction.texture.rough[beam] == 0) continue;
+    const bool stands = result_.ground_known[beam] && result_.above_ground_m[beam] > 0.0f;
+    if (!stands || IsTallAt(direction.level_m[beam]) || IsSurfaceNear(beam)) continue;
+    result_.what[beam] = ReturnClass::kSoft;
+  }
+}
+
+}  // namespace hardpack
