@@ -12,7 +12,6 @@ constexpr float kMillimetersPerMeter = 1000.0f;
 constexpr float kMaxAltitude_deg = 90.0f;
 constexpr float kMaxAzimuth_deg = 360.0f;
 constexpr float kTurn_deg = 360.0f;
-constexpr float kHalfTurn_deg = 180.0f;
 
 bool IsFiniteTransform(const Transform3& transform) {
   bool finite = IsFinite(transform.translation.x_m) && IsFinite(transform.translation.y_m) &&
@@ -33,20 +32,18 @@ Status CheckBeams(std::span<const float> altitude_deg, std::span<const float> az
   return Status::kOk;
 }
 
-// In (-180, 180]. Precondition: at most 360 either way.
-float WrapDegrees(float angle_deg) {
-  if (angle_deg > kHalfTurn_deg) return angle_deg - kTurn_deg;
-  return angle_deg <= -kHalfTurn_deg ? angle_deg + kTurn_deg : angle_deg;
-}
-
-// theta_e(j + s) + theta_a = theta_e(j) + const makes s = -azimuth W / 360 + const.
+// theta_e(j + s) + theta_a = theta_e(j) + const makes s = -azimuth W / 360 + const, modulo W: of
+// those the one next to row 0's, so that it does not matter where the azimuths have their zero.
 Status SetColumnShifts(std::span<const float> azimuth_deg, int columns, BeamModel& model) {
   const float columns_per_deg = static_cast<float>(columns) / kTurn_deg;
-  int32_t least = INT32_MAX;
-  int32_t most = INT32_MIN;
+  const int32_t first = RoundToInt(-azimuth_deg[0] * columns_per_deg);
+  int32_t least = 0;
+  int32_t most = 0;
   HP_LOOP_BOUND(kMaxBeams)
   for (size_t row = 0; row < azimuth_deg.size(); ++row) {
-    const int32_t shift = RoundToInt(-WrapDegrees(azimuth_deg[row]) * columns_per_deg);
+    const int32_t apart = (RoundToInt(-azimuth_deg[row] * columns_per_deg) - first) % columns;
+    const int32_t ahead = apart < 0 ? apart + columns : apart;
+    const int32_t shift = 2 * ahead > columns ? ahead - columns : ahead;
     model.column_shift[row] = shift;
     least = shift < least ? shift : least;
     most = shift > most ? shift : most;
@@ -190,8 +187,8 @@ void ScanRing::ForgetColumns() {
 
 void ScanRing::Restart() {
   if (newest_sequence_ < 0) return;
-  // No number is given twice, not even to a column that was looked for and never came.
-  first_turn_ = TurnOf(newest_sequence_) + slots_ / columns_;
+  // No number is given twice: what comes late reaches back to after the newest of before.
+  first_turn_ = TurnOf(newest_sequence_) + slots_ / columns_ + 1;
   ForgetColumns();
 }
 
