@@ -13,11 +13,10 @@ Status CheckLabelTable(const LabelTable& table) {
   return Status::kOk;
 }
 
-ReturnClass ClassFromLabel(const LabelTable& table, uint8_t code, float height_m, bool ground_known,
-                           float obstacle_height_m) {
-  const ReturnClass meaning = table.class_of[code];
+ReturnClass CheckedLabel(ReturnClass said, float height_m, bool ground_known,
+                         float obstacle_height_m) {
   const bool stands_up = ground_known && height_m > obstacle_height_m;
-  return meaning == ReturnClass::kGround && stands_up ? ReturnClass::kHard : meaning;
+  return said == ReturnClass::kGround && stands_up ? ReturnClass::kHard : said;
 }
 
 }  // namespace hardpack

@@ -76,7 +76,9 @@ void RevolutionBench::Prepare() {
   constexpr uint64_t kColumnsATick = 102;
   const uint64_t now_ns = kStart_ns + taken_ * kColumnPeriod_ns;
   if (taken_ % kColumnsATick == 0) {
-    Worsen(mapper_->AddPose({.time_ns = now_ns}), status_);
+    StampedPose standing;
+    standing.time_ns = now_ns;
+    Worsen(mapper_->AddPose(standing), status_);
     mapper_->Advance(now_ns);
   }
   LidarColumn& column = columns_[taken_ % columns_.size()];

@@ -73,15 +73,17 @@ PlannedInput PlanOnLidar(const LidarFiles& files, const Parameters& parameters,
   const auto mapper = std::make_unique<Mapper>();
   capture::LidarScanReport scan;
   const Pose2& start = request.start.pose;
-  Require(capture::LoadLidarScan(
-      {.capture_path = files.capture,
-       .metadata_path = files.metadata,
-       .labels_path = files.labels,
-       .perception = parameters.perception,
-       .costmap = parameters.planner.costmap,
-       .labels = parameters.labels,
-       .pose = {.position = {start.x_m, start.y_m, 0.0f}, .yaw_rad = start.theta_rad}},
-      *mapper, scan));
+  StampedPose pose;
+  pose.position = {start.x_m, start.y_m, 0.0f};
+  pose.yaw_rad = start.theta_rad;
+  Require(capture::LoadLidarScan({.capture_path = files.capture,
+                                  .metadata_path = files.metadata,
+                                  .labels_path = files.labels,
+                                  .perception = parameters.perception,
+                                  .costmap = parameters.planner.costmap,
+                                  .labels = parameters.labels,
+                                  .pose = pose},
+                                 *mapper, scan));
   input.report = LidarReport(files, scan);
   input.load_us = stopwatch.us();
   input.begin_status = input.planner->Begin(*mapper, parameters.planner, request);
