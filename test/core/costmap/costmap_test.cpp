@@ -49,13 +49,15 @@ TEST(CostmapParams, TakesTheDefaultsAndTheExtremes) {
   params.hard_edge_cost = 39.0f;
   params.soft_edge_cost = 0.0f;
   params.soft_slope_per_m = 0.0f;
+  params.unknown_cost = 0.0f;
   EXPECT_EQ(CheckCostmapParams(params), Status::kOk);
   params = {};
   params.ground_window_cells = kMaxGroundWindow_cells;
   params.planning_radius_m = kMaxPlanningRadius_m;
   params.halo_m = kMaxHalo_m;
-  params.hard_slope_per_m = 7.5f;
-  params.soft_slope_per_m = 3.0f;  // 6 + 22.5 + 1.5 + 9 = 39
+  params.hard_slope_per_m = 7.0f;
+  params.soft_slope_per_m = 3.0f;
+  params.unknown_cost = 1.5f;  // 6 + 21 + 1.5 + 9 + 1.5 = 39
   EXPECT_EQ(CheckCostmapParams(params), Status::kOk);
 }
 
@@ -80,7 +82,10 @@ TEST(CostmapParams, RefusesWhatTheBuildCannotDo) {
       [](CostmapParams& p) { p.soft_edge_cost = -0.1f; },
       [](CostmapParams& p) { p.hard_slope_per_m = -0.1f; },
       [](CostmapParams& p) { p.soft_slope_per_m = -0.1f; },
-      [](CostmapParams& p) { p.hard_edge_cost = 21.5f; },  // 21.5 + 12.96 + 4.74 > 39
+      [](CostmapParams& p) { p.unknown_cost = -0.1f; },
+      [](CostmapParams& p) { p.hard_edge_cost = 20.5f; },  // 20.5 + 12.96 + 4.74 + 1 > 39
+      [](CostmapParams& p) { p.unknown_cost = 15.4f; },    // 6 + 12.96 + 4.74 + 15.4 > 39
+      [](CostmapParams& p) { p.unknown_cost = 3.0e38f; },
       [](CostmapParams& p) { p.hard_slope_per_m = 3.0e38f; },
       [](CostmapParams& p) { p.soft_slope_per_m = 3.0e38f; },
   };
@@ -98,7 +103,8 @@ TEST(CostmapParams, RefusesNumbersThatAreNotFinite) {
       &CostmapParams::obstacle_height_m, &CostmapParams::clearance_height_m,
       &CostmapParams::planning_radius_m, &CostmapParams::halo_m,
       &CostmapParams::hard_edge_cost,    &CostmapParams::hard_slope_per_m,
-      &CostmapParams::soft_edge_cost,    &CostmapParams::soft_slope_per_m};
+      &CostmapParams::soft_edge_cost,    &CostmapParams::soft_slope_per_m,
+      &CostmapParams::unknown_cost};
   for (float CostmapParams::*number : kNumbers) {
     for (const float bad : {kNaN, kInfinity, -kInfinity}) {
       CostmapParams params;
@@ -149,6 +155,26 @@ TEST(CostmapBuilder, GivesTheSameMapInAnySteps) {
   }
 }
 
+TEST(CostmapBuilder, GivesTheSameMapInHalves) {
+  Scene scene;
+  Scatter(scene, 12);
+  const auto at_once = std::make_unique<Costmap>(scene.Build());
+  CostmapBuilder& builder = scene.builder();
+  std::mt19937 random(13);
+  for (const int most : {1, 700, 1 << 20}) {
+    const auto units = [&] { return 1 + static_cast<int>(random() % static_cast<uint32_t>(most)); };
+    ASSERT_EQ(builder.Begin(scene.heights(), {}), Status::kOk);
+    while (builder.StepHeights(scene.heights(), units()) == Progress::kBusy) continue;
+    EXPECT_EQ(builder.StepHeights(scene.heights(), INT32_MAX), Progress::kDone);
+    EXPECT_EQ(builder.BeginAgain({}), Status::kNotStarted);  // it went no further
+    // The heights are not needed any more.
+    ASSERT_EQ(scene.heights().Reset({0.0f, 0.0f}), Status::kOk);
+    while (builder.StepCells(units()) == Progress::kBusy) continue;
+    EXPECT_TRUE(Same(builder.result(), *at_once));
+    Scatter(scene, 12);
+  }
+}
+
 TEST(CostmapBuilder, DoesNothingForNoUnits) {
   Scene scene;
   ASSERT_EQ(scene.builder().Begin(scene.heights(), {}), Status::kOk);
@@ -169,34 +195,134 @@ TEST(CostmapBuilder, ForgetsTheMapBefore) {
   (void)scene.Build();
   CostmapBuilder& builder = scene.builder();
   ASSERT_EQ(builder.BeginCells(empty->window, {}), Status::kOk);
+  for (int index = 0; index < kMapCells; ++index) builder.SetCell(index, 0);
   ASSERT_EQ(builder.StepCells(CostmapBuilder::kCellUnits), Progress::kDone);
   EXPECT_TRUE(Same(builder.result(), *empty));
+}
+
+TEST(CostmapBuilder, TakesCellsThatAreNotSetAsFreeAndObserved) {
+  Scene scene;
+  Scatter(scene, 11);
+  (void)scene.Build();
+  CostmapBuilder& builder = scene.builder();
+  ASSERT_EQ(builder.BeginCells(GridWindow::CenteredAt({}), {}), Status::kOk);
+  ASSERT_EQ(builder.StepCells(CostmapBuilder::kCellUnits), Progress::kDone);
+  for (int index = 0; index < kMapCells; ++index) {
+    ASSERT_EQ(builder.result().flags[index], Costmap::kObserved);
+    ASSERT_EQ(builder.result().cost_q8[index], 0);
+  }
 }
 
 TEST(CostmapBuilder, GivesTheSameMapFromItsOwnFlags) {
   Scene scene;
   Scatter(scene, 6);
   const auto from_heights = std::make_unique<Costmap>(scene.Build());
-  const Costmap& from_cells = scene.BuildCells({}, [&](int column, int row) {
-    return from_heights->flags[IndexOf(column, row)];  // the regions among them are ignored
-  });
-  EXPECT_TRUE(Same(from_cells, *from_heights));
+  CostmapBuilder& builder = scene.builder();
+  ASSERT_EQ(builder.BeginCells(from_heights->window, {}), Status::kOk);
+  for (int index = 0; index < kMapCells; ++index) {
+    builder.SetCell(index, from_heights->flags[index]);  // the regions among them are ignored
+  }
+  ASSERT_EQ(builder.StepCells(CostmapBuilder::kCellUnits), Progress::kDone);
+  EXPECT_TRUE(Same(builder.result(), *from_heights));
 }
 
 TEST(CostmapBuilder, MakesGivenCellsConsistent) {
   Scene scene;
   CostmapParams params;
   params.planning_radius_m = 0.0f;
-  const int given[] = {Costmap::kPerson, Costmap::kHard | Costmap::kSoft,
-                       Costmap::kLethal | Costmap::kSoftRegion | Costmap::kObserved, 0xff};
-  const int expected[] = {
-      Costmap::kPerson | Costmap::kHard | Costmap::kLethal, Costmap::kHard | Costmap::kLethal,
-      Costmap::kObserved,
-      Costmap::kPerson | Costmap::kHard | Costmap::kLethal | Costmap::kObserved};
-  const Costmap& map = scene.BuildCells(params, [&](int column, int row) {
-    return row == 0 && column % 100 == 0 && column < 400 ? given[column / 100] : 0;
-  });
-  for (int i = 0; i < 4; ++i) EXPECT_EQ(map.flags[IndexOf(100 * i, 0)], expected[i]) << i;
+  constexpr int kHardCell = Costmap::kHard | Costmap::kObserved | Costmap::kLethal;
+  const struct {
+    int given;
+    int expected;
+  } cases[] = {{0, 0},
+               {Costmap::kObserved, Costmap::kObserved},
+               {Costmap::kSoft, Costmap::kSoft | Costmap::kObserved | Costmap::kSoftRegion},
+               {Costmap::kPerson, kHardCell | Costmap::kPerson},
+               {Costmap::kHard | Costmap::kSoft, kHardCell},
+               {Costmap::kLethal | Costmap::kSoftRegion, 0},
+               {0xff, kHardCell | Costmap::kPerson}};
+  CostmapBuilder& builder = scene.builder();
+  ASSERT_EQ(builder.BeginCells(GridWindow::CenteredAt({}), params), Status::kOk);
+  int index = 0;
+  for (const auto& item : cases) builder.SetCell(index++, static_cast<uint8_t>(item.given));
+  ASSERT_EQ(builder.StepCells(CostmapBuilder::kCellUnits), Progress::kDone);
+  index = 0;
+  for (const auto& item : cases) {
+    EXPECT_EQ(builder.result().flags[index], item.expected) << "case " << index;
+    ++index;
+  }
+}
+
+// From a classed cell (column) and what is marked (row) to what the cell is.
+TEST(CostmapBuilder, AddsMarksToClassedCells) {
+  Scene scene;
+  CostmapParams params;
+  params.planning_radius_m = 0.0f;
+  constexpr int kObserved = Costmap::kObserved;
+  constexpr int kHard = Costmap::kHard | kObserved;
+  constexpr int kSoft = Costmap::kSoft | kObserved;
+  constexpr int kPerson = Costmap::kPerson | kHard;
+  const ReturnClass filed[] = {ReturnClass::kIgnored, ReturnClass::kGround, ReturnClass::kSoft,
+                               ReturnClass::kHard, ReturnClass::kPerson};
+  const struct {
+    int marked;
+    int expected[5];
+  } rows[] = {{0, {0, kObserved, kSoft, kHard, kPerson}},
+              {Costmap::kObserved, {0, kObserved, kSoft, kHard, kPerson}},
+              {Costmap::kLethal, {0, kObserved, kSoft, kHard, kPerson}},
+              {Costmap::kSoft, {kSoft, kSoft, kSoft, kHard, kPerson}},
+              {Costmap::kHard, {kHard, kHard, kHard, kHard, kPerson}},
+              {Costmap::kHard | Costmap::kSoft, {kHard, kHard, kHard, kHard, kPerson}},
+              {Costmap::kPerson, {kPerson, kPerson, kPerson, kPerson, kPerson}},
+              {0xff, {kPerson, kPerson, kPerson, kPerson, kPerson}}};
+  constexpr int kSpacing = 40;
+  const int n_rows = static_cast<int>(std::size(rows));
+  for (int row = 0; row < n_rows; ++row) {
+    for (int i = 0; i < 5; ++i) {
+      scene.Add(kSpacing * i, kSpacing * row, filed[i] == ReturnClass::kGround ? 0.0f : 1.0f,
+                filed[i]);
+      scene.Add(kSpacing * i + 1, kSpacing * row, 0.0f, ReturnClass::kGround);
+    }
+  }
+  CostmapBuilder& builder = scene.builder();
+  ASSERT_EQ(builder.Begin(scene.heights(), params), Status::kOk);
+  ASSERT_EQ(builder.StepHeights(scene.heights(), CostmapBuilder::kHeightUnits), Progress::kDone);
+  for (int row = 0; row < n_rows; ++row) {
+    for (int i = 0; i < 5; ++i) {
+      builder.Mark(IndexOf(kSpacing * i, kSpacing * row), static_cast<uint8_t>(rows[row].marked));
+    }
+  }
+  ASSERT_EQ(builder.StepCells(CostmapBuilder::kCellUnits), Progress::kDone);
+  constexpr int kRegions = Costmap::kLethal | Costmap::kSoftRegion;
+  for (int row = 0; row < n_rows; ++row) {
+    for (int i = 0; i < 5; ++i) {
+      const int index = IndexOf(kSpacing * i, kSpacing * row);
+      const int flags = builder.result().flags[index];
+      EXPECT_EQ(flags & ~kRegions, rows[row].expected[i]) << "row " << row << ", column " << i;
+      EXPECT_EQ((flags & Costmap::kLethal) != 0, (flags & Costmap::kHard) != 0);
+      EXPECT_EQ((flags & Costmap::kSoftRegion) != 0, (flags & Costmap::kSoft) != 0);
+    }
+  }
+}
+
+TEST(CostmapBuilder, TakesMarksOnlyBetweenItsHalves) {
+  Scene scene;
+  CostmapBuilder& builder = scene.builder();
+  EXPECT_DEATH(builder.Mark(0, Costmap::kHard), "");  // nothing was begun
+  ASSERT_EQ(builder.BeginCells({}, {}), Status::kOk);
+  EXPECT_DEATH(builder.Mark(0, Costmap::kHard), "");  // SetCell is for these
+  ASSERT_EQ(builder.Begin(scene.heights(), {}), Status::kOk);
+  ASSERT_EQ(builder.StepHeights(scene.heights(), CostmapBuilder::kHeightUnits - 1),
+            Progress::kBusy);
+  EXPECT_DEATH(builder.Mark(0, Costmap::kHard), "");
+  EXPECT_DEATH((void)builder.StepCells(1), "");
+  ASSERT_EQ(builder.StepHeights(scene.heights(), 1), Progress::kDone);
+  EXPECT_DEATH(builder.Mark(-1, Costmap::kHard), "");
+  EXPECT_DEATH(builder.Mark(kMapCells, Costmap::kHard), "");
+  EXPECT_DEATH(builder.SetCell(0, Costmap::kHard), "");
+  builder.Mark(0, Costmap::kHard);
+  ASSERT_EQ(builder.StepCells(1), Progress::kBusy);
+  EXPECT_DEATH(builder.Mark(0, Costmap::kHard), "");
 }
 
 // The window is the grid's at Begin. A cell that has left the grid by the time its row is read is
@@ -239,7 +365,7 @@ TEST(CostmapBuilder, WorksAtTheEndsOfThePlane) {
     ASSERT_EQ(scene.heights().Reset({x_m, -x_m}), Status::kOk);
     const Costmap& map = scene.Build();
     EXPECT_EQ(map.window, scene.heights().window());
-    EXPECT_EQ(map.CostAt(x_m, -x_m), 0.0f);
+    EXPECT_EQ(map.CostAt(x_m, -x_m), CostmapParams{}.unknown_cost);
   }
 }
 

@@ -114,8 +114,8 @@ void ExpectEqualsReference(const Costmap& map, const Plane& flags, const Area& a
   kWholeMap.ForEach([&](int column, int row) {
     if (area.Grown(2 * kReach).Contains(column, row)) return;
     const int index = IndexOf(column, row);
-    not_empty += map.cost_q8[index] != 0 || map.flags[index] != 0 || map.hard_depth2[index] != 0 ||
-                 map.hard_distance2[index] != kMaxDistance2_cells2;
+    not_empty += map.cost_q8[index] != 0 || map.flags[index] != Costmap::kObserved ||
+                 map.hard_depth2[index] != 0 || map.hard_distance2[index] != kMaxDistance2_cells2;
   });
   EXPECT_EQ(not_empty, 0);
 }
@@ -208,7 +208,7 @@ TEST(CostmapLayers, AreEmptyOnAnEmptyMap) {
   const Costmap& map = BuildFrom(scene, Plane(kMapCells), {});
   for (int index = 0; index < kMapCells; ++index) {
     ASSERT_EQ(map.cost_q8[index], 0);
-    ASSERT_EQ(map.flags[index], 0);
+    ASSERT_EQ(map.flags[index], Costmap::kObserved);
     ASSERT_EQ(map.hard_depth2[index], 0);
     ASSERT_EQ(map.hard_distance2[index], kMaxDistance2_cells2);
   }
@@ -386,6 +386,33 @@ TEST(CostmapLayers, AddUp) {
   EXPECT_LE(*std::max_element(both.begin(), both.end()), kMaxCost_q8);
   EXPECT_GT(*std::max_element(both.begin(), both.end()),
             *std::max_element(only_hard.begin(), only_hard.end()));
+}
+
+// Every other cell's ground was not observed; an obstacle is always observed.
+TEST(CostmapLayers, AddTheCostOfTheUnknown) {
+  Scene scene;
+  CostmapParams params;
+  params.unknown_cost = 2.5f;
+  CostmapBuilder& builder = scene.builder();
+  const auto unknown = [](int index) { return index % 2 == 1; };
+  const auto build = [&](bool all_observed) {
+    EXPECT_EQ(builder.BeginCells(GridWindow::CenteredAt({}), params), Status::kOk);
+    for (int index = 0; index < kMapCells; ++index) {
+      if (unknown(index) && !all_observed) builder.SetCell(index, 0);
+      if (index % 997 == 0) builder.SetCell(index, Costmap::kHard);
+      if (index % 1009 == 0) builder.SetCell(index, Costmap::kSoft);
+    }
+    EXPECT_EQ(builder.StepCells(CostmapBuilder::kCellUnits), Progress::kDone);
+    const Costmap& map = builder.result();
+    return std::vector<int>(map.cost_q8, map.cost_q8 + kMapCells);
+  };
+  const std::vector<int> observed = build(true);
+  const std::vector<int> partly = build(false);
+  for (int index = 0; index < kMapCells; ++index) {
+    const size_t i = static_cast<size_t>(index);
+    const bool obstacle = index % 997 == 0 || index % 1009 == 0;
+    ASSERT_EQ(partly[i] - observed[i], unknown(index) && !obstacle ? 640 : 0) << index;
+  }
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which cells become obstacles: each line of the rule's table, and a plain reference on random
-// returns. Heights are in metres; the ground is level, at 0.
+// Which cells become obstacles: each line of the rule's table, scenes, and a plain reference on
+// random returns. Heights are in metres; where nothing else is said, the ground is level, at 0.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -113,8 +113,11 @@ TEST(LocalGroundRule, TakesAHardReturnAsAnObstacleWhereNoGroundIsNear) {
          {{{kHard, 4.0f}}, kNowhere, Costmap::kHard},
          {{{kSoft, 0.9f}}, kNowhere, 0},
          {{{kSoft, 0.9f}, {kHard, 1.0f}}, kNowhere, Costmap::kHard},
-         // A bush is not the ground but lies above it: more than the clearance over it is overhead.
-         {{{kSoft, 0.9f}, {kHard, 3.0f}}, kNowhere, 0}});
+         // Nothing is overhead where no ground is near, not even above a bush ...
+         {{{kSoft, 0.9f}, {kHard, 3.0f}}, kNowhere, Costmap::kHard},
+         // ... nor above ground that is further away than two cells.
+         {{{kHard, 4.0f}}, 2, 0},
+         {{{kHard, 4.0f}}, 3, Costmap::kHard}});
 }
 
 TEST(LocalGroundRule, HoldsItsThresholds) {
@@ -132,7 +135,8 @@ TEST(LocalGroundRule, HoldsItsThresholds) {
   Judge({{{{kHard, 0.3f}}, 1, Costmap::kHard},
          {{{kHard, 1.1f}}, 1, 0},
          {{{kSoft, 0.3f}}, 1, Costmap::kSoft},
-         {{{kSoft, 0.3f}}, 2, 0}},  // the ground is out of the square
+         {{{kSoft, 0.3f}}, 2, Costmap::kSoft},  // out of the square, but near
+         {{{kSoft, 0.3f}}, 3, 0}},              // out of both
         params);
 }
 
@@ -153,6 +157,114 @@ TEST(InCellRule, MeasuresFromTheCellsLowestReturn) {
         InCell());
 }
 
+constexpr float kSteep = 0.4663077f;  // tan 25 degrees
+
+// A square of ground that rises by `slope` along x, where no cells are missing.
+class Field {
+ public:
+  static constexpr int kColumn = 200;
+  static constexpr int kRow = 300;
+  static constexpr int kLength = 41;
+
+  static float GroundAt(int column, float slope) {
+    return slope * kCellSize_m * static_cast<float>(column - kColumn);
+  }
+
+  template <typename Missing>
+  Field(Scene& scene, float slope, Missing missing) {
+    for (int column = kColumn; column < kColumn + kLength; ++column) {
+      for (int row = kRow; row < kRow + kLength; ++row) {
+        if (!missing(column, row)) scene.Add(column, row, GroundAt(column, slope), kGround);
+      }
+    }
+  }
+};
+
+constexpr auto kNothingMissing = [](int /*column*/, int /*row*/) { return false; };
+
+//   ____      ____
+//       \    /        no beam comes back from the ditch
+//        ~~~~
+TEST(LocalGroundRule, LeavesADitchUnknownAtItsCost) {
+  Scene scene;
+  const auto ditch = [](int column) { return column >= 215 && column < 222; };
+  const Field field(scene, 0.0f, [&](int column, int /*row*/) { return ditch(column); });
+  CostmapParams params;
+  params.unknown_cost = 1.5f;
+  const Costmap& map = scene.Build(params);
+  for (int column = Field::kColumn; column < Field::kColumn + Field::kLength; ++column) {
+    const int index = IndexOf(column, Field::kRow + 20);
+    EXPECT_EQ(map.flags[index], ditch(column) ? 0 : Costmap::kObserved) << column;
+    EXPECT_EQ(map.cost_q8[index], ditch(column) ? 384 : 0) << column;
+  }
+}
+
+TEST(LocalGroundRule, LeavesASteepSlopeFree) {
+  Scene scene;
+  const Field field(scene, kSteep, kNothingMissing);
+  const Costmap& map = scene.Build();
+  for (int column = Field::kColumn; column < Field::kColumn + Field::kLength; ++column) {
+    EXPECT_EQ(map.flags[IndexOf(column, Field::kRow + 20)], Costmap::kObserved) << column;
+    EXPECT_EQ(map.cost_q8[IndexOf(column, Field::kRow + 20)], 0) << column;
+  }
+}
+
+//            x      height_m above the ground, on a slope of 25 degrees; the square's lowest ground
+//         . '       lies seven cells below it, 0.65 m lower
+//      . '
+// The flags of the cell that holds one hard return; ground_here: and ground.
+int FlagsOnSlope(float height_m, bool ground_here) {
+  Scene scene;
+  constexpr int kAt = Field::kColumn + 20;
+  constexpr int kInRow = Field::kRow + 20;
+  const Field field(scene, kSteep, [&](int column, int row) {
+    return !ground_here && column == kAt && row == kInRow;
+  });
+  scene.Add(kAt, kInRow, Field::GroundAt(kAt, kSteep) + height_m, kHard);
+  return scene.Build().flags[IndexOf(kAt, kInRow)] & kObstacleFlags;
+}
+
+TEST(LocalGroundRule, HoldsAReturnOnASlopeAgainstTheGroundUnderIt) {
+  EXPECT_EQ(FlagsOnSlope(0.4f, true), 0);
+  EXPECT_EQ(FlagsOnSlope(0.7f, true), Costmap::kHard);
+  // The ground beside it is up to two cells lower, 0.19 m.
+  EXPECT_EQ(FlagsOnSlope(0.3f, false), 0);
+  EXPECT_EQ(FlagsOnSlope(0.4f, false), Costmap::kHard);
+}
+
+TEST(LocalGroundRule, TellsABranchOnASlopeFromOneOverhead) {
+  EXPECT_EQ(FlagsOnSlope(1.9f, true), Costmap::kHard);
+  EXPECT_EQ(FlagsOnSlope(2.5f, true), 0);
+  EXPECT_EQ(FlagsOnSlope(1.8f, false), Costmap::kHard);
+  EXPECT_EQ(FlagsOnSlope(2.5f, false), 0);
+}
+
+//            ______   height_m
+//           |         its face: hard returns all the way up
+//   ________|
+TEST(LocalGroundRule, SeesAKerbThatIsTooHigh) {
+  for (const float height_m : {0.4f, 0.6f}) {
+    Scene scene;
+    constexpr int kFace = Field::kColumn + 20;
+    const Field field(scene, 0.0f, [](int column, int /*row*/) { return column >= kFace; });
+    for (int row = Field::kRow; row < Field::kRow + Field::kLength; ++row) {
+      for (int i = 1; i <= 4; ++i) {
+        scene.Add(kFace, row, 0.25f * height_m * static_cast<float>(i), kHard);
+      }
+      for (int column = kFace + 1; column < kFace + 10; ++column) {
+        scene.Add(column, row, height_m, kGround);
+      }
+    }
+    const Costmap& map = scene.Build();
+    for (int column = Field::kColumn; column < kFace + 10; ++column) {
+      const bool hard = column == kFace && height_m > 0.5f;
+      EXPECT_EQ(map.flags[IndexOf(column, Field::kRow + 20)] & kObstacleFlags,
+                hard ? Costmap::kHard : 0)
+          << height_m << " m, column " << column;
+    }
+  }
+}
+
 // Every return of a scene, by cell.
 class ReturnList {
  public:
@@ -165,36 +277,52 @@ class ReturnList {
   int Flags(int column, int row, const CostmapParams& params) {
     const bool in_cell = params.obstacle_rule == ObstacleRule::kInCell;
     const int half = in_cell ? 0 : params.ground_window_cells / 2;
-    float ground_m = 1.0e9f;
-    bool ground_seen = in_cell;
-    for (int y = std::max(row - half, 0); y <= std::min(row + half, kSide - 1); ++y) {
-      for (int x = std::max(column - half, 0); x <= std::min(column + half, kSide - 1); ++x) {
-        for (const Return& item : At(x, y)) {
-          ground_m = std::min(ground_m, item.z_m);
-          ground_seen = ground_seen || item.return_class == kGround;
-        }
-      }
+    float ground_m = LowestAround(column, row, half, false);
+    const bool ground_seen = in_cell || LowestAround(column, row, half, true) < kNone_m;
+    float near_m = kNone_m;
+    if (!in_cell) {
+      const float own_m = LowestAround(column, row, 0, true);
+      near_m = own_m < kNone_m ? own_m : LowestAround(column, row, 2, true);
+      if (near_m < kNone_m) ground_m = near_m;
     }
-    bool any_hard = false, all_overhead = !in_cell, high = false, high_soft = false, person = false;
+    bool any_hard = false, overhead = near_m < kNone_m;
+    bool high = false, high_soft = false, person = false;
     for (const Return& item : At(column, row)) {
-      const float height_m = item.z_m - ground_m;
-      const bool above = height_m > params.obstacle_height_m + 0.005f;
+      const bool above = item.z_m - ground_m > params.obstacle_height_m + 0.005f;
       if (item.return_class == kSoft) high_soft = high_soft || above;
       if (item.return_class != kHard && item.return_class != kPerson) continue;
       any_hard = true;
-      all_overhead = all_overhead && height_m > params.clearance_height_m + 0.005f;
+      overhead = overhead && item.z_m - near_m > params.clearance_height_m + 0.005f;
       high = high || above;
       person = person || item.return_class == kPerson;
     }
-    const bool hard = any_hard && !all_overhead && (high || person || !ground_seen);
-    return (hard        ? Costmap::kHard
-            : high_soft ? Costmap::kSoft
-                        : 0) |
-           (hard && person ? Costmap::kPerson : 0) |
-           (At(column, row).empty() ? 0 : Costmap::kObserved);
+    const bool hard = any_hard && !overhead && (high || person || !ground_seen);
+    const int obstacle = hard ? Costmap::kHard : high_soft ? Costmap::kSoft : 0;
+    const bool observed = obstacle != 0 || HasGround(column, row);
+    return obstacle | (hard && person ? Costmap::kPerson : 0) | (observed ? Costmap::kObserved : 0);
   }
 
  private:
+  static constexpr float kNone_m = 1.0e9f;
+
+  bool HasGround(int column, int row) {
+    const std::vector<Return>& here = At(column, row);
+    return std::any_of(here.begin(), here.end(),
+                       [](const Return& item) { return item.return_class == kGround; });
+  }
+
+  // The lowest return of the cells at most `half` away; with_ground: of those that hold ground.
+  float LowestAround(int column, int row, int half, bool with_ground) {
+    float lowest_m = kNone_m;
+    for (int y = std::max(row - half, 0); y <= std::min(row + half, kSide - 1); ++y) {
+      for (int x = std::max(column - half, 0); x <= std::min(column + half, kSide - 1); ++x) {
+        if (with_ground && !HasGround(x, y)) continue;
+        for (const Return& item : At(x, y)) lowest_m = std::min(lowest_m, item.z_m);
+      }
+    }
+    return lowest_m;
+  }
+
   std::vector<Return> cells_[kSide * kSide];
 };
 

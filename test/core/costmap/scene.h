@@ -35,13 +35,14 @@ class Scene {
     return builder_->result();
   }
 
-  // A map from cells: set(column, row) gives each cell's flags.
+  // A map from cells: set(column, row) gives each cell's flags. The ground of all was observed.
   template <typename Set>
   const Costmap& BuildCells(const CostmapParams& params, Set set) {
     EXPECT_EQ(builder_->BeginCells(GridWindow::CenteredAt({}), params), Status::kOk);
     for (int row = 0; row < kMapSize_cells; ++row) {
       for (int column = 0; column < kMapSize_cells; ++column) {
-        builder_->SetCell(IndexOf(column, row), static_cast<uint8_t>(set(column, row)));
+        const int flags = set(column, row) | Costmap::kObserved;
+        builder_->SetCell(IndexOf(column, row), static_cast<uint8_t>(flags));
       }
     }
     EXPECT_EQ(builder_->StepCells(CostmapBuilder::kCellUnits), Progress::kDone);
