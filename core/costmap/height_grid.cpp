@@ -374,7 +374,7 @@ HeightGrid::Evidence HeightGrid::Look(const SightFan& fan, const Sight& sight,
   const float high_cm = target.highest_cm + target.margin_cm;
   const float middle_cm = 0.5f * (target.lowest_cm + target.highest_cm);
   const float hit_cm = middle_cm - kEdge_cm;
-  const float top_cm = target.highest_cm - kEdge_cm;
+  const float edge_cm = target.highest_cm - kEdge_cm;
   int32_t hit = 0;
   int32_t ended = 0;
   int32_t inside = 0;
@@ -390,13 +390,15 @@ HeightGrid::Evidence HeightGrid::Look(const SightFan& fan, const Sight& sight,
     const float level_cm = level_m * kCentimetersPerMeter;
     const float height_cm = sight.z_cm + slope * Min(level_cm, reach_cm);
     const float half_cm = Abs(slope) * kCellReach_cm;
-    const int32_t near_it = got_here & -(height_cm >= low_cm) & -(height_cm <= high_cm);
-    ended |= near_it & ~beyond;
-    hit |= near_it & ~beyond & -(height_cm >= hit_cm);
-    inside |=
-        beyond & -(height_cm - half_cm >= target.lowest_cm) & -(height_cm + half_cm <= top_cm);
-    below |= near_it & beyond & -(height_cm <= middle_cm);
-    above |= near_it & beyond & -(height_cm >= middle_cm);
+    const float bottom_cm = height_cm - half_cm;
+    const float top_cm = height_cm + half_cm;
+    const int32_t ended_here =
+        got_here & ~beyond & -(height_cm >= low_cm) & -(height_cm <= high_cm);
+    ended |= ended_here;
+    hit |= ended_here & -(height_cm >= hit_cm);
+    inside |= beyond & -(bottom_cm >= target.lowest_cm) & -(top_cm <= edge_cm);
+    below |= beyond & -(top_cm >= low_cm) & -(top_cm <= middle_cm);
+    above |= beyond & -(bottom_cm >= middle_cm) & -(bottom_cm <= high_cm);
   }
   return {hit != 0, ended != 0, inside != 0, below != 0 && above != 0};
 }

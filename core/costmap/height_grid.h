@@ -36,12 +36,12 @@
 //   It went through: its return lies further away than d + kBehind_m.
 //   A cell is hit when a beam ended here not lower than kEdge_cm below the interval's middle. Its
 //     misses are 0, and it can have none any more in this revolution.
-//   A cell is seen through when it is not hit, and a beam went through inside: over the cell's
-//   whole
-//     length (d +- 0.1414 m) not below the lowest return and not above the highest less kEdge_cm.
-//     Or, where none did, when no beam ended here, one went through not above the middle and one
-//     not below it, both in the interval or out of it by no more than the margin: a single return
-//     has no inside. That is a miss; each revolution counts one at most.
+//   A cell is seen through when it is not hit, and a beam went through inside: over all of the cell
+//     (d +- 0.1414 m) not below the lowest return and not above the highest less kEdge_cm. Or,
+//     where none did, when no beam ended here, one went through that was nowhere in the cell above
+//     the middle, and one that was nowhere below it; the highest point of the former and the lowest
+//     of the latter in the interval or out of it by no more than the margin: a single return has no
+//     inside. That is a miss; each revolution counts one at most.
 //
 // With ageing_revolutions misses the obstacle is cut: its highest return is from now on where the
 // lowest of the beams inside was highest over the cell, or where the highest beam ended here if

@@ -314,8 +314,8 @@ class ReferenceGrid {
 
     Outcome outcome;
     bool ended = false;
-    bool not_above_middle = false;
-    bool not_below_middle = false;
+    bool below = false;
+    bool above = false;
     std::optional<double> lowest_inside;
     double highest_end = low;
     for (int beam = 0; beam < fan.beams; ++beam) {
@@ -331,11 +331,13 @@ class ReferenceGrid {
       }
       if (level > d + 0.3 - eps_m) {
         const double half = 100.0 * 0.2 / std::sqrt(2.0) * std::abs(slope);
-        if (height - half >= low - eps_cm && height + half <= high - 3.0 + eps_cm) {
-          lowest_inside = std::min(lowest_inside.value_or(1.0e9), height + half);
+        const double top = height + half;
+        const double bottom = height - half;
+        if (bottom >= low - eps_cm && top <= high - 3.0 + eps_cm) {
+          lowest_inside = std::min(lowest_inside.value_or(1.0e9), top);
         }
-        if (in_reach && height <= middle + eps_cm) not_above_middle = true;
-        if (in_reach && height >= middle - eps_cm) not_below_middle = true;
+        if (top <= middle + eps_cm && top >= low - margin - eps_cm) below = true;
+        if (bottom >= middle - eps_cm && bottom <= high + margin + eps_cm) above = true;
       }
     }
     if (outcome.hit) return outcome;
@@ -347,7 +349,7 @@ class ReferenceGrid {
       return outcome;
     }
     // That no beam ended here is the one condition that gets rarer when all are loosened.
-    outcome.seen_through = not_above_middle && not_below_middle && !ended;
+    outcome.seen_through = below && above && !ended;
     return outcome;
   }
 
