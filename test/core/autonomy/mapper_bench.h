@@ -107,7 +107,7 @@ class MapperBench {
 
   uint32_t Folded() const {
     const MapperCounters& counters = mapper->counters();
-    return counters.folded_with_labels + counters.folded_without_labels + counters.folded_early;
+    return counters.folded_with_labels + counters.folded_without_labels;
   }
 
   // What the grid itself knows of an area: cells with a hard return.

@@ -153,7 +153,7 @@ class Storm {
 
   uint32_t Folded() const {
     const MapperCounters& counters = mapper_->counters();
-    return counters.folded_with_labels + counters.folded_without_labels + counters.folded_early;
+    return counters.folded_with_labels + counters.folded_without_labels;
   }
 
   void CheckCounters() {

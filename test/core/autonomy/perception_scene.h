@@ -173,6 +173,7 @@ class Chain {
   Motion odometry;  // what the mapper is told; the truth where it is not set
   double label_delay_s = 0.1;
   bool poses_may_lack = false;  // for a column: after a jump
+  bool lidar_on = true;
 
   Chain(bool with_labels, Sector sector, uint64_t seed = 1)
       : with_labels_(with_labels), sector_(sector), lidar_(seed) {
@@ -265,7 +266,8 @@ class Chain {
 
   void GiveColumn(int index) {
     const int measurement_id = index % kColumns;
-    if (measurement_id < sector_.first() || measurement_id > sector_.last()) return;
+    const bool sent = measurement_id >= sector_.first() && measurement_id <= sector_.last();
+    if (!lidar_on || !sent) return;
     const double time_s = index * kRevolution_s / kColumns;
     const auto [column, labels] =
         lidar_.Cast(world, truth(time_s), time_s, static_cast<uint16_t>(index / kColumns),

@@ -121,6 +121,31 @@ struct Body {
   }
 };
 
+// Whether there is a leaf somewhere: a world of little cubes, of which a share is filled. The same
+// place is always the same, as it is with leaves when there is no wind.
+inline constexpr double kLeaf_m = 0.06;
+inline bool IsLeaf(const Point& at, double free_path_m) {
+  uint64_t key = 0;
+  for (const double along : {at.x, at.y, at.z}) {
+    const auto step = static_cast<int64_t>(std::floor(along / kLeaf_m));
+    key = (key ^ static_cast<uint64_t>(step)) * 0x9e3779b97f4a7c15u;
+    key ^= key >> 29;
+  }
+  key *= 0xbf58476d1ce4e5b9u;
+  // A ray through a cube stays in it for two thirds of its side on average.
+  const double filled = 1.0 - std::exp(-kLeaf_m * 2.0 / 3.0 / free_path_m);
+  return static_cast<double>(key >> 11) * 0x1p-53 < filled;
+}
+
+// How far a ray gets into leaves; kNothing: through.
+inline double ThroughLeaves(const Ray& ray, const Interval& inside, double free_path_m) {
+  constexpr double kStep_m = 0.015;
+  for (double at = inside.enter + 0.5 * kStep_m; at < inside.exit; at += kStep_m) {
+    if (IsLeaf(ray.origin + at * ray.direction, free_path_m)) return at;
+  }
+  return kNothing;
+}
+
 inline Body Box(const Point& low, const Point& high, uint8_t code = kObjectCode) {
   Body body;
   body.low = low;
@@ -210,9 +235,9 @@ struct World {
       if (time_s >= body.until_s) continue;
       const Interval inside = body.Inside(ray, time_s);
       if (inside.enter >= inside.exit || inside.enter >= nearest.distance_m) continue;
-      double at = inside.enter;
-      if (body.free_path_m > 0.0) at -= body.free_path_m * std::log(1.0 - share(random));
-      if (at < inside.exit && at < nearest.distance_m) nearest = {at, body.code};
+      const double at =
+          body.free_path_m > 0.0 ? ThroughLeaves(ray, inside, body.free_path_m) : inside.enter;
+      if (at < nearest.distance_m) nearest = {at, body.code};
     }
     if (rain_share > 0.0 && share(random) < rain_share) {
       const double drop = rain_from_m + (rain_to_m - rain_from_m) * share(random);
