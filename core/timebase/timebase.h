@@ -55,14 +55,13 @@ class Timebase {
 
   // A datagram stamped device_ns by the device came at host_ns of our monotonic clock. Of several
   // stamps in it the newest, which was delayed the least: a lidar's first column waits for the rest
-  // of its packet, 1.5 ms at 640 packets a second. A stamp that its device does not vouch for (of
-  // an invalid column) is none. kOk; kClockJumped: the device's clock jumped, forward (told by the
-  // first observation, since nothing comes before it was sent) or back (told once it is confirmed),
-  // and the offset is that of this observation, or the smallest of those that confirmed it, from
-  // here on; kInvalidArgument: host_ns is before the last observation's, or a stamp is 2^62 or
-  // more: nothing changes but the counter. Each jump is told once. A first observation that was
-  // itself late by more than kJump_ns is told as a jump forward when one comes that was not. Cost:
-  // constant.
+  // of its packet, 1.5 ms at 640 packets a second. What an invalid column says is no stamp.
+  // kOk; kClockJumped: the device's clock jumped, forward (told by the first observation, since
+  // nothing comes before it was sent) or back (told once it is confirmed), and the offset is that
+  // of this observation, or the smallest of those that confirmed it, from here on;
+  // kInvalidArgument: host_ns is before the last observation's, or a stamp is 2^62 or more: nothing
+  // changes but the counter. Each jump is told once. A first observation that was itself late by
+  // more than kJump_ns is told as a jump forward when one comes that was not. Cost: constant.
   Status Observe(uint64_t device_ns, uint64_t host_ns);
 
   // True while the newest observations look like a jump back that is not confirmed yet: the stamps
