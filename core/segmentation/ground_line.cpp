@@ -10,15 +10,23 @@ namespace {
 // Noise of a height: a spinning lidar's range error times the slope of its lowest beam, and the
 // roughness of the ground itself.
 constexpr float kHeightNoise_m = 0.05f;
-// Two beams tell a surface from a face when on the steepest ground their returns are so far apart.
+// Two beams tell a surface from a face when on the steepest ground their returns are so far apart;
+// it is a surface when they advance by this share of that.
 constexpr float kBaseline_m = 0.25f;
-// And it is a surface when the returns advance by this share of that.
 constexpr float kAdvanceShare = 0.7f;
+// Within half of that there must be no face either: a low one could be looked over. The share
+// leaves room for the noise of the range.
+constexpr float kShort_m = 0.5f * kBaseline_m;
+constexpr float kShortShare = 0.4f;
+// Candidates among which the other beam is looked for.
+constexpr int kMaxLook = 16;
 // Slopes are measured over so much at least.
 constexpr float kSlopeBase_m = 1.0f;
 // What stands higher above the line than this is on the way of the line.
 constexpr float kObstacle_m = 0.1f;
-// Beyond it the ground may turn up by no more than this share of the steepest slope.
+// An obstacle so far behind a return does not stand on the way to it.
+constexpr float kSeenPast_m = 0.5f;
+// Beyond an obstacle the ground may turn up by no more than this share of the steepest slope.
 constexpr float kBeyondShare = 0.5f;
 // The line is carried on with no more than this slope.
 constexpr float kMaxCarrySlope = 0.3f;
@@ -32,10 +40,44 @@ enum class Look : uint8_t { kNone, kSurface, kFace };
 // Whether the way from the nearer to the farther of two returns of one direction could be driven.
 //   On ground of slope s through the return at d0 along a beam of slope t0, the beam of slope t1
 //   meets d0 + d0 (t1 - t0) / (s - t1).
-Look Judge(const GroundCandidates& all, int low, int high, float max_slope) {
+bool Advances(const GroundCandidates& all, int low, int high, float max_slope, float share) {
   const float spread_m = all.level_m[low] * (all.slope[high] - all.slope[low]);
   const float advance_m = all.level_m[high] - all.level_m[low];
-  const bool advances = advance_m * (max_slope - all.slope[high]) >= kAdvanceShare * spread_m;
+  return advance_m * (max_slope - all.slope[high]) >= share * spread_m;
+}
+
+// What the returns of the beams above a candidate say of the surface between them and it.
+Look LookUp(const GroundCandidates& all, int candidate, float max_slope) {
+  const float level_m = all.level_m[candidate];
+  const float slope = all.slope[candidate];
+  // The beams that are a baseline away, by the formula at Advances.
+  const float soon = (kShort_m * max_slope + level_m * slope) / (kShort_m + level_m);
+  const float later = (kBaseline_m * max_slope + level_m * slope) / (kBaseline_m + level_m);
+  const int top = candidate + kMaxLook < all.count ? candidate + kMaxLook : all.count - 1;
+  int i = candidate + 1;
+  HP_LOOP_BOUND(kMaxLook)
+  while (i <= top && all.slope[i] < soon) ++i;
+  if (i <= top && !Advances(all, candidate, i, max_slope, kShortShare)) return Look::kFace;
+  HP_LOOP_BOUND(kMaxLook)
+  while (i <= top && all.slope[i] < later) ++i;
+  if (i > top) return Look::kNone;
+  const bool advances = Advances(all, candidate, i, max_slope, kAdvanceShare);
+  return advances ? Look::kSurface : Look::kFace;
+}
+
+// The same of the beams below.
+Look LookDown(const GroundCandidates& all, int candidate, float max_slope) {
+  const float slope = all.slope[candidate];
+  const float step = (max_slope - slope) / all.level_m[candidate];
+  const int bottom = candidate > kMaxLook ? candidate - kMaxLook : 0;
+  int i = candidate - 1;
+  HP_LOOP_BOUND(kMaxLook)
+  while (i >= bottom && all.slope[i] > slope - kShort_m * step) --i;
+  if (i >= bottom && !Advances(all, i, candidate, max_slope, kShortShare)) return Look::kFace;
+  HP_LOOP_BOUND(kMaxLook)
+  while (i >= bottom && all.slope[i] > slope - kBaseline_m * step) --i;
+  if (i < bottom) return Look::kNone;
+  const bool advances = Advances(all, i, candidate, max_slope, kAdvanceShare);
   return advances ? Look::kSurface : Look::kFace;
 }
 
@@ -57,32 +99,23 @@ float GroundLine::AboveCarried(int point, float level_m, float height_m) const {
 bool GroundLine::CanJoin(int point, float level_m, float height_m) const {
   // From further back too: noise must not add up to a staircase.
   if (!Reaches(point, level_m, height_m) || !Reaches(base_[point], level_m, height_m)) return false;
-  if (obstacle_level_m_ <= level_m_[point] || obstacle_level_m_ >= level_m) return true;
+  if (obstacle_level_m_ <= level_m_[point] || obstacle_level_m_ > level_m + kSeenPast_m) {
+    return true;
+  }
   // What stands in between may be a step: the ground has to rise beyond it, not on it.
-  const float run_m = level_m - obstacle_level_m_;
+  const float run_m = Max(level_m - obstacle_level_m_, 0.0f);
   const float limit_m = kBeyondShare * max_slope_ * run_m + kHeightNoise_m;
-  return AboveCarried(point, level_m, height_m) <= limit_m;
+  if (AboveCarried(point, level_m, height_m) <= limit_m) return true;
+  // Or it has only come back from a dip.
+  return AboveCarried(base_[point], level_m, height_m) <= kHeightNoise_m;
 }
 
 // continues: the return is no higher than the line carried on. Then it may be the edge of a
 // surface: the last one before a face, or beyond one.
 bool GroundLine::IsSurface(const GroundCandidates& all, int candidate, bool continues) const {
-  // The beams that are a baseline away, by the formula at Judge.
-  const float level_m = all.level_m[candidate];
-  const float slope = all.slope[candidate];
-  const float next = (kBaseline_m * max_slope_ + level_m * slope) / (kBaseline_m + level_m);
-  int i = candidate + 1;
-  const int top = candidate + kMaxLook < all.count ? candidate + kMaxLook : all.count - 1;
-  HP_LOOP_BOUND(kMaxLook)
-  while (i <= top && all.slope[i] < next) ++i;
-  const Look above = i <= top ? Judge(all, candidate, i, max_slope_) : Look::kNone;
+  const Look above = LookUp(all, candidate, max_slope_);
   if (above == Look::kFace && !continues) return false;
-  const float last = slope - kBaseline_m * (max_slope_ - slope) / level_m;
-  i = candidate - 1;
-  const int bottom = candidate > kMaxLook ? candidate - kMaxLook : 0;
-  HP_LOOP_BOUND(kMaxLook)
-  while (i >= bottom && all.slope[i] > last) --i;
-  const Look below = i >= bottom ? Judge(all, i, candidate, max_slope_) : Look::kNone;
+  const Look below = LookDown(all, candidate, max_slope_);
   if (below == Look::kFace && !continues) return false;
   return above == Look::kSurface || below == Look::kSurface;
 }
@@ -115,7 +148,7 @@ bool GroundLine::IsOpen(const GroundCandidates& all, int candidate, int point) c
 
 int GroundLine::LastPointBefore(float level_m, int hint) const {
   const int next = hint + 1;
-  if (level_m_[hint] < level_m && hint < size_) {
+  if (hint < size_ && level_m_[hint] < level_m) {
     if (next >= size_ || level_m_[next] >= level_m) return hint;
     if (next + 1 >= size_ || level_m_[next + 1] >= level_m) return next;
   }

@@ -38,7 +38,7 @@ struct GroundHeight {
 
 class GroundLine {
  public:
-  // Finds the line. Cost: at most kMaxBeams candidates, each of which looks at 2 kMaxLook others
+  // Finds the line. Cost: at most kMaxBeams candidates, each of which looks at 40 others at most
   // and takes back at most what was added.
   void Find(const GroundCandidates& candidates, float max_slope);
 
@@ -59,9 +59,6 @@ class GroundLine {
   int beam(int index) const { return beam_[index]; }
 
  private:
-  // Candidates within which a baseline is looked for, upward and downward.
-  static constexpr int kMaxLook = 16;
-
   // Beams above and below a return that must not contradict it.
   static constexpr int kMaxOrder = 4;
 

@@ -17,6 +17,8 @@ constexpr uint32_t kSmoothShare_percent = 75;
 constexpr uint32_t kRoughNeighbours = 4;
 constexpr uint32_t kRoughShare_percent = 50;
 constexpr uint32_t kRoughThrough = 1;
+// On level surfaces only neighbours of the same beam are near: of the four at most so many.
+constexpr uint32_t kRoughRow = 2;
 
 // Counts of neighbours in one word: on the same surface, of the same thing, far behind.
 constexpr uint32_t kTightShift = 0;
@@ -92,13 +94,17 @@ void TextureFinder::Find(const RangeColumn* const (&columns)[kColumns], int beam
   }
   HP_LOOP_BOUND(kMaxBeams)
   for (int i = 0; i < beams; ++i) {
+    row_[i] = Near(c[i], b[i], d[i], rough2) + Near(c[i], a[i], e[i], rough2);
+  }
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int i = 0; i < beams; ++i) {
     const uint32_t tight = counts_[i] >> kTightShift & kCountMask;
     const uint32_t around = counts_[i] >> kAroundShift & kCountMask;
     const uint32_t through = counts_[i] >> kThroughShift & kCountMask;
     const bool smooth =
         (tight >= kSmoothNeighbours) & (100 * tight >= kSmoothShare_percent * around);
     const bool rough = (around >= kRoughNeighbours) & (through >= kRoughThrough) &
-                       (100 * tight < kRoughShare_percent * around);
+                       (100 * tight < kRoughShare_percent * around) & (row_[i] <= kRoughRow);
     texture.alone[i] = near_[i] == 0 ? 1 : 0;
     texture.smooth[i] = smooth ? 1 : 0;
     texture.rough[i] = rough ? 1 : 0;

@@ -42,6 +42,7 @@ class TextureFinder {
 
  private:
   uint32_t counts_[kMaxBeams] = {};  // neighbours by kind, packed
+  uint32_t row_[kMaxBeams] = {};     // neighbours of the same beam on the same surface
   uint32_t near_[kMaxBeams] = {};    // neighbours not further away in range than isolation_m
 };
 static_assert(std::is_trivially_copyable_v<TextureFinder>);
