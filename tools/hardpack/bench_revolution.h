@@ -25,6 +25,7 @@ class RevolutionBench {
                                 // included
 
  private:
+  void DecodeRevolution();
   void StartMapper(bool use_labels);
   void Prepare();
   void TakeColumn();

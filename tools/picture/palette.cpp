@@ -21,11 +21,12 @@ Colour CellColour(uint8_t flags, uint16_t cost_q8) {
   if ((flags & Costmap::kHard) != 0) return observed ? kHard : kOffMap;
   if ((flags & Costmap::kSoft) != 0) return observed ? kSoft : kNotObserved;
   if ((flags & Costmap::kLethal) != 0) return kClosed;
-  const Colour ground = observed ? kFree : kNotObserved;
+  // Its cost is that of not having been seen, mostly, and would look like rough ground.
+  if (!observed) return kNotObserved;
   const double cost = static_cast<double>(cost_q8) / kCostOne_q8;
-  if (cost <= 0.0) return ground;
+  if (cost <= 0.0) return kFree;
   // The square root lets the halo's thin end be seen.
-  return Mix(ground, kRough, std::sqrt(std::min(cost / kFullGreenCost, 1.0)));
+  return Mix(kFree, kRough, std::sqrt(std::min(cost / kFullGreenCost, 1.0)));
 }
 
 Colour CostColour(double share) {

@@ -11,7 +11,7 @@
 namespace hardpack::picture {
 
 inline constexpr Colour kFree = {0.76, 0.76, 0.76};
-inline constexpr Colour kNotObserved = {0.86, 0.86, 0.86};
+inline constexpr Colour kNotObserved = {0.80, 0.87, 0.97};
 inline constexpr Colour kOffMap = {0.35, 0.35, 0.38};
 inline constexpr Colour kRough = {0.55, 0.74, 0.45};   // at the edge of the dilated region
 inline constexpr Colour kClosed = {0.33, 0.55, 0.27};  // lethal: inside the dilated hard region
@@ -28,7 +28,7 @@ inline constexpr Colour kFaintInk = {0.42, 0.42, 0.42};
 inline constexpr Colour kGridLine = {0.90, 0.90, 0.90};
 
 // The colour of one cell of a costmap: obstacles first, then the lethal region, then green that
-// fades to grey with the cost. flags: Costmap::Flag.
+// fades to grey with the cost; what was not observed has a colour of its own. flags: Costmap::Flag.
 Colour CellColour(uint8_t flags, uint16_t cost_q8);
 
 // A sequential scale for costs: light for 0, dark for 1.
