@@ -229,19 +229,18 @@ Result<int64_t> ScanRing::SequenceOf(uint16_t frame_id, uint16_t measurement_id)
 void ScanRing::Count(int64_t sequence) {
   const int64_t turn = TurnOf(sequence);
   const int64_t place = PlaceOf(sequence);
-  if (newest_sequence_ < 0) {
-    BeginRevolution();
+  const bool first = newest_sequence_ < 0;
+  const int64_t newest_turn = first ? turn - 1 : TurnOf(newest_sequence_);
+  if (first) {
     first_place_ = place;
     last_place_ = place - 1;
-  } else if (turn > TurnOf(newest_sequence_)) {
-    EndRevolution();
-    const auto skipped = static_cast<uint32_t>(turn - TurnOf(newest_sequence_) - 1);
-    counters_.revolutions += skipped;
-    counters_.incomplete_revolutions += skipped;
-    BeginRevolution();
   }
+  if (turn > newest_turn) {
+    if (!first) EndRevolution();
+    BeginRevolutions(static_cast<uint32_t>(turn - newest_turn));
+  }
+  if (turn >= newest_turn) ++filed_in_revolution_;
   ++counters_.columns;
-  if (newest_sequence_ < 0 || turn >= TurnOf(newest_sequence_)) ++filed_in_revolution_;
   if (place > last_place_) {
     counters_.missing_columns += static_cast<uint32_t>(place - last_place_ - 1);
     last_place_ = place;
@@ -256,8 +255,10 @@ void ScanRing::Count(int64_t sequence) {
   first_place_ = place;
 }
 
-void ScanRing::BeginRevolution() {
-  ++counters_.revolutions;
+// The last of `count`; of the others nothing came.
+void ScanRing::BeginRevolutions(uint32_t count) {
+  counters_.revolutions += count;
+  counters_.incomplete_revolutions += count - 1;
   filed_in_revolution_ = 0;
   revolution_ended_ = false;
 }
@@ -344,15 +345,6 @@ Status ScanRing::FindForLabels(uint16_t frame_id, uint16_t measurement_id, int64
   return Status::kOk;
 }
 
-bool ScanRing::Holds(int64_t sequence) const {
-  return sequence >= 0 && slots_ > 0 && info_[SlotOf(sequence)].sequence == sequence;
-}
-
-int ScanRing::SlotOf(int64_t sequence) const {
-  HP_ASSERT(sequence >= 0 && slots_ > 0);
-  return static_cast<int>(sequence % slots_);
-}
-
 int64_t ScanRing::TurnOf(int64_t sequence) const {
   return sequence / columns_;
 }
@@ -360,21 +352,6 @@ int64_t ScanRing::TurnOf(int64_t sequence) const {
 int64_t ScanRing::PlaceOf(int64_t sequence) const {
   const auto measurement_id = static_cast<int>(sequence % columns_);
   return TurnOf(sequence) * window_columns() + WindowPosition(measurement_id);
-}
-
-const ScanColumn& ScanRing::column(int slot) const {
-  HP_ASSERT(slot >= 0 && slot < slots_);
-  return info_[slot];
-}
-
-PackedReturn ScanRing::at(int slot, int row) const {
-  HP_ASSERT(slot >= 0 && slot < slots_ && row >= 0 && row < beams_);
-  return returns_[slot * beams_ + row];
-}
-
-void ScanRing::Set(int slot, int row, PackedReturn packed) {
-  HP_ASSERT(slot >= 0 && slot < slots_ && row >= 0 && row < beams_);
-  returns_[slot * beams_ + row] = packed;
 }
 
 void ScanRing::MarkClassed(int slot) {

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "config/parameters.h"
+#include "core/base/assert.h"
 #include "core/base/math.h"
 #include "core/base/pose.h"
 #include "core/base/result.h"
@@ -142,10 +143,10 @@ struct ScanCounters {
 };
 
 // The most recent revolutions, column by column, from their coming until a later revolution needs
-// their slots: at least three revolutions, so that 250 ms of pending columns fit at 10 and (with
-// 1024 columns) at 20 revolutions a second. A column is named by its sequence number: turn x
-// columns + measurement id, where turn counts revolutions and does not wrap, nor begin again after
-// a restart. Owned by the caller; at most 2 MiB.
+// their slots: at least three revolutions. 250 ms of pending columns fit at 10 revolutions a
+// second, at 20 with up to 64 beams and 1024 columns; 128 x 1024 at 20 fills it in 150 ms. A column
+// is named by its sequence number: turn x columns + measurement id, where turn counts revolutions
+// and does not wrap, nor begin again after a restart. Owned by the caller; at most 2 MiB.
 class ScanRing {
  public:
   static constexpr int kCapacityReturns = 131072;  // rows x columns of one revolution
@@ -195,19 +196,27 @@ class ScanRing {
   Status FindForLabels(uint16_t frame_id, uint16_t measurement_id, int64_t& sequence);
 
   // Whether the column is in the ring.
-  bool Holds(int64_t sequence) const;
+  bool Holds(int64_t sequence) const {
+    return sequence >= 0 && slots_ > 0 && info_[SlotOf(sequence)].sequence == sequence;
+  }
   // Where a sequence number lies; any number that is not negative has a slot. Precondition: that,
   // and Configure has succeeded.
-  int SlotOf(int64_t sequence) const;
+  int SlotOf(int64_t sequence) const {
+    HP_ASSERT(sequence >= 0 && slots_ > 0);
+    return static_cast<int>(sequence % slots_);
+  }
   // Of the column that is the furthest on; -1 before the first.
   int64_t newest_sequence() const { return newest_sequence_; }
   int slots() const { return slots_; }
 
   // Preconditions: 0 <= slot < slots() and 0 <= row < beams(). The returns of a column that is
   // kAbsent mean nothing.
-  const ScanColumn& column(int slot) const;
-  PackedReturn at(int slot, int row) const;
-  void Set(int slot, int row, PackedReturn packed);
+  const ScanColumn& column(int slot) const {
+    HP_ASSERT(slot >= 0 && slot < slots_);
+    return info_[slot];
+  }
+  PackedReturn at(int slot, int row) const { return returns_[Index(slot, row)]; }
+  void Set(int slot, int row, PackedReturn packed) { returns_[Index(slot, row)] = packed; }
   // kRaw -> kClassed -> kFolded, never back. Preconditions: the column is there, and in the state
   // before; for labels it is kRaw or kClassed.
   void MarkClassed(int slot);
@@ -229,12 +238,16 @@ class ScanRing {
   const ScanCounters& counters() const { return counters_; }
 
  private:
+  int Index(int slot, int row) const {
+    HP_ASSERT(slot >= 0 && slot < slots_ && row >= 0 && row < beams_);
+    return slot * beams_ + row;
+  }
   int WindowPosition(int measurement_id) const;
   int64_t TurnOf(int64_t sequence) const;
   int64_t PlaceOf(int64_t sequence) const;
   void ForgetColumns();
   void Count(int64_t sequence);
-  void BeginRevolution();
+  void BeginRevolutions(uint32_t count);
   void FileReturns(const LidarColumn& column, int slot, std::span<const uint8_t> self);
 
   int32_t beams_ = 0;

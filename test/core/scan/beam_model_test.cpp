@@ -276,7 +276,8 @@ TEST(ColumnShift, AgreesWithThePixelShiftsOfRealSensors) {
     ++sensors;
     const size_t number = text.str().find("\"columns_per_frame\"");
     ASSERT_NE(number, std::string::npos);
-    const int columns = std::atoi(text.str().c_str() + text.str().find(':', number) + 1);
+    int columns = 0;
+    std::istringstream(text.str().substr(text.str().find(':', number) + 1)) >> columns;
     ASSERT_EQ(MakeBeamModel(altitude, azimuth, columns, 0.0f, Transform3{}, *model), Status::kOk);
     std::vector<int> sums;
     for (size_t row = 0; row < azimuth.size(); ++row) {

@@ -219,6 +219,7 @@ class ScanRingStream : public testing::Test {
     std::stable_sort(stream.begin(), stream.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<Sent> sent;
+    sent.reserve(stream.size());
     for (const auto& [comes, column] : stream) sent.push_back(column);
     return sent;
   }
