@@ -170,6 +170,7 @@ void CostmapBuilder::Start(const GridWindow& window, const CostmapParams& params
   static_assert(kReach_cells == kRowMargin);
   FillMargins(padded_ + kReach_cells);
   FillMargins(row_heights_ + kReach_cells);
+  FillMargins(row_ground_ + kReach_cells);
   HP_LOOP_BOUND(kNearRows)
   for (auto& row : near_rows_) {
     HP_LOOP_BOUND(kMapSize_cells)

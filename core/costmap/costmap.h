@@ -148,8 +148,8 @@ class CostmapBuilder {
   void EndUnit();
   void HeightUnit(const HeightGrid& heights);
   void LoadGround(const HeightGrid& heights, int row);
-  void LoadNearGround(const HeightGrid& heights, int row);
-  void FindNearGround(const HeightGrid& heights, int row);
+  void FindNearGround(int row);
+  void EndNearGround();
   void ClassifyRow(const HeightGrid& heights, int row);
   void ClassifyStrip(int row, int start);
   void DistanceUnit();
@@ -178,11 +178,11 @@ class CostmapBuilder {
   // missing, then squared vertical distances; heights.
   uint8_t padded_[kReach_cells + kMapSize_cells + kReach_cells] = {};
   int16_t row_heights_[kReach_cells + kMapSize_cells + kReach_cells] = {};
-  // The lowest observed ground of each cell and those beside it, of the rows around the one that is
-  // classified: row modulo kNearRows.
+  int16_t row_ground_[kReach_cells + kMapSize_cells + kReach_cells] = {};  // where observed
+  // The lowest observed ground of each cell and those beside it, of the last rows that have come:
+  // row modulo kNearRows.
   int16_t near_rows_[kNearRows][kMapSize_cells] = {};
-  int16_t near_ground_[kMapSize_cells] = {};  // the same over those rows
-  HeightGrid::Strip strip_ = {};              // of the row that is classified
+  HeightGrid::Strip strip_ = {};
   // Scratch of one row: squared distances to the region, and out of it.
   uint8_t to_region2_[kMapSize_cells] = {};
   uint8_t out_of_region2_[kMapSize_cells] = {};

@@ -83,6 +83,21 @@ void SmallestAcrossRows(const Stored* plane, int row, int half, int block, T* __
   }
 }
 
+// to[x] = the lowest of the cells at most two beside it. from has margins.
+void LowestBeside(const int16_t* __restrict from, int16_t* __restrict to) {
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = 0; x < kMapSize_cells; ++x) {
+    const int16_t beside = Smaller(from[x - 1], from[x + 1]);
+    const int16_t beyond = Smaller(from[x - 2], from[x + 2]);
+    to[x] = Smaller(from[x], Smaller(beside, beyond));
+  }
+}
+
+void ClearRow(int16_t* row) {
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = 0; x < kMapSize_cells; ++x) row[x] = kNone;
+}
+
 // The height that is rise_cm above another, at most kNone; kNone above kNone. rise_cm >= 0.
 int16_t Raised(int16_t height_cm, int16_t rise_cm) {
   const int16_t highest_cm = static_cast<int16_t>(kNone - rise_cm);
@@ -122,30 +137,35 @@ uint8_t CellFlags(const HeightGrid::Strip& strip, int i, const Limits& limits) {
 
 }  // namespace
 
-// The first pass goes up the rows, the second down: so the first one's last rows are the near
-// ground of the second one's first.
 void CostmapBuilder::HeightUnit(const HeightGrid& heights) {
   if (pass_ == 0) {
     LoadGround(heights, row_);
   } else {
-    ClassifyRow(heights, kMapSize_cells - 1 - row_);
+    ClassifyRow(heights, row_);
   }
 }
 
-// The far ground's blocks: along x, and along y as far as rows have come.
+// The far ground's blocks, along x, and along y as far as rows have come; the near ground as far as
+// rows have come.
 void CostmapBuilder::LoadGround(const HeightGrid& heights, int row) {
   const int half = params_.ground_window_cells / 2;
   int16_t* lowest = row_heights_ + kReach_cells;
+  int16_t* ground = row_ground_ + kReach_cells;
   uint8_t* unseen = padded_ + kReach_cells;
   HP_LOOP_BOUND(kMapSize_cells / kStrip)
   for (int start = 0; start < kMapSize_cells; start += kStrip) {
     heights.Read({map_.window.origin.x + start, map_.window.origin.y + row}, strip_);
     HP_LOOP_BOUND(kStrip)
     for (int i = 0; i < kStrip; ++i) {
-      lowest[start + i] = strip_.lowest_cm[i];
+      // Read before it is chosen from, or the loop would not vectorise.
+      const int16_t lowest_cm = strip_.lowest_cm[i];
+      lowest[start + i] = lowest_cm;
+      ground[start + i] = strip_.ground[i] != 0 ? lowest_cm : kNone;
       unseen[start + i] = strip_.ground[i] ^ 1;
     }
   }
+  LowestBeside(ground, near_rows_[row % kNearRows]);
+  FindNearGround(row - kNear_cells);
   // The cost plane is free until the first costs. It holds heights as unsigned numbers of the same
   // bits.
   SmallestAlongRow(lowest, half, block_cells_, map_.cost_q8 + row * kMapSize_cells);
@@ -154,50 +174,36 @@ void CostmapBuilder::LoadGround(const HeightGrid& heights, int row) {
   FillMargins(unseen);
   DoubleAcrossRows<int16_t>(map_.cost_q8, row, block_cells_);
   DoubleAcrossRows<uint8_t>(plane_, row, block_cells_);
-  if (row >= kMapSize_cells - kNear_cells) LoadNearGround(heights, row);
+  if (row == kMapSize_cells - 1) EndNearGround();
 }
 
-// The lowest observed ground of each cell and those beside it, in a row; none beyond the map.
-void CostmapBuilder::LoadNearGround(const HeightGrid& heights, int row) {
-  int16_t* nearest = near_rows_[(row + kNearRows) % kNearRows];
-  if (row < 0) {
-    HP_LOOP_BOUND(kMapSize_cells)
-    for (int x = 0; x < kMapSize_cells; ++x) nearest[x] = kNone;
-    return;
-  }
-  int16_t* ground = row_heights_ + kReach_cells;
-  HP_LOOP_BOUND(kMapSize_cells / kStrip)
-  for (int start = 0; start < kMapSize_cells; start += kStrip) {
-    heights.Read({map_.window.origin.x + start, map_.window.origin.y + row}, strip_);
-    HP_LOOP_BOUND(kStrip)
-    for (int i = 0; i < kStrip; ++i) {
-      const int16_t lowest_cm = strip_.lowest_cm[i];
-      ground[start + i] = strip_.ground[i] != 0 ? lowest_cm : kNone;
-    }
-  }
-  static_assert(kNear_cells == 2);
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) {
-    const int16_t beside = Smaller(ground[x - 1], ground[x + 1]);
-    const int16_t beyond = Smaller(ground[x - 2], ground[x + 2]);
-    nearest[x] = Smaller(ground[x], Smaller(beside, beyond));
-  }
-}
-
-// The near ground of a row, from the rows around it; the last one of them comes in.
-void CostmapBuilder::FindNearGround(const HeightGrid& heights, int row) {
-  LoadNearGround(heights, row - kNear_cells);
+// The near ground of a row, from the rows around it, which have all come. The planes of the hard
+// distances are free until the layers: one holds the lower bytes, the other the upper ones.
+void CostmapBuilder::FindNearGround(int row) {
+  if (row < 0) return;
   static_assert(kNearRows == 5);
+  uint8_t* lower = map_.hard_distance2 + row * kMapSize_cells;
+  uint8_t* upper = map_.hard_depth2 + row * kMapSize_cells;
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = 0; x < kMapSize_cells; ++x) {
     const int16_t a = Smaller(near_rows_[0][x], near_rows_[1][x]);
     const int16_t b = Smaller(near_rows_[2][x], near_rows_[3][x]);
-    near_ground_[x] = Smaller(near_rows_[4][x], Smaller(a, b));
+    const uint16_t bits = static_cast<uint16_t>(Smaller(near_rows_[4][x], Smaller(a, b)));
+    lower[x] = static_cast<uint8_t>(bits & 0xff);
+    upper[x] = static_cast<uint8_t>(bits >> 8);
+  }
+}
+
+// The last rows': beyond the map there is no ground.
+void CostmapBuilder::EndNearGround() {
+  HP_LOOP_BOUND(kNear_cells)
+  for (int row = kMapSize_cells; row < kMapSize_cells + kNear_cells; ++row) {
+    ClearRow(near_rows_[row % kNearRows]);
+    FindNearGround(row - kNear_cells);
   }
 }
 
 void CostmapBuilder::ClassifyRow(const HeightGrid& heights, int row) {
-  FindNearGround(heights, row);
   const int half = params_.ground_window_cells / 2;
   SmallestAcrossRows(map_.cost_q8, row, half, block_cells_, row_heights_ + kReach_cells);
   SmallestAcrossRows(plane_, row, half, block_cells_, padded_ + kReach_cells);
@@ -213,7 +219,8 @@ void CostmapBuilder::ClassifyStrip(int row, int start) {
   const bool in_cell = params_.obstacle_rule == ObstacleRule::kInCell;
   const int16_t obstacle_cm = RoundedCm(params_.obstacle_height_m);
   const int16_t clearance_cm = RoundedCm(params_.clearance_height_m);
-  const int16_t* near = near_ground_ + start;
+  const uint8_t* near_lower = map_.hard_distance2 + row * kMapSize_cells + start;
+  const uint8_t* near_upper = map_.hard_depth2 + row * kMapSize_cells + start;
   const int16_t* far = row_heights_ + kReach_cells + start;
   const uint8_t* unseen = padded_ + kReach_cells + start;
   uint8_t* flags = map_.flags + row * kMapSize_cells + start;
@@ -221,7 +228,7 @@ void CostmapBuilder::ClassifyStrip(int row, int start) {
   for (int i = 0; i < kStrip; ++i) {
     // Read before they are chosen from, or the loop would not vectorise.
     const int16_t own_cm = strip_.lowest_cm[i];
-    const int16_t around_cm = near[i];
+    const int16_t around_cm = static_cast<int16_t>(near_lower[i] | near_upper[i] << 8);
     const int16_t in_square_cm = far[i];
     const int16_t near_cm = strip_.ground[i] != 0 ? own_cm : around_cm;
     const int16_t local_cm = near_cm != kNone ? near_cm : in_square_cm;
