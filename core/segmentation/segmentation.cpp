@@ -57,7 +57,6 @@ Status Segmenter::Push(const DirectionView& view) {
 // False when a number is not finite.
 bool Segmenter::Take(const DirectionView& view, Direction& direction) const {
   float* range_m = direction.ranges.range_m + RangeColumn::kReach_beams;
-  bool finite = IsFinite(view.sensor_height_m);
   direction.sensor_height_m = view.sensor_height_m;
   HP_LOOP_BOUND(kMaxBeams)
   for (int beam = 0; beam < beams_; ++beam) {
@@ -65,14 +64,20 @@ bool Segmenter::Take(const DirectionView& view, Direction& direction) const {
     direction.height_m[beam] = view.height_m[beam];
     direction.slope[beam] = view.slope[beam];
   }
+  // A number less itself is not 0 when it is not finite. Branchless, over all beams.
+  int32_t bad = 0;
   HP_LOOP_BOUND(kMaxBeams)
   for (int beam = 0; beam < beams_; ++beam) {
-    range_m[beam] = view.seen[beam] ? view.range_m[beam] : RangeColumn::kNoReturn_m;
-    const bool numbers = IsFinite(view.range_m[beam]) & IsFinite(view.level_m[beam]) &
-                         IsFinite(view.height_m[beam]) & IsFinite(view.slope[beam]);
-    finite = finite & (numbers | !view.seen[beam]);
+    const int32_t seen = view.seen[beam] ? 1 : 0;
+    const float range = view.range_m[beam];
+    const float level = view.level_m[beam];
+    const float height = view.height_m[beam];
+    const float slope = view.slope[beam];
+    const float none = ((range - range) + (level - level)) + ((height - height) + (slope - slope));
+    bad |= seen & (none == 0.0f ? 0 : 1);
+    range_m[beam] = seen != 0 ? range : RangeColumn::kNoReturn_m;
   }
-  return finite;
+  return bad == 0 && IsFinite(view.sensor_height_m);
 }
 
 void Segmenter::FindTexture() {

@@ -12,19 +12,18 @@ constexpr float kSameThing_m = 1.0f;
 // Surely a surface: so many neighbours on it, and nearly all of those of the same thing.
 constexpr uint32_t kSmoothNeighbours = 12;
 constexpr uint32_t kSmoothShare_percent = 75;
-// Vegetation: at least so many neighbours of the same thing to judge by, so few on one surface, and
-// at least so many seen past it.
+// Vegetation: at least so many neighbours of the same thing to judge by, so few of them on one
+// surface, and at least one seen past it.
 constexpr uint32_t kRoughNeighbours = 4;
 constexpr uint32_t kRoughShare_percent = 50;
-constexpr uint32_t kRoughThrough = 1;
 // On level surfaces only neighbours of the same beam are near: of the four at most so many.
 constexpr uint32_t kRoughRow = 2;
 
-// Counts of neighbours in one word: on the same surface, of the same thing, far behind.
-constexpr uint32_t kTightShift = 0;
-constexpr uint32_t kAroundShift = 8;
-constexpr uint32_t kThroughShift = 16;
-constexpr uint32_t kCountMask = 0xffu;
+constexpr float kSameThing2_m2 = kSameThing_m * kSameThing_m;
+
+// Counts of neighbours in one word: on the same surface, and of the same thing.
+constexpr uint32_t kTight = 1;
+constexpr uint32_t kAround = 256;
 
 // What two neighbours that lie opposite each other add to the counts. Both are on the return's
 // surface when the range changes evenly from one to the other, however the surface slants.
@@ -33,22 +32,27 @@ inline uint32_t Pair(float center, float one, float other, float roughness2_m2) 
   const float e1_m = one - center;
   const float e2_m = other - center;
   const float bend_m = 0.5f * (e1_m + e2_m);
-  constexpr float kSameThing2_m2 = kSameThing_m * kSameThing_m;
-  const uint32_t same1 = e1_m * e1_m <= kSameThing2_m2 ? 1u : 0u;
-  const uint32_t same2 = e2_m * e2_m <= kSameThing2_m2 ? 1u : 0u;
-  const uint32_t even = (bend_m * bend_m <= roughness2_m2 ? 1u : 0u) & same1 & same2;
-  const uint32_t tight1 = (e1_m * e1_m <= roughness2_m2 ? 1u : 0u) | even;
-  const uint32_t tight2 = (e2_m * e2_m <= roughness2_m2 ? 1u : 0u) | even;
-  const uint32_t through = (e1_m > kSameThing_m ? 1u : 0u) + (e2_m > kSameThing_m ? 1u : 0u);
-  return ((tight1 + tight2) << kTightShift) + ((same1 + same2) << kAroundShift) +
-         (through << kThroughShift);
+  const float e1_m2 = e1_m * e1_m;
+  const float e2_m2 = e2_m * e2_m;
+  // Both neighbours are of the same thing when the further one is.
+  const uint32_t even = (bend_m * bend_m <= roughness2_m2 ? 1u : 0u) &
+                        (Max(e1_m2, e2_m2) <= kSameThing2_m2 ? 1u : 0u);
+  return (e1_m2 <= kSameThing2_m2 ? kAround : 0u) + (e2_m2 <= kSameThing2_m2 ? kAround : 0u) +
+         (((e1_m2 <= roughness2_m2 ? 1u : 0u) | even) +
+          ((e2_m2 <= roughness2_m2 ? 1u : 0u) | even));
 }
 
-// How many of two neighbours are not further away in range than isolation.
-inline uint32_t Near(float center, float one, float other, float isolation2_m2) {
+// 1 where a neighbour is on the same surface by itself.
+inline uint32_t Sure(float center, float one, float roughness2_m2) {
+  const float error_m = one - center;
+  return error_m * error_m <= roughness2_m2 ? 1u : 0u;
+}
+
+// How far the nearer in range of two neighbours is from the return, squared.
+inline float Nearest(float center, float one, float other) {
   const float e1_m = one - center;
   const float e2_m = other - center;
-  return (e1_m * e1_m <= isolation2_m2 ? 1u : 0u) + (e2_m * e2_m <= isolation2_m2 ? 1u : 0u);
+  return Min(e1_m * e1_m, e2_m * e2_m);
 }
 
 }  // namespace
@@ -61,12 +65,13 @@ void RangeColumn::Clear() {
 void TextureFinder::Find(const RangeColumn* const (&columns)[kColumns], int beams,
                          const SegmentationParams& params, Texture& texture) {
   const float rough2 = params.roughness_m * params.roughness_m;
-  const float near2 = params.isolation_m * params.isolation_m;
-  const float* a = columns[0]->range_m + RangeColumn::kReach_beams;
-  const float* b = columns[1]->range_m + RangeColumn::kReach_beams;
-  const float* c = columns[2]->range_m + RangeColumn::kReach_beams;
-  const float* d = columns[3]->range_m + RangeColumn::kReach_beams;
-  const float* e = columns[4]->range_m + RangeColumn::kReach_beams;
+  const float alone2 = params.isolation_m * params.isolation_m;
+  constexpr int kReach = RangeColumn::kReach_beams;
+  const float* a = columns[0]->range_m + kReach;
+  const float* b = columns[1]->range_m + kReach;
+  const float* c = columns[2]->range_m + kReach;
+  const float* d = columns[3]->range_m + kReach;
+  const float* e = columns[4]->range_m + kReach;
   HP_LOOP_BOUND(kMaxBeams)
   for (int i = 0; i < beams; ++i) {
     const float center = c[i];
@@ -86,26 +91,33 @@ void TextureFinder::Find(const RangeColumn* const (&columns)[kColumns], int beam
   }
   HP_LOOP_BOUND(kMaxBeams)
   for (int i = 0; i < beams; ++i) {
-    const float center = c[i];
-    near_[i] = Near(center, c[i - 1], c[i + 1], near2) + Near(center, b[i - 1], d[i + 1], near2) +
-               Near(center, b[i], d[i], near2) + Near(center, b[i + 1], d[i - 1], near2) +
-               Near(center, a[i - 1], e[i + 1], near2) + Near(center, a[i], e[i], near2) +
-               Near(center, a[i + 1], e[i - 1], near2);
+    const float x = c[i];
+    const float beside = Min(Nearest(x, b[i], d[i]), Nearest(x, a[i], e[i]));
+    const float above = Min(Nearest(x, b[i + 1], d[i + 1]), Nearest(x, a[i + 1], e[i + 1]));
+    const float below = Min(Nearest(x, b[i - 1], d[i - 1]), Nearest(x, a[i - 1], e[i - 1]));
+    nearest_m2_[i] = Min(Min(Nearest(x, c[i - 1], c[i + 1]), beside), Min(above, below));
+  }
+  HP_LOOP_BOUND(kMaxBeams + 2 * kReach)
+  for (int i = -kReach; i < beams + kReach; ++i) {
+    furthest_m_[i + kReach] = Max(Max(Max(a[i], b[i]), Max(d[i], e[i])), c[i]);
   }
   HP_LOOP_BOUND(kMaxBeams)
   for (int i = 0; i < beams; ++i) {
-    row_[i] = Near(c[i], b[i], d[i], rough2) + Near(c[i], a[i], e[i], rough2);
+    const float* f = furthest_m_ + i + kReach;
+    const float furthest_m = Max(Max(Max(f[-2], f[-1]), Max(f[1], f[2])), f[0]);
+    through_[i] = furthest_m - c[i] > kSameThing_m ? 1u : 0u;
+    row_[i] = (Sure(c[i], b[i], rough2) + Sure(c[i], d[i], rough2)) +
+              (Sure(c[i], a[i], rough2) + Sure(c[i], e[i], rough2));
   }
   HP_LOOP_BOUND(kMaxBeams)
   for (int i = 0; i < beams; ++i) {
-    const uint32_t tight = counts_[i] >> kTightShift & kCountMask;
-    const uint32_t around = counts_[i] >> kAroundShift & kCountMask;
-    const uint32_t through = counts_[i] >> kThroughShift & kCountMask;
+    const uint32_t tight = counts_[i] % kAround;
+    const uint32_t around = counts_[i] / kAround;
     const bool smooth =
         (tight >= kSmoothNeighbours) & (100 * tight >= kSmoothShare_percent * around);
-    const bool rough = (around >= kRoughNeighbours) & (through >= kRoughThrough) &
-                       (100 * tight < kRoughShare_percent * around) & (row_[i] <= kRoughRow);
-    texture.alone[i] = near_[i] == 0 ? 1 : 0;
+    const bool rough = (around >= kRoughNeighbours) & (through_[i] != 0) & (row_[i] <= kRoughRow) &
+                       (100 * tight < kRoughShare_percent * around);
+    texture.alone[i] = nearest_m2_[i] > alone2 ? 1 : 0;
     texture.smooth[i] = smooth ? 1 : 0;
     texture.rough[i] = rough ? 1 : 0;
   }

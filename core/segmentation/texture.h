@@ -41,9 +41,11 @@ class TextureFinder {
             const SegmentationParams& params, Texture& texture);
 
  private:
-  uint32_t counts_[kMaxBeams] = {};  // neighbours by kind, packed
-  uint32_t row_[kMaxBeams] = {};     // neighbours of the same beam on the same surface
-  uint32_t near_[kMaxBeams] = {};    // neighbours not further away in range than isolation_m
+  uint32_t counts_[kMaxBeams] = {};   // neighbours by kind, packed
+  uint32_t row_[kMaxBeams] = {};      // neighbours of the same beam on the same surface
+  uint32_t through_[kMaxBeams] = {};  // 1: a neighbour was seen past it
+  float nearest_m2_[kMaxBeams] = {};  // distance in range of the nearest, squared
+  float furthest_m_[kMaxBeams + 2 * RangeColumn::kReach_beams] = {};  // range, a beam
 };
 static_assert(std::is_trivially_copyable_v<TextureFinder>);
 
