@@ -54,8 +54,8 @@ constexpr uint64_t Lookup(size_t slice, uint64_t word, int shift) {
 
 }  // namespace crc64
 
-// The longest text that Crc64 takes, a multiple of 8.
-inline constexpr size_t kMaxCrcBytes = 65536;
+// The most that Crc64 takes: a packet; a multiple of 8.
+inline constexpr size_t kMaxCrcBytes = 33280;
 
 // Of the first kMaxCrcBytes of `bytes`; callers keep within that. Cost: a step of eight look-ups
 // for every eight bytes and one look-up for each of the at most seven that are left.

@@ -81,11 +81,11 @@ struct PacketLayout {
   int32_t packet_bytes = 0;
 };
 
-// What fits in one UDP datagram over IPv4.
-inline constexpr int32_t kMaxPacketBytes = 65507;
+// The largest packet, for buffers and loop bounds: 16 columns of 128 DUAL beams are 33,024 B.
+inline constexpr int32_t kMaxPacketBytes = 33280;
 
 // kUnsupported: no profile of the list; kInvalidArgument: a count out of range; kCapacityExceeded:
-// more columns a frame than kMaxColumnsPerRevolution, or a packet larger than a datagram. On
+// more columns a frame than kMaxColumnsPerRevolution, or packets beyond kMaxPacketBytes. On
 // failure the layout is empty, and the functions below refuse it with kInvalidArgument.
 Status MakeLayout(const Metadata& metadata, PacketLayout& layout);
 

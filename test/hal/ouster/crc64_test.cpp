@@ -35,8 +35,8 @@ TEST(OusterCrc64, EqualsTheBitwiseOneAtEveryLengthAndOffset) {
   }
 }
 
-TEST(OusterCrc64, CoversTheLargestDatagram) {
-  std::vector<uint8_t> bytes(kMaxPacketBytes, 0x5a);
+TEST(OusterCrc64, CoversTheLargestPacket) {
+  std::vector<uint8_t> bytes(kMaxCrcBytes, 0x5a);
   EXPECT_EQ(Crc64(bytes), test::SlowCrc64(bytes.data(), bytes.size()));
   const uint64_t before = Crc64(bytes);
   bytes.back() ^= 1;
