@@ -9,6 +9,8 @@
 namespace hardpack {
 namespace {
 
+// Between rings that lie close together the noise of their heights must not look like a slope.
+constexpr float kHeightNoise_m = 0.05f;
 constexpr float kTallStep_m = 1.0f;
 // A crown reaches as far to the side as it may in so many directions, about 1.4 degrees of 2048.
 constexpr uint8_t kTallMemory = 8;
@@ -32,9 +34,14 @@ void Segmenter::Restart() {
   pushed_ = 0;
   newest_ = 0;
   HP_LOOP_BOUND(kSlots)
-  for (Direction& direction : directions_) direction.ranges.Clear();
+  for (Direction& direction : directions_) direction.Clear();
   HP_LOOP_BOUND(kTallSteps)
   for (uint8_t& left : tall_) left = 0;
+}
+
+void Segmenter::Direction::Clear() {
+  ranges.Clear();
+  top = 0;
 }
 
 Status Segmenter::Push(const DirectionView& view) {
@@ -48,7 +55,7 @@ Status Segmenter::Push(const DirectionView& view) {
   } else if (!Take(view, direction)) {
     status = Status::kNotFinite;
   }
-  if (!IsUsable(status)) direction.ranges.Clear();
+  if (!IsUsable(status)) direction.Clear();
   FindTexture();
   if (ready()) Class();
   return status;
@@ -77,6 +84,9 @@ bool Segmenter::Take(const DirectionView& view, Direction& direction) const {
     bad |= seen & (none == 0.0f ? 0 : 1);
     range_m[beam] = seen != 0 ? range : RangeColumn::kNoReturn_m;
   }
+  direction.top = beams_;
+  HP_LOOP_BOUND(kMaxBeams)
+  while (direction.top > 0 && !view.seen[direction.top - 1]) --direction.top;
   return bad == 0 && IsFinite(view.sensor_height_m);
 }
 
@@ -85,7 +95,9 @@ void Segmenter::FindTexture() {
   const RangeColumn* columns[TextureFinder::kColumns];
   HP_LOOP_BOUND(TextureFinder::kColumns)
   for (int i = 0; i < TextureFinder::kColumns; ++i) columns[i] = &Back(2 * kReach - i).ranges;
-  texture_finder_.Find(columns, beams_, params_, Back(kReach).texture);
+  // The texture of the sky above is never asked for.
+  Direction& direction = Back(kReach);
+  texture_finder_.Find(columns, direction.top, params_, direction.texture);
 }
 
 // Classes the direction in the middle of the window.
@@ -158,7 +170,7 @@ bool Segmenter::IsObserved(const Direction& direction, int point) const {
   if (near_beam < 0) return false;
   const float run_m = line_.level_m(point) - line_.level_m(point - 1);
   const float rise_m = line_.height_m(point) - line_.height_m(point - 1);
-  if (!(Abs(rise_m) <= params_.bridge_max_slope * run_m)) return false;
+  if (!(Abs(rise_m) <= params_.bridge_max_slope * run_m + kHeightNoise_m)) return false;
   // The nearer beam is below the point's own, so there is a next higher one.
   const float low = direction.slope[near_beam];
   const float step_rad = (direction.slope[near_beam + 1] - low) / (1.0f + low * low);

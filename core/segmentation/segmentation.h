@@ -30,7 +30,7 @@
 // (R level distance of the nearer, da the angle between the nearer's beam and the next higher one,
 // h the sensor's height above the nearer, s the rise over level distance between the two, 0 where
 // it falls: the spacing of rings on such ground) and the slope either way at most
-// bridge_max_slope. Larger gaps stay unknown, so that a ditch does.
+// bridge_max_slope, 5 cm of noise apart. Larger gaps stay unknown, so that a ditch does.
 
 namespace hardpack {
 
@@ -95,7 +95,10 @@ class Segmenter {
 
   // One direction of the window.
   struct Direction {
+    void Clear();
+
     RangeColumn ranges;
+    int32_t top = 0;  // one above its highest beam with a return
     float level_m[kMaxBeams] = {};
     float height_m[kMaxBeams] = {};
     float slope[kMaxBeams] = {};

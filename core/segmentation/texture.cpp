@@ -21,8 +21,7 @@ constexpr uint32_t kRoughRow = 2;
 
 constexpr float kSameThing2_m2 = kSameThing_m * kSameThing_m;
 
-// Counts of neighbours in one word: on the same surface, and of the same thing.
-constexpr uint32_t kTight = 1;
+// Counts of neighbours in one word: those on the same surface singly, of the same thing by this.
 constexpr uint32_t kAround = 256;
 
 // What two neighbours that lie opposite each other add to the counts. Both are on the return's
