@@ -49,8 +49,8 @@ class ReferenceGrid {
   }
 
   bool Insert(const Vec3& point, ReturnClass what, uint32_t revolution) {
-    const auto height = InCentimeters(double{point.z_m});
-    const auto key = KeyAt(double{point.x_m}, double{point.y_m});
+    const auto height = InCentimeters(static_cast<double>(point.z_m));
+    const auto key = KeyAt(static_cast<double>(point.x_m), static_cast<double>(point.y_m));
     if (!height || !key) return false;
     if (what == ReturnClass::kIgnored || !Inside(*key)) return true;
     Cell& cell = cells_[*key];
@@ -133,10 +133,14 @@ class ReferenceGrid {
   }
 
   bool Age(const SightFan& fan, uint32_t revolution, int ageing_revolutions) {
+    double furthest = 0.0;
+    for (int beam = 0; beam < fan.beams; ++beam) {
+      furthest = std::max(furthest, static_cast<double>(fan.level_m[beam]));
+    }
     std::vector<std::pair<Key, Outcome>> outcomes;
     for (const auto& [key, cell] : cells_) {
       if (!cell.HasObstacle()) continue;
-      const std::optional<bool> crossed = RayCrosses(key, fan);
+      const std::optional<bool> crossed = RayCrosses(key, fan, furthest);
       if (!crossed) return false;
       if (!*crossed) continue;
       const Outcome loose = Judge(key, cell, fan, 1.0);
@@ -214,7 +218,8 @@ class ReferenceGrid {
     double z = 0.0;
   };
   static Point Exactly(const Vec3& point) {
-    return {double{point.x_m}, double{point.y_m}, double{point.z_m}};
+    return {static_cast<double>(point.x_m), static_cast<double>(point.y_m),
+            static_cast<double>(point.z_m)};
   }
   static Point UnitDirection(const SightFan& fan) {
     const Point along = Exactly({fan.direction_odom.x_m, fan.direction_odom.y_m, 0.0f});
@@ -270,11 +275,7 @@ class ReferenceGrid {
   }
 
   // As far as some beam came, and then some: what lies further away has no evidence at all.
-  static std::optional<bool> RayCrosses(const Key& key, const SightFan& fan) {
-    double furthest = 0.0;
-    for (int beam = 0; beam < fan.beams; ++beam) {
-      furthest = std::max(furthest, double{fan.level_m[beam]});
-    }
+  static std::optional<bool> RayCrosses(const Key& key, const SightFan& fan, double furthest) {
     const Point sensor = Exactly(fan.sensor_odom);
     const Point unit = UnitDirection(fan);
     const double ux = unit.x;
@@ -307,8 +308,9 @@ class ReferenceGrid {
     const double middle = (low + high) / 2.0;
     double spacing = 0.0;
     if (fan.beams > 1) {
-      spacing =
-          std::max(0.0, double{fan.highest_slope} - double{fan.lowest_slope}) / (fan.beams - 1);
+      spacing = std::max(0.0, static_cast<double>(fan.highest_slope) -
+                                  static_cast<double>(fan.lowest_slope)) /
+                (fan.beams - 1);
     }
     const double margin = 3.0 + 100.0 * spacing * std::max(d, 0.0);
 
@@ -319,9 +321,9 @@ class ReferenceGrid {
     std::optional<double> lowest_inside;
     double highest_end = low;
     for (int beam = 0; beam < fan.beams; ++beam) {
-      const double level = fan.level_m[beam];
+      const double level = static_cast<double>(fan.level_m[beam]);
       if (level <= 0.0) continue;
-      const double slope = fan.slope[beam];
+      const double slope = static_cast<double>(fan.slope[beam]);
       const double height = 100.0 * (sensor.z + slope * std::min(level, d));
       const bool in_reach = height >= low - margin - eps_cm && height <= high + margin + eps_cm;
       if (level > d - 0.15 - eps_m && level <= d + 0.3 + eps_m && in_reach) {
