@@ -6,10 +6,12 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "config/parameters.h"
+#include "core/scan/scan.h"
 #include "core/segmentation/segmentation.h"
 
 // A labelled scan of a real OS1-64 on the vehicle of the paper (RELLIS-3D), as the range image that
@@ -40,17 +42,20 @@ class RellisScan {
     std::ifstream points(stem + "_labelled.csv");
     if (!metadata || !points) return false;
     const std::string json((std::istreambuf_iterator<char>(metadata)), {});
-    const std::vector<double> altitude_deg = ReadAngles(json, "beam_altitude_angles");
-    const std::vector<double> azimuth_deg = ReadAngles(json, "beam_azimuth_angles");
-    if (altitude_deg.size() != kBeams || azimuth_deg.size() != kBeams) return false;
+    const std::vector<float> altitude_deg = ReadAngles(json, "beam_altitude_angles");
+    const std::vector<float> azimuth_deg = ReadAngles(json, "beam_azimuth_angles");
+    if (altitude_deg.size() != kBeams) return false;
+    const Status made = MakeBeamModel(altitude_deg, azimuth_deg, kDirections, 0.0f, {}, *model_);
+    if (made != Status::kOk) return false;
     for (int beam = 0; beam < kBeams; ++beam) {
-      const double altitude_rad = altitude_deg[RowOf(beam)] * (M_PI / 180.0);
-      slope_[beam] = static_cast<float>(std::tan(altitude_rad));
+      const int row = model_->by_altitude[beam];
+      slope_[beam] = model_->sin_altitude[row] / model_->cos_altitude[row];
+      beam_of_[row] = beam;
     }
     returns_.assign(static_cast<size_t>(kBeams) * kDirections, {});
     std::string line;
     std::getline(points, line);  // the header
-    while (std::getline(points, line)) Add(line, azimuth_deg);
+    while (std::getline(points, line)) Add(line);
     return true;
   }
 
@@ -76,10 +81,8 @@ class RellisScan {
   static constexpr float kFrameHeight_m = LidarMountParams{}.z_m;
   static constexpr float kSensorHeight_m = kFrameHeight_m + 0.03618f;
 
-  static size_t RowOf(int beam) { return static_cast<size_t>(kBeams - 1 - beam); }
-
-  static std::vector<double> ReadAngles(const std::string& json, const char* name) {
-    std::vector<double> angles;
+  static std::vector<float> ReadAngles(const std::string& json, const char* name) {
+    std::vector<float> angles;
     const size_t key = json.find(name);
     if (key == std::string::npos) return angles;
     const size_t open = json.find('[', key);
@@ -89,14 +92,14 @@ class RellisScan {
     const char* rest = list.c_str();
     char* end = nullptr;
     for (double value = std::strtod(rest, &end); end != rest; value = std::strtod(rest, &end)) {
-      angles.push_back(value);
+      angles.push_back(static_cast<float>(value));
       rest = end;
     }
     return angles;
   }
 
   // x, y, z, row, measurement id, range, reflectivity, signal, near infrared, label
-  void Add(std::string line, const std::vector<double>& azimuth_deg) {
+  void Add(std::string line) {
     std::replace(line.begin(), line.end(), ',', ' ');
     double field[10] = {};
     const char* rest = line.c_str();
@@ -119,14 +122,14 @@ class RellisScan {
                       std::abs(item.y_m) <= mount.self_max_abs_y_m &&
                       item.height_m <= mount.self_max_z_m;
     if (self || item.range_m < mount.min_range_m) return;
-    // The beam looks along the direction of the measurement less its own azimuth.
-    const double turned = azimuth_deg[static_cast<size_t>(row)] / 360.0 * kDirections;
-    const long direction = std::lround(field[4] + turned) + kDirections;
-    const auto place = static_cast<size_t>(direction % kDirections) * kBeams + RowOf(row);
-    returns_[place] = item;
+    const int direction = static_cast<int>(field[4]) - model_->column_shift[row] + kDirections;
+    const int place = (direction % kDirections) * kBeams + beam_of_[row];
+    returns_[static_cast<size_t>(place)] = item;
   }
 
-  float slope_[kBeams] = {};
+  std::unique_ptr<BeamModel> model_ = std::make_unique<BeamModel>();
+  int beam_of_[kBeams] = {};  // [row]
+  float slope_[kBeams] = {};  // [beam]
   std::vector<LabelledReturn> returns_;
 };
 
