@@ -2,8 +2,8 @@
 // Prints docs/memory.md: who takes how much memory, from the types themselves.
 #include <cstdio>
 
+#include "core/autonomy/mapper.h"
 #include "core/autonomy/planner.h"
-#include "core/scan/scan.h"
 
 namespace {
 
@@ -36,7 +36,12 @@ int main() {
   PrintRow("&nbsp; `Optimizer`", sizeof(Optimizer), "the path and the windows tried on it");
   PrintRow("&nbsp; `PathCheck`", sizeof(PathCheck), "the check's progress");
   PrintRow("&nbsp; `Plan`", sizeof(Plan), "the result");
-  PrintRow("`ScanRing`", sizeof(ScanRing), "one revolution of columns; budget 2 MiB");
+  PrintRow("`Mapper`", sizeof(Mapper), "all of perception, `HeightGrid` included; of it:");
+  PrintRow("&nbsp; `ScanRing`", sizeof(ScanRing),
+           "at least three revolutions of columns; budget 2 MiB");
+  PrintRow("&nbsp; `Segmenter`", sizeof(Segmenter), "the directions that are looked at together");
+  PrintRow("&nbsp; `BeamModel`", sizeof(BeamModel), "the lidar's geometry");
+  PrintRow("&nbsp; `PoseHistory`", sizeof(PoseHistory), "poses for motion compensation");
   const size_t planning = sizeof(Planner) + sizeof(HeightGrid);
   std::printf(
       "\nPlanning (`Planner` and `HeightGrid`) takes %zu of its %d bytes (%.2f of 6 MiB).\n",

@@ -135,7 +135,9 @@ class Mapper {
   Vec3 PointOdom(const ScanColumn& column, int row, PackedReturn packed) const;
   void Fold(int slot);
   bool FoldPending(uint64_t now_ns, uint64_t deadline_ns);
-  uint8_t PendingFlags(PackedReturn packed) const;
+  bool MayBeObstacle(PackedReturn packed) const;
+  uint8_t PendingFlags(PackedReturn packed, int32_t height_cm,
+                       const HeightGrid::CellHeights& cell) const;
 
   bool configured_ = false;
   bool restarting_ = false;  // the sensor has; what is pending is being folded

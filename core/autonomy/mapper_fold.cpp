@@ -9,6 +9,14 @@ namespace hardpack {
 namespace {
 
 constexpr float kCentimetersPerMeter = 100.0f;
+// Of FoldPending: past all columns that a jump of the frame counter may lie behind, and all folds.
+constexpr int kMaxFinishCalls =
+    ScanRing::kMaxFrameGap * kMaxColumnsPerRevolution / ScanRing::kMaxColumns +
+    ScanRing::kMaxColumns / Mapper::kMaxFolds + 3;
+
+int32_t InCentimeters(float height_m) {
+  return RoundToInt(height_m * kCentimetersPerMeter);
+}
 
 }  // namespace
 
@@ -104,10 +112,13 @@ void Mapper::Advance(uint64_t now_ns) {
 bool Mapper::FoldPending(uint64_t now_ns, uint64_t deadline_ns) {
   const int64_t newest = ring_.newest_sequence();
   if (fold_next_ < 0) return true;
-  if (fold_next_ <= newest - ring_.slots()) fold_next_ = newest - ring_.slots() + 1;
   int folded = 0;
+  int passed = 0;
+  // Not from the newest revolutions on: what a jump of the frame counter has left behind is still
+  // in the ring.
   HP_LOOP_BOUND(ScanRing::kMaxColumns)
-  for (; fold_next_ <= newest && folded < kMaxFolds; ++fold_next_) {
+  for (; fold_next_ <= newest && folded < kMaxFolds && passed < ScanRing::kMaxColumns;
+       ++fold_next_, ++passed) {
     if (!ring_.Holds(fold_next_)) continue;
     const int slot = ring_.SlotOf(fold_next_);
     const ScanColumn& column = ring_.column(slot);
@@ -124,8 +135,9 @@ void Mapper::Finish() {
   EndDirections();
   ring_.EndRevolution();
   silent_ = true;
-  HP_LOOP_BOUND(ScanRing::kMaxColumns / kMaxFolds + 1)
-  while (!FoldPending(UINT64_MAX, 0)) {
+  HP_LOOP_BOUND(kMaxFinishCalls)
+  for (int call = 0; call < kMaxFinishCalls; ++call) {
+    if (FoldPending(UINT64_MAX, 0)) return;
   }
 }
 
@@ -139,23 +151,40 @@ void Mapper::MarkPending(int slot, uint32_t since, CostmapBuilder& builder) cons
   HP_LOOP_BOUND(kMaxBeams)
   for (int row = 0; row < model_.beams; ++row) {
     const PackedReturn packed = ring_.at(slot, row);
-    const uint8_t flags = PendingFlags(packed);
-    if (flags == 0) continue;
+    if (!MayBeObstacle(packed)) continue;
     const Vec3 point = PointOdom(column, row, packed);
     const Cell cell = CellAt({point.x_m, point.y_m});
-    if (window.Contains(cell)) builder.Mark(window.Index(cell), flags);
+    if (!window.Contains(cell)) continue;
+    const uint8_t flags = PendingFlags(packed, InCentimeters(point.z_m), heights_.At(cell));
+    if (flags != 0) builder.Mark(window.Index(cell), flags);
   }
 }
 
-// What a return by itself makes of its cell, by the obstacle rule with the local ground that the
-// segmenter found. Where that is not known: hard stays hard, and soft soft.
-uint8_t Mapper::PendingFlags(PackedReturn packed) const {
+bool Mapper::MayBeObstacle(PackedReturn packed) const {
   const ReturnClass what = FiledClass(packed);
-  if (what == ReturnClass::kIgnored || what == ReturnClass::kGround || IsOverhead(packed)) return 0;
-  const bool high = !packed.height_known() || packed.height_cm() > obstacle_cm_;
-  if (what == ReturnClass::kPerson) return Costmap::kHard | Costmap::kPerson;
-  if (!high) return 0;
-  return what == ReturnClass::kHard ? Costmap::kHard : Costmap::kSoft;
+  if (what == ReturnClass::kIgnored || what == ReturnClass::kGround) return false;
+  if (IsOverhead(packed)) return false;
+  const bool low = packed.height_known() && packed.height_cm() <= obstacle_cm_;
+  return what == ReturnClass::kPerson || !low;
+}
+
+// What a return by itself makes of its cell, by the obstacle rule with the local ground that the
+// segmenter found or, where it found none, that the cell has; without either it counts. Where a
+// label has called the cell soft and nothing has called it hard, a return no higher than what was
+// seen there is soft too until its own label comes: else a bush would be hard in every build.
+uint8_t Mapper::PendingFlags(PackedReturn packed, int32_t height_cm,
+                             const HeightGrid::CellHeights& cell) const {
+  if (packed.return_class() == ReturnClass::kPerson) return Costmap::kHard | Costmap::kPerson;
+  if (!packed.height_known() && cell.ground) {
+    const int32_t above_cm = height_cm - cell.lowest_cm;
+    if (above_cm <= obstacle_cm_ || above_cm > clearance_cm_) return 0;
+  }
+  constexpr int32_t kSameBush_cm = 30;
+  const bool known_soft = !packed.labelled() && cell.highest_hard_cm == HeightGrid::kNone &&
+                          cell.highest_soft_cm != HeightGrid::kNone &&
+                          height_cm <= cell.highest_soft_cm + kSameBush_cm;
+  if (packed.return_class() == ReturnClass::kSoft || known_soft) return Costmap::kSoft;
+  return Costmap::kHard;
 }
 
 }  // namespace hardpack

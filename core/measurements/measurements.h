@@ -15,7 +15,7 @@ inline constexpr int kMaxBeams = 128;
 inline constexpr int kMaxColumnsPerRevolution = 2048;
 // Beams' azimuth offsets reach over at most so many columns: the wait until a direction is
 // complete.
-inline constexpr int kMaxColumnShift = 120;
+inline constexpr int kMaxColumnShift = 128;
 
 // What a return is, as far as driving goes ([OS] Cost Map Creation; person and ignored are ours).
 enum class ReturnClass : uint8_t {
