@@ -31,7 +31,7 @@ TEST_P(PersonWalking, LeavesNoTrail) {
   constexpr Area kWay = {5.0, -6.0, 7.5, 4.0};
   Chain chain(with_labels, Sector{40.0});
   chain.world.bodies = {Person(kX, kFrom_y, {0.0, kSpeed_mps, 0.0})};
-  for (double now = 0.6; now < 5.0; now += 0.37) {
+  for (double now = 0.6; now < 5.0; now += 0.57) {
     chain.RunUntil(now);
     chain.Build();
     // 0.1 s of labels, and the way of half a revolution.
@@ -62,8 +62,8 @@ TEST(PerceptionScenes, RainDoesNotBecomeWalls) {
   chain.world.rain_share = 0.01;
   std::vector<int> age(kMapCells, 0);  // builds in a row in which the cell was hard
   int oldest = 0;
-  for (int build = 0; build < 15; ++build) {
-    chain.RunUntil(0.2 * (build + 1));
+  for (int build = 0; build < 10; ++build) {
+    chain.RunUntil(0.3 * (build + 1));
     const Costmap& map = chain.Build();
     EXPECT_LE(chain.Count(kOpen, Costmap::kHard), kHandful_cells) << chain.Picture(kOpen);
     kOpen.ForEach([&](Cell cell) {
@@ -72,7 +72,7 @@ TEST(PerceptionScenes, RainDoesNotBecomeWalls) {
       oldest = std::max(oldest, builds);
     });
   }
-  EXPECT_LE(oldest, 5);  // for a second
+  EXPECT_LE(oldest, 3);  // for a second
 }
 
 // With labels that say what it is, rain is nothing at all once it is folded.
