@@ -162,21 +162,18 @@ void Mapper::MarkPending(int slot, uint32_t since, CostmapBuilder& builder) cons
 
 bool Mapper::MayBeObstacle(PackedReturn packed) const {
   const ReturnClass what = FiledClass(packed);
-  if (what == ReturnClass::kIgnored || what == ReturnClass::kGround) return false;
-  if (IsOverhead(packed)) return false;
-  const bool low = packed.height_known() && packed.height_cm() <= obstacle_cm_;
-  return what == ReturnClass::kPerson || !low;
+  return what != ReturnClass::kIgnored && what != ReturnClass::kGround && !IsOverhead(packed);
 }
 
-// What a return by itself makes of its cell, by the obstacle rule with the local ground that the
-// segmenter found or, where it found none, that the cell has; without either it counts. Where a
-// label has called the cell soft and nothing has called it hard, a return no higher than what was
-// seen there is soft too until its own label comes: else a bush would be hard in every build.
+// What a return by itself makes of its cell, by the obstacle rule: above the ground that the cell
+// has or, where it has none, that the segmenter found; without either it counts. Where a label has
+// called the cell soft and nothing has called it hard, a return no higher than what was seen there
+// is soft too until its own label comes: else a bush would be hard in every build.
 uint8_t Mapper::PendingFlags(PackedReturn packed, int32_t height_cm,
                              const HeightGrid::CellHeights& cell) const {
   if (packed.return_class() == ReturnClass::kPerson) return Costmap::kHard | Costmap::kPerson;
-  if (!packed.height_known() && cell.ground) {
-    const int32_t above_cm = height_cm - cell.lowest_cm;
+  if (cell.ground || packed.height_known()) {
+    const int32_t above_cm = cell.ground ? height_cm - cell.lowest_cm : packed.height_cm();
     if (above_cm <= obstacle_cm_ || above_cm > clearance_cm_) return 0;
   }
   constexpr int32_t kSameBush_cm = 30;
