@@ -161,7 +161,7 @@ TEST(Mapper, TakesAnyRange) {
   for (int index = 10; index < 400; ++index) {
     LidarColumn column = bench.Cast(index).first;
     for (int row = 0; row < kBeams; ++row) {
-      column.range_mm[row] = ranges[(row + index) % std::size(ranges)];
+      column.range_mm[row] = ranges[static_cast<size_t>(row + index) % std::size(ranges)];
     }
     bench.PosesFor(index);
     EXPECT_EQ(bench.mapper->AddColumn(column, TimeOf_ns(index)), Status::kOk);
