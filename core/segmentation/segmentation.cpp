@@ -12,7 +12,7 @@ namespace {
 // Between rings that lie close together the noise of their heights must not look like a slope.
 constexpr float kHeightNoise_m = 0.05f;
 constexpr float kTallStep_m = 1.0f;
-// A crown reaches as far to the side as it may in so many directions, about 1.4 degrees of 2048.
+// What was tall stays so for as many directions: a crown has gaps.
 constexpr uint8_t kTallMemory = 8;
 // A neighbour within this in range is part of the same thing.
 constexpr float kSameThing_m = 1.0f;
@@ -195,7 +195,7 @@ void Segmenter::RememberTall(const Direction& direction) {
 }
 
 // Whether something tall stands at that distance or a step nearer or further; what is too far to
-// remember counts as tall.
+// remember, and what touches the vehicle, counts as tall.
 bool Segmenter::IsTallAt(float level_m) const {
   const int step = FloorToInt(level_m / kTallStep_m);
   if (step < 1 || step >= kTallSteps - 1) return true;

@@ -78,8 +78,8 @@ class Segmenter {
   // neighbours. kInvalidArgument: another number of beams; kNotFinite: a number of a return that is
   // seen, or the sensor's height. Then the direction counts as one with nothing seen.
   // kNotStarted: nothing happens.
-  // Cost: constant; at most 24 neighbours a beam for the texture, 2 x 16 for the ground line, and
-  // 25 for each return that may be soft.
+  // Cost: constant; at most 24 neighbours a beam for the texture, 40 for the ground line, and 25
+  // for each return that may be soft.
   Status Push(const DirectionView& view);
 
   // True when the direction kLag before the last one has come since Configure or Restart.

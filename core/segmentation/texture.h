@@ -20,7 +20,7 @@ struct RangeColumn {
   static constexpr float kNoReturn_m = -1.0e9f;
 
   void Clear();
-  float range_m[kMaxBeams + 2 * kReach_beams];  // of beam b at b + kReach_beams
+  float range_m[kMaxBeams + 2 * kReach_beams] = {};  // of beam b at b + kReach_beams
 };
 
 struct Texture {
