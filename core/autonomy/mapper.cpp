@@ -44,6 +44,14 @@ float SelfReach(const LidarMountParams& mount) {
          mount.z_m;
 }
 
+// Steeper than any beam.
+constexpr float kSteepest = 1.0e6f;
+
+// value modulo size, for 0 <= value < 2 size.
+constexpr int Wrapped(int value, int size) {
+  return value < size ? value : value - size;
+}
+
 bool Awaits(ColumnState state) {
   return state == ColumnState::kRaw || state == ColumnState::kClassed;
 }
@@ -257,54 +265,55 @@ Mapper::Direction& Mapper::DirectionOf(int64_t sequence) {
 void Mapper::LookAlong(int64_t sequence) {
   Direction& direction = DirectionOf(sequence);
   direction.sequence = sequence;
+  direction.slot = ring_.SlotOf(sequence);
   const int64_t own = ring_.Holds(sequence) ? sequence : ring_.newest_sequence();
   const Transform3& pose = ring_.column(ring_.SlotOf(own)).odom_from_sensor;
-  const Vec3 sensor = pose.Apply(model_.sensor_from_lidar.translation);
   const float ground_m = pose.Apply(body_origin_sensor_).z_m;
   SightFan& fan = direction.fan;
-  fan.sensor_odom = sensor;
+  fan.sensor_odom = pose.Apply(model_.sensor_from_lidar.translation);
   fan.beams = model_.beams;
+  fan.lowest_slope = kSteepest;
+  fan.highest_slope = -kSteepest;
   view_.beams = model_.beams;
-  view_.sensor_height_m = sensor.z_m - ground_m;
+  view_.sensor_height_m = fan.sensor_odom.z_m - ground_m;
+  const auto measurement_id = static_cast<int>(sequence % model_.columns_per_revolution);
   HP_LOOP_BOUND(kMaxBeams)
   for (int beam = 0; beam < model_.beams; ++beam) {
-    LookWithBeam(sequence, beam, pose, sensor, direction);
-    const Vec3& point = direction.point_odom[beam];
-    view_.height_m[beam] = point.z_m - ground_m;
+    LookWithBeam(beam, measurement_id, pose, direction);
+    view_.height_m[beam] = direction.point_odom[beam].z_m - ground_m;
     view_.slope[beam] = fan.slope[beam];
     view_.level_m[beam] = fan.level_m[beam];
-    fan.lowest_slope = beam == 0 ? fan.slope[0] : Min(fan.lowest_slope, fan.slope[beam]);
-    fan.highest_slope = beam == 0 ? fan.slope[0] : Max(fan.highest_slope, fan.slope[beam]);
+    fan.lowest_slope = Min(fan.lowest_slope, fan.slope[beam]);
+    fan.highest_slope = Max(fan.highest_slope, fan.slope[beam]);
   }
   // A view that is refused counts as one with nothing seen.
   static_cast<void>(segmenter_.Push(view_));
 }
 
-// One beam: where its return lies, or where it points if there is none.
-void Mapper::LookWithBeam(int64_t sequence, int beam, const Transform3& pose, const Vec3& sensor,
-                          Direction& direction) {
+// One beam: where its return lies, or where it points if there is none. own_id: the measurement id
+// of the direction; the beam was fired some columns later.
+void Mapper::LookWithBeam(int beam, int own_id, const Transform3& pose, Direction& direction) {
   constexpr uint32_t kSomewhere_mm = 10000;
+  constexpr float kLeast_m = 0.001f;
   const int row = model_.by_altitude[beam];
-  const int64_t measured = sequence + model_.column_shift[row];
-  const int slot = ring_.SlotOf(measured);
-  const bool held = ring_.Holds(measured);
+  const int shift = model_.column_shift[row];
+  const int slot = Wrapped(direction.slot + shift, ring_.slots());
+  const bool held = ring_.column(slot).sequence == direction.sequence + shift;
   const PackedReturn packed = held ? ring_.at(slot, row) : PackedReturn();
   const bool seen = packed.range_mm() != 0 && !packed.self();
   const Transform3& from = held ? ring_.column(slot).odom_from_sensor : pose;
-  const auto measurement_id = static_cast<int>(measured % model_.columns_per_revolution);
-  const Vec3 point = from.Apply(PointInSensor(model_, EncoderSinCos(model_, measurement_id), row,
-                                              seen ? packed.range_mm() : kSomewhere_mm));
+  const SinCosPair encoder =
+      EncoderSinCos(model_, Wrapped(own_id + shift, model_.columns_per_revolution));
+  const Vec3 point =
+      from.Apply(PointInSensor(model_, encoder, row, seen ? packed.range_mm() : kSomewhere_mm));
+  const Vec3& sensor = direction.fan.sensor_odom;
   const float dx_m = point.x_m - sensor.x_m;
   const float dy_m = point.y_m - sensor.y_m;
-  const float level_m = Sqrt(dx_m * dx_m + dy_m * dy_m);
-  constexpr float kLeast_m = 0.001f;
-  const float divisor_m = Max(level_m, kLeast_m);
+  const float level_m = Max(Sqrt(dx_m * dx_m + dy_m * dy_m), kLeast_m);
   direction.point_odom[beam] = point;
   direction.fan.level_m[beam] = seen ? level_m : 0.0f;
-  direction.fan.slope[beam] = (point.z_m - sensor.z_m) / divisor_m;
-  if (beam == model_.beams / 2) {
-    direction.fan.direction_odom = {dx_m / divisor_m, dy_m / divisor_m};
-  }
+  direction.fan.slope[beam] = (point.z_m - sensor.z_m) / level_m;
+  if (beam == model_.beams / 2) direction.fan.direction_odom = {dx_m / level_m, dy_m / level_m};
   view_.seen[beam] = seen;
   view_.range_m[beam] = static_cast<float>(packed.range_mm()) / kMillimetersPerMeter;
 }
@@ -318,7 +327,7 @@ void Mapper::UseClasses() {
   const auto revolution = RevolutionOf(direction.sequence);
   HP_LOOP_BOUND(kMaxBeams)
   for (int beam = 0; beam < model_.beams; ++beam) {
-    if (direction.fan.level_m[beam] > 0.0f) ClassReturn(direction.sequence, beam, classes);
+    if (direction.fan.level_m[beam] > 0.0f) ClassReturn(direction, beam, classes);
     if (classes.what[beam] != ReturnClass::kGround) continue;
     const Vec3& point = direction.point_odom[beam];
     if (!IsUsable(heights_.Insert(point, ReturnClass::kGround, revolution))) {
@@ -334,11 +343,11 @@ void Mapper::UseClasses() {
 }
 
 // A label that came before its return was classed is held against the ground now.
-void Mapper::ClassReturn(int64_t sequence, int beam, const DirectionClasses& classes) {
+void Mapper::ClassReturn(const Direction& direction, int beam, const DirectionClasses& classes) {
   const int row = model_.by_altitude[beam];
-  const int64_t measured = sequence + model_.column_shift[row];
-  if (!ring_.Holds(measured)) return;
-  const int slot = ring_.SlotOf(measured);
+  const int shift = model_.column_shift[row];
+  const int slot = Wrapped(direction.slot + shift, ring_.slots());
+  if (ring_.column(slot).sequence != direction.sequence + shift) return;
   if (ring_.column(slot).state != ColumnState::kRaw) return;
   PackedReturn packed = ring_.at(slot, row);
   if (packed.range_mm() == 0 || packed.self()) return;

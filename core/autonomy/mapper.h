@@ -109,6 +109,7 @@ class Mapper {
   // A direction on its way through the segmenter; beams from the lowest to the highest.
   struct Direction {
     int64_t sequence = -1;
+    int32_t slot = 0;                 // of the ring, of its own angle
     Vec3 point_odom[kMaxBeams] = {};  // of the returns that were seen
     SightFan fan;
   };
@@ -125,10 +126,9 @@ class Mapper {
   void FinishColumn(int slot);
   Direction& DirectionOf(int64_t sequence);
   void LookAlong(int64_t sequence);
-  void LookWithBeam(int64_t sequence, int beam, const Transform3& pose, const Vec3& sensor,
-                    Direction& direction);
+  void LookWithBeam(int beam, int own_id, const Transform3& pose, Direction& direction);
   void UseClasses();
-  void ClassReturn(int64_t sequence, int beam, const DirectionClasses& classes);
+  void ClassReturn(const Direction& direction, int beam, const DirectionClasses& classes);
   ReturnClass FiledClass(PackedReturn packed) const;
   bool IsOverhead(PackedReturn packed) const;
   uint32_t RevolutionOf(int64_t sequence) const;

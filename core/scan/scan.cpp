@@ -120,25 +120,6 @@ Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float>
   return Status::kOk;
 }
 
-SinCosPair EncoderSinCos(const BeamModel& model, int measurement_id) {
-  HP_ASSERT(measurement_id >= 0 && measurement_id < model.columns_per_revolution);
-  return {model.sin_encoder[measurement_id], model.cos_encoder[measurement_id]};
-}
-
-Vec3 PointInSensor(const BeamModel& model, SinCosPair encoder, int row, uint32_t range_mm) {
-  HP_ASSERT(row >= 0 && row < model.beams);
-  const float range_m = static_cast<float>(range_mm) / kMillimetersPerMeter;
-  const float beam_m = range_m - model.origin_to_beam_m;
-  const float level_m = beam_m * model.cos_altitude[row];
-  const float cos_beam =
-      encoder.cos * model.cos_azimuth[row] - encoder.sin * model.sin_azimuth[row];
-  const float sin_beam =
-      encoder.sin * model.cos_azimuth[row] + encoder.cos * model.sin_azimuth[row];
-  return model.sensor_from_lidar.Apply({level_m * cos_beam + model.origin_to_beam_m * encoder.cos,
-                                        level_m * sin_beam + model.origin_to_beam_m * encoder.sin,
-                                        beam_m * model.sin_altitude[row]});
-}
-
 uint32_t NearestRange(const LidarColumn& column, int row) {
   HP_ASSERT(row >= 0 && row < kMaxBeams);
   const uint32_t first_mm = column.range_mm[row];

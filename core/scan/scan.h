@@ -32,13 +32,30 @@ Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float>
 
 // Sine and cosine of the encoder angle of one column: theta_e = 2 pi (1 - m / W); from the model's
 // table. Precondition: 0 <= measurement_id < model.columns_per_revolution.
-SinCosPair EncoderSinCos(const BeamModel& model, int measurement_id);
+inline SinCosPair EncoderSinCos(const BeamModel& model, int measurement_id) {
+  HP_ASSERT(measurement_id >= 0 && measurement_id < model.columns_per_revolution);
+  return {model.sin_encoder[measurement_id], model.cos_encoder[measurement_id]};
+}
 
 // The point of one return in the lidar's sensor frame [m].
 //   theta_e = 2 pi (1 - m / W), theta_a = -azimuth, phi = altitude, n = origin_to_beam
 //   x = (r - n) cos(theta_e + theta_a) cos(phi) + n cos(theta_e); y with sin; z = (r - n) sin(phi)
 // and from there the metadata's lidar-to-sensor transform. Precondition: 0 <= row < model.beams.
-Vec3 PointInSensor(const BeamModel& model, SinCosPair encoder, int row, uint32_t range_mm);
+// Inline: every return goes through it twice.
+inline Vec3 PointInSensor(const BeamModel& model, SinCosPair encoder, int row, uint32_t range_mm) {
+  HP_ASSERT(row >= 0 && row < model.beams);
+  constexpr float kMillimetersPerMeter = 1000.0f;
+  const float range_m = static_cast<float>(range_mm) / kMillimetersPerMeter;
+  const float beam_m = range_m - model.origin_to_beam_m;
+  const float level_m = beam_m * model.cos_altitude[row];
+  const float cos_beam =
+      encoder.cos * model.cos_azimuth[row] - encoder.sin * model.sin_azimuth[row];
+  const float sin_beam =
+      encoder.sin * model.cos_azimuth[row] + encoder.cos * model.sin_azimuth[row];
+  return model.sensor_from_lidar.Apply({level_m * cos_beam + model.origin_to_beam_m * encoder.cos,
+                                        level_m * sin_beam + model.origin_to_beam_m * encoder.sin,
+                                        beam_m * model.sin_altitude[row]});
+}
 
 // The range of the nearer of a beam's returns [mm]; 0: none. Precondition: 0 <= row < kMaxBeams.
 uint32_t NearestRange(const LidarColumn& column, int row);
