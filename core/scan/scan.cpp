@@ -8,7 +8,6 @@ namespace hardpack {
 namespace {
 
 constexpr uint32_t kMaxPackedRange_mm = 0x7ffffu;
-constexpr float kMillimetersPerMeter = 1000.0f;
 constexpr float kMaxAltitude_deg = 90.0f;
 constexpr float kMaxAzimuth_deg = 360.0f;
 constexpr float kTurn_deg = 360.0f;
