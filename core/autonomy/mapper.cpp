@@ -129,15 +129,11 @@ void Mapper::JudgeStep(const StampedPose& before, const StampedPose& pose) {
   const MappingParams& limits = params_.mapping;
   if (Length({step.x_m, step.y_m, 0.0f}) > limits.position_jump_m + kMaxSpeed_mps * elapsed_s) {
     ++counters_.position_jumps;
-    poses_.Clear();
-    ring_.Restart();
-    StartDirections();
-    fold_next_ = -1;
-    return;
+    return Forget();
   }
   if (Abs(step.z_m) <= limits.height_jump_m + kMaxClimb_mps * elapsed_s) return;
-  if (!IsUsable(heights_.ShiftHeights(step.z_m))) return;
   ++counters_.height_jumps;
+  if (!IsUsable(heights_.ShiftHeights(step.z_m))) return Forget();
   poses_.ShiftHeights(step.z_m);
   ring_.ShiftHeights(step.z_m);
   HP_LOOP_BOUND(Segmenter::kLag + 1)
@@ -146,6 +142,14 @@ void Mapper::JudgeStep(const StampedPose& before, const StampedPose& pose) {
     HP_LOOP_BOUND(kMaxBeams)
     for (Vec3& point : direction.point_odom) point.z_m += step.z_m;
   }
+}
+
+// Poses, columns and, with the next pose, the map.
+void Mapper::Forget() {
+  poses_.Clear();
+  ring_.Restart();
+  StartDirections();
+  fold_next_ = -1;
 }
 
 Status Mapper::AddColumn(const LidarColumn& column, uint64_t time_ns) {
@@ -286,8 +290,23 @@ void Mapper::LookAlong(int64_t sequence) {
     fan.lowest_slope = Min(fan.lowest_slope, fan.slope[beam]);
     fan.highest_slope = Max(fan.highest_slope, fan.slope[beam]);
   }
+  PassThroughNothing(direction);
   // A view that is refused counts as one with nothing seen.
   static_cast<void>(segmenter_.Push(view_));
+}
+
+// A beam that was fired and came back from nowhere has gone through as far as the direction is
+// known not to be blocked: without this what stood against the sky would stay for ever.
+void Mapper::PassThroughNothing(Direction& direction) {
+  float furthest_m = 0.0f;
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int beam = 0; beam < model_.beams; ++beam) {
+    furthest_m = Max(furthest_m, direction.fan.level_m[beam]);
+  }
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int beam = 0; beam < model_.beams; ++beam) {
+    if (direction.nothing[beam]) direction.fan.level_m[beam] = furthest_m;
+  }
 }
 
 // One beam: where its return lies, or where it points if there is none. own_id: the measurement id
@@ -314,6 +333,7 @@ void Mapper::LookWithBeam(int beam, int own_id, const Transform3& pose, Directio
   direction.fan.level_m[beam] = seen ? level_m : 0.0f;
   direction.fan.slope[beam] = (point.z_m - sensor.z_m) / level_m;
   if (beam == model_.beams / 2) direction.fan.direction_odom = {dx_m / level_m, dy_m / level_m};
+  direction.nothing[beam] = held && packed.range_mm() == 0;
   view_.seen[beam] = seen;
   view_.range_m[beam] = static_cast<float>(packed.range_mm()) / kMillimetersPerMeter;
 }

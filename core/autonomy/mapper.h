@@ -67,9 +67,10 @@ class Mapper {
   // A pose of the odometry, in order of time. The first one centres the map, and the ground around
   // it is taken as observed (start_ground_radius_m); each later one moves the window. A step of its
   // height beyond height_jump_m (and kMaxClimb_mps) is a jump: the map, the pending columns and the
-  // history are told in the new heights, and nothing is lost. A step of its position beyond
-  // position_jump_m (and kMaxSpeed_mps) empties the map. The statuses of PoseHistory::Add;
-  // kNotStarted. Cost: cells that come into the window; with a jump, the grid or the ring.
+  // history are told in the new heights, and nothing is lost (unless jumps add up to 100 m: then
+  // the map is emptied). A step of its position beyond position_jump_m (and kMaxSpeed_mps) empties
+  // the map. The statuses of PoseHistory::Add; kNotStarted. Cost: cells that come into the window;
+  // with a jump, the grid or the ring.
   Status AddPose(const StampedPose& pose);
 
   // A column of the lidar, taken at time_ns. The statuses of ScanRing::Push; kNoPose, counted;
@@ -111,9 +112,11 @@ class Mapper {
     int64_t sequence = -1;
     int32_t slot = 0;                 // of the ring, of its own angle
     Vec3 point_odom[kMaxBeams] = {};  // of the returns that were seen
+    bool nothing[kMaxBeams] = {};     // fired, and nothing came back
     SightFan fan;
   };
 
+  void Forget();
   void JudgeStep(const StampedPose& before, const StampedPose& pose);
   void FoldOccupant(int64_t sequence);
   void MarkSelf(const LidarColumn& column);
@@ -127,6 +130,7 @@ class Mapper {
   Direction& DirectionOf(int64_t sequence);
   void LookAlong(int64_t sequence);
   void LookWithBeam(int beam, int own_id, const Transform3& pose, Direction& direction);
+  void PassThroughNothing(Direction& direction);
   void UseClasses();
   void ClassReturn(const Direction& direction, int beam, const DirectionClasses& classes);
   ReturnClass FiledClass(PackedReturn packed) const;

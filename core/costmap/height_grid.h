@@ -75,8 +75,9 @@ struct SightFan {
   Vec2 direction_odom;  // level, length 1
   int32_t beams = 0;
   // [beams], any order. How far a beam got: level distance of its return from the sensor [m], of
-  // whatever class; 0 or less for a beam without a return or one that must not count: it saw
-  // nothing.
+  // whatever class; 0 or less for a beam that must not count: it saw nothing. A beam that was fired
+  // and came back from nowhere may be given the furthest level of the others: then it counts as
+  // having gone through as far as the direction is known not to be blocked.
   float level_m[kMaxBeams] = {};
   float slope[kMaxBeams] = {};  // rise of the beam over level distance
   // Slopes of the lowest and highest beam that the sensor has in this direction: with `beams` they
