@@ -195,10 +195,14 @@ void HeightGrid::FileSoft(int slot, int16_t height_cm, bool odd) {
   if (upper && highest_hard_cm_[slot] == kNone) MakeYoung(slot, odd);
 }
 
+// Observed, or off the window: there is nothing to be filed.
+bool HeightGrid::NeedsNoGround(Cell cell) const {
+  return !window_.Contains(cell) || (seen_[Slot(cell)] & kGroundSeen) != 0;
+}
+
 void HeightGrid::TakeAsGround(Cell cell, float z_m) {
-  if (!window_.Contains(cell)) return;
+  if (NeedsNoGround(cell)) return;
   const int slot = Slot(cell);
-  if ((seen_[slot] & kGroundSeen) != 0) return;
   Lower(lowest_cm_[slot], Stored(z_m));
   seen_[slot] |= kGroundSeen;
 }
@@ -208,23 +212,26 @@ Status HeightGrid::BridgeGround(const Vec3& from_odom, const Vec3& to_odom) {
   const Vec2 from = {from_odom.x_m, from_odom.y_m};
   const Vec2 along = {to_odom.x_m - from.x_m, to_odom.y_m - from.y_m};
   const float length2 = along.x_m * along.x_m + along.y_m * along.y_m;
+  const Cell first = CellAt(from);
   const Cell last = CellAt({to_odom.x_m, to_odom.y_m});
-  CellWalk walk(from, along);
-  const int64_t columns = StepsBetween(walk.cell().x, last.x);
-  const int64_t rows = StepsBetween(walk.cell().y, last.y);
-  if (!(length2 <= kMaxBridge_m * kMaxBridge_m) || !IsNearOrigin(walk.cell()) ||
-      !IsNearOrigin(last) || columns + rows >= kMaxBridge_cells) {
+  const int64_t columns = StepsBetween(first.x, last.x);
+  const int64_t rows = StepsBetween(first.y, last.y);
+  if (!(length2 <= kMaxBridge_m * kMaxBridge_m) || !IsNearOrigin(first) || !IsNearOrigin(last) ||
+      columns + rows >= kMaxBridge_cells) {
     return Status::kInvalidArgument;
   }
 
   const int steps = static_cast<int>(columns + rows);
+  // Near the vehicle there is seldom a cell between two ground returns that were filed before.
+  if (steps <= 1 && NeedsNoGround(first) && NeedsNoGround(last)) return Status::kOk;
+  CellWalk walk(from, along);
   HP_LOOP_BOUND(kMaxBridge_cells)
   for (int step = 0; step <= steps; ++step) {
     // Rounding could lead the walk past the last cell by a corner.
     const Cell cell = step == steps ? last : walk.cell();
     walk.Next();
     // Most of it was observed before.
-    if (!window_.Contains(cell) || (seen_[Slot(cell)] & kGroundSeen) != 0) continue;
+    if (NeedsNoGround(cell)) continue;
     const Vec2 middle = CellCenter(cell);
     const float reach = (middle.x_m - from.x_m) * along.x_m + (middle.y_m - from.y_m) * along.y_m;
     const float part = length2 > 0.0f ? Clamp(reach / length2, 0.0f, 1.0f) : 0.0f;

@@ -231,6 +231,7 @@ class HeightGrid {
   void FileGround(int slot, int16_t height_cm, bool odd);
   void FileHard(int slot, int16_t height_cm, bool odd, bool person);
   void FileSoft(int slot, int16_t height_cm, bool odd);
+  bool NeedsNoGround(Cell cell) const;
   void TakeAsGround(Cell cell, float z_m);
   void MakeYoung(int slot, bool odd);
   void AgeCell(int slot, float distance_m, const SightFan& fan, const Sight& sight);

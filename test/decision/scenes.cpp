@@ -109,6 +109,8 @@ HP_BIG_MEMORY Storage<LidarColumn> g_column;
 HP_BIG_MEMORY Storage<ColumnLabels> g_labels;
 HP_BIG_MEMORY Storage<SensorPoses> g_odom_from_sensor;
 
+constexpr LabelTable kLabels = RellisLabelTable();
+
 // A packet's labels, and their datagram.
 using Codes = std::array<uint8_t, kColumnsPerPacket * kBeams>;
 using LabelDatagram =
@@ -252,9 +254,8 @@ void RunScene(const Scene& scene, Report& report) {
   Mapper& mapper = g_mapper.Construct();
   DecisionHash packets;
   AddStatus(lidar.Configure(scene.seed), packets);
-  AddStatus(
-      mapper.Configure(params, CostmapParams{}, RellisLabelTable(), lidar.model(), 0, kColumns - 1),
-      packets);
+  AddStatus(mapper.Configure(params, CostmapParams{}, kLabels, lidar.model(), 0, kColumns - 1),
+            packets);
   AddPoses(scene.vehicle, mapper, packets);
   ReceivePackets(scene, odom_from_sensor, lidar, mapper, packets);
   report.Add(scene.packets, packets);
