@@ -19,6 +19,8 @@ constexpr float kSameThing_m = 1.0f;
 
 }  // namespace
 
+static_assert(Segmenter::kSpread == RangeColumn::kReach_beams);
+
 Status Segmenter::Configure(const SegmentationParams& params, int beams) {
   configured_ = false;
   if (beams < 1 || beams > kMaxBeams) return Status::kInvalidArgument;
@@ -121,7 +123,7 @@ void Segmenter::FindLine(const Direction& direction) {
     candidates_.slope[count] = direction.slope[beam];
     candidates_.beam[count] = static_cast<uint8_t>(beam);
     const bool stands = range_m[beam] != RangeColumn::kNoReturn_m;
-    count += stands && direction.texture.alone[beam] == 0 ? 1 : 0;
+    count += stands && !direction.texture.Is(Texture::kAlone, beam) ? 1 : 0;
   }
   candidates_.count = count;
   line_.Find(candidates_, params_.max_ground_slope);
@@ -145,7 +147,7 @@ void Segmenter::FileHeights(const Direction& direction) {
     above_m_[beam] = above_m;
     result_.ground_known[beam] = ground.known;
     if (ground.known) result_.above_ground_m[beam] = above_m;
-    if (direction.texture.alone[beam] != 0) continue;
+    if (direction.texture.Is(Texture::kAlone, beam)) continue;
     const bool is_ground = ground.known && Abs(above_m) <= params_.ground_band_m;
     result_.what[beam] = is_ground ? ReturnClass::kGround : ReturnClass::kHard;
   }
@@ -202,31 +204,55 @@ bool Segmenter::IsTallAt(float level_m) const {
   return tall_[step - 1] != 0 || tall_[step] != 0 || tall_[step + 1] != 0;
 }
 
-// Whether a return near this one and of the same thing surely lies on a surface: a trunk in a bush,
-// an arm beside a body.
-bool Segmenter::IsSurfaceNear(int beam) {
-  const float range_m = Back(kLag).ranges.range_m[beam + RangeColumn::kReach_beams];
+// Whether a return may be soft by what is known without its neighbours: it stands on known ground,
+// is no part of a post, and nothing tall is where it is.
+bool Segmenter::MayBeSoft(const Direction& direction, int beam) const {
+  const bool stands = result_.what[beam] == ReturnClass::kHard && result_.ground_known[beam] &&
+                      result_.above_ground_m[beam] > 0.0f;
+  return stands && !direction.texture.Is(Texture::kUpright, beam) &&
+         !IsTallAt(direction.level_m[beam]);
+}
+
+// Counts the kinds of returns of the same thing around each of the beams from low to high.
+void Segmenter::CountAround(const Direction& direction, int low, int high) {
+  const float* center_m = direction.ranges.range_m + kSpread;
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int beam = low; beam <= high; ++beam) around_[beam] = 0;
   HP_LOOP_BOUND(2 * kSpread + 1)
   for (int across = -kSpread; across <= kSpread; ++across) {
     const Direction& other = Back(kLag + across);
-    HP_LOOP_BOUND(2 * kSpread + 1)
-    for (int up = -kSpread; up <= kSpread; ++up) {
-      const int there = beam + up;
-      if (there < 0 || there >= beams_ || other.texture.smooth[there] == 0) continue;
-      const float there_m = other.ranges.range_m[there + RangeColumn::kReach_beams];
-      if (Abs(there_m - range_m) <= kSameThing_m) return true;
+    const float* range_m = other.ranges.range_m + kSpread;
+    const uint32_t* look = other.texture.look + kSpread;
+    // Branchless, with squares for magnitudes: four beams at a time.
+    const auto count = [=](int beam, int up) {
+      const float apart_m = range_m[beam + up] - center_m[beam];
+      return look[beam + up] & (apart_m * apart_m <= kSameThing_m * kSameThing_m ? ~0u : 0u);
+    };
+    HP_LOOP_BOUND(kMaxBeams)
+    for (int beam = low; beam <= high; ++beam) {
+      around_[beam] +=
+          (count(beam, -2) + count(beam, -1)) + (count(beam, 1) + count(beam, 2)) + count(beam, 0);
     }
   }
-  return false;
 }
 
 void Segmenter::FileSoft(const Direction& direction) {
+  int low = 0;
   HP_LOOP_BOUND(kMaxBeams)
-  for (int beam = 0; beam < beams_; ++beam) {
-    if (result_.what[beam] != ReturnClass::kHard || direction.texture.rough[beam] == 0) continue;
-    const bool stands = result_.ground_known[beam] && result_.above_ground_m[beam] > 0.0f;
-    if (!stands || IsTallAt(direction.level_m[beam]) || IsSurfaceNear(beam)) continue;
-    result_.what[beam] = ReturnClass::kSoft;
+  while (low < beams_ && !MayBeSoft(direction, low)) ++low;
+  int high = beams_ - 1;
+  HP_LOOP_BOUND(kMaxBeams)
+  while (high > low && !MayBeSoft(direction, high)) --high;
+  if (low >= beams_) return;
+  CountAround(direction, low, high);
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int beam = low; beam <= high; ++beam) {
+    const uint32_t sum = around_[beam];
+    const bool leaves =
+        2 * Texture::Count(sum, Texture::kRough) > Texture::Count(sum, Texture::kReturn);
+    // A surface beside it: a trunk in a bush, an arm beside a body.
+    const bool surface = Texture::Count(sum, Texture::kSmooth) != 0;
+    if (leaves && !surface && MayBeSoft(direction, beam)) result_.what[beam] = ReturnClass::kSoft;
   }
 }
 

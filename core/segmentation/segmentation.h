@@ -22,8 +22,11 @@
 //
 // Ground: the line of GroundLine (ground_line.h), and what is no more than ground_band_m from it.
 // Ignored: what stands alone in the range image (texture.h): rain, dust, multipath.
-// Soft: what looks like vegetation there, with no sure surface beside it, and nothing at the same
-// distance reaches above max_soft_height_m. Hard: everything else, so all of unknown ground.
+// Soft: what most of the returns around it, itself among them, say is vegetation (one alone is a
+// guess from 24 numbers; among leaves some look even by chance, and at the rim of a crown or a box
+// some look rough), that is not part of an upright line, with no sure surface beside it, and
+// nothing at the same distance reaches above max_soft_height_m. Hard: everything else, so all of
+// unknown ground.
 // Observed ground: the stretch between two consecutive ground returns of one direction, if their
 // level distance is at most
 //   bridge_factor R^2 da / (h + R s)
@@ -61,7 +64,7 @@ struct DirectionClasses {
 
 class Segmenter {
  public:
-  // Directions on either side whose surfaces keep a return from being soft.
+  // Directions and beams on either side that have a say in whether a return is soft.
   static constexpr int kSpread = 2;
   // Directions after one that must have come before it can be classed, and as many before it that
   // are looked at. A sector of 128 columns is never waited for.
@@ -79,7 +82,7 @@ class Segmenter {
   // seen, or the sensor's height. Then the direction counts as one with nothing seen.
   // kNotStarted: nothing happens.
   // Cost: constant; at most 24 neighbours a beam for the texture, 40 for the ground line, and 25
-  // for each return that may be soft.
+  // for each between the lowest and the highest that may be soft.
   Status Push(const DirectionView& view);
 
   // True when the direction kLag before the last one has come since Configure or Restart.
@@ -117,7 +120,8 @@ class Segmenter {
   bool IsObserved(const Direction& direction, int point) const;
   void RememberTall(const Direction& direction);
   bool IsTallAt(float level_m) const;
-  bool IsSurfaceNear(int beam);
+  bool MayBeSoft(const Direction& direction, int beam) const;
+  void CountAround(const Direction& direction, int low, int high);
   void FileSoft(const Direction& direction);
 
   bool configured_ = false;
@@ -130,6 +134,8 @@ class Segmenter {
   GroundCandidates candidates_;
   GroundLine line_;
   float above_m_[kMaxBeams] = {};  // height above the ground, guessed where it is not known
+  // Sum of the looks of the returns of the same thing in the 5 x 5 around one.
+  uint32_t around_[kMaxBeams] = {};
   // For how many directions to come something tall stands at each level distance.
   uint8_t tall_[kTallSteps] = {};
   DirectionClasses result_;

@@ -18,6 +18,8 @@ constexpr uint32_t kRoughNeighbours = 4;
 constexpr uint32_t kRoughShare_percent = 50;
 // On level surfaces only neighbours of the same beam are near: of the four at most so many.
 constexpr uint32_t kRoughRow = 2;
+// An upright line: more than so many of the four neighbours of the same direction are on it.
+constexpr uint32_t kUprightLine = 2;
 
 constexpr float kSameThing2_m2 = kSameThing_m * kSameThing_m;
 
@@ -107,6 +109,8 @@ void TextureFinder::Find(const RangeColumn* const (&columns)[kColumns], int beam
     through_[i] = furthest_m - c[i] > kSameThing_m ? 1u : 0u;
     row_[i] = (Sure(c[i], b[i], rough2) + Sure(c[i], d[i], rough2)) +
               (Sure(c[i], a[i], rough2) + Sure(c[i], e[i], rough2));
+    line_[i] = (Sure(c[i], c[i - 1], rough2) + Sure(c[i], c[i + 1], rough2)) +
+               (Sure(c[i], c[i - 2], rough2) + Sure(c[i], c[i + 2], rough2));
   }
   HP_LOOP_BOUND(kMaxBeams)
   for (int i = 0; i < beams; ++i) {
@@ -116,9 +120,10 @@ void TextureFinder::Find(const RangeColumn* const (&columns)[kColumns], int beam
         (tight >= kSmoothNeighbours) & (100 * tight >= kSmoothShare_percent * around);
     const bool rough = (around >= kRoughNeighbours) & (through_[i] != 0) & (row_[i] <= kRoughRow) &
                        (100 * tight < kRoughShare_percent * around);
-    texture.alone[i] = nearest_m2_[i] > alone2 ? 1 : 0;
-    texture.smooth[i] = smooth ? 1 : 0;
-    texture.rough[i] = rough ? 1 : 0;
+    texture.look[i + kReach] = Texture::kReturn | (rough ? Texture::kRough : 0u) |
+                               (smooth ? Texture::kSmooth : 0u) |
+                               (nearest_m2_[i] > alone2 ? Texture::kAlone : 0u) |
+                               (line_[i] > kUprightLine ? Texture::kUpright : 0u);
   }
 }
 

@@ -23,10 +23,21 @@ struct RangeColumn {
   float range_m[kMaxBeams + 2 * kReach_beams] = {};  // of beam b at b + kReach_beams
 };
 
+// What each return looks like, one word a beam, so that up to 255 of them can be counted by adding
+// them up: the counts stand in the low three bytes.
 struct Texture {
-  uint8_t alone[kMaxBeams] = {};   // 1: rain or dust
-  uint8_t smooth[kMaxBeams] = {};  // 1: surely a surface
-  uint8_t rough[kMaxBeams] = {};   // 1: looks like vegetation
+  static constexpr uint32_t kReturn = 1u;         // in every word
+  static constexpr uint32_t kRough = 1u << 8;     // scatters the beams, as vegetation does
+  static constexpr uint32_t kSmooth = 1u << 16;   // surely a surface
+  static constexpr uint32_t kAlone = 1u << 24;    // rain or dust; not counted
+  static constexpr uint32_t kUpright = 1u << 25;  // part of an upright line, as a post; not counted
+
+  static constexpr uint32_t Count(uint32_t sum, uint32_t of) { return sum / of % kRough; }
+  bool Is(uint32_t kind, int at) const {
+    return (look[at + RangeColumn::kReach_beams] & kind) != 0;
+  }
+
+  uint32_t look[kMaxBeams + 2 * RangeColumn::kReach_beams] = {};  // of beam b at b + kReach_beams
 };
 
 // Looks at the 5 x 5 returns around each.
@@ -43,6 +54,7 @@ class TextureFinder {
  private:
   uint32_t counts_[kMaxBeams] = {};   // neighbours by kind, packed
   uint32_t row_[kMaxBeams] = {};      // neighbours of the same beam on the same surface
+  uint32_t line_[kMaxBeams] = {};     // neighbours of the same direction on it
   uint32_t through_[kMaxBeams] = {};  // 1: a neighbour was seen past it
   float nearest_m2_[kMaxBeams] = {};  // distance in range of the nearest, squared
   float furthest_m_[kMaxBeams + 2 * RangeColumn::kReach_beams] = {};  // range, a beam

@@ -99,8 +99,21 @@ TEST_F(SegmenterOnRellis, ReachesItsPrecisionAndRecall) {
   EXPECT_GE(Precision(ReturnClass::kGround), 0.83);
   EXPECT_GE(Recall(ReturnClass::kHard), 0.65);
   EXPECT_GE(Precision(ReturnClass::kHard), 0.87);
-  EXPECT_GE(soft_bush / bush, 0.2);
-  EXPECT_GE(Precision(ReturnClass::kSoft), 0.42);
+  EXPECT_GE(soft_bush / bush, 0.26);
+  EXPECT_GE(Precision(ReturnClass::kSoft), 0.47);
+}
+
+// The dangerous error: driven through instead of around.
+TEST_F(SegmenterOnRellis, FewHardReturnsThatStandComeOutSoft) {
+  const auto stands = [](const Classed& hit) {
+    return hit.truth == ReturnClass::kHard && hit.ground_known && hit.above_ground_m > 0.5f;
+  };
+  const double standing = Count(stands);
+  const double soft =
+      Count([&](const Classed& hit) { return stands(hit) && hit.what == ReturnClass::kSoft; });
+  std::printf("of %.0f standing hard returns soft %.0f\n", standing, soft);
+  ASSERT_GT(standing, 1000.0);
+  EXPECT_LE(soft / standing, 0.054);
 }
 
 TEST_F(SegmenterOnRellis, EveryReturnOfAPersonAboveHalfAMetreIsHard) {
