@@ -10,6 +10,7 @@
 #include "tools/hardpack/command.h"
 #include "tools/hardpack/plan_inputs.h"
 #include "tools/hardpack/plan_json.h"
+#include "tools/picture/class_picture.h"
 #include "tools/picture/cost_panels.h"
 #include "tools/picture/plan_picture.h"
 
@@ -156,6 +157,22 @@ void WritePictures(const PlanReport& report, const Costmap& map, const std::stri
               .WritePng(folder + "/costmap.png"));
 }
 
+void WriteClasses(const PlanReport& report, const PlannedInput& input, bool labelled,
+                  const std::string& folder) {
+  const Pose2& pose = report.request.start.pose;
+  const std::string frame = std::to_string(report.input["frame_id"].get<int>());
+  const picture::ClassPicture classes = {.map = &input.planner->costmap(),
+                                         .vehicle = report.params.vehicle,
+                                         .pose = pose,
+                                         .beams = input.mapper->model().beams,
+                                         .columns = input.mapper->model().columns_per_revolution,
+                                         .returns = picture::ReturnsOf(*input.mapper, pose),
+                                         .title = "Revolution " + frame +
+                                                  " as the vehicle understood it, " +
+                                                  (labelled ? "by labels" : "by geometry alone")};
+  Require(picture::DrawClasses(classes).WritePng(folder + "/classes.png"));
+}
+
 void RunPlan(const PlanOptions& options) {
   CheckInputs(options);
   const PlanRequest request = RequestFrom(options);
@@ -178,6 +195,7 @@ void RunPlan(const PlanOptions& options) {
   const nlohmann::json object = PlanToJson(report);
   WriteText(options.out + "/plan.json", object.dump(1) + "\n");
   WritePictures(report, input.planner->costmap(), options.out);
+  if (input.mapper) WriteClasses(report, input, !options.lidar.labels.empty(), options.out);
   if (options.json) std::cout << object.dump() << "\n";
   if (!IsUsable(plan.status)) throw FailureOf(plan.status, request);
   if (options.json) return;
@@ -192,7 +210,9 @@ void RunPlan(const PlanOptions& options) {
 void AddPlanCommand(CLI::App& app) {
   CLI::App* plan = app.add_subcommand("plan",
                                       "Plan a path on one lidar scan or one occupancy map; write "
-                                      "plan.json, plan.png, costmap.png.\n"
+                                      "plan.json, plan.png, costmap.png\n"
+                                      "and, with --lidar, classes.png: what each return was "
+                                      "taken for.\n"
                                       "Lengths are metres, angles radians anticlockwise from +x; "
                                       "with --lidar the vehicle stands at\n"
                                       "--start (default 0,0,0), x ahead, y left.");

@@ -70,7 +70,8 @@ PlannedInput PlanOnLidar(const LidarFiles& files, const Parameters& parameters,
                          const PlanRequest& request) {
   PlannedInput input;
   const Stopwatch stopwatch;
-  const auto mapper = std::make_unique<Mapper>();
+  input.mapper = std::make_unique<Mapper>();
+  Mapper& mapper = *input.mapper;
   capture::LidarScanReport scan;
   const Pose2& start = request.start.pose;
   StampedPose pose;
@@ -83,11 +84,11 @@ PlannedInput PlanOnLidar(const LidarFiles& files, const Parameters& parameters,
                                   .costmap = parameters.planner.costmap,
                                   .labels = parameters.labels,
                                   .pose = pose},
-                                 *mapper, scan));
+                                 mapper, scan));
   input.report = LidarReport(files, scan);
   input.load_us = stopwatch.us();
-  input.begin_status = input.planner->Begin(*mapper, parameters.planner, request);
-  if (IsUsable(input.begin_status)) input.times = RunToEnd(*input.planner, *mapper);
+  input.begin_status = input.planner->Begin(mapper, parameters.planner, request);
+  if (IsUsable(input.begin_status)) input.times = RunToEnd(*input.planner, mapper);
   return input;
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "core/autonomy/mapper.h"
 #include "core/autonomy/planner.h"
 #include "nlohmann/json.hpp"
 #include "tools/hardpack/parameter_list.h"
@@ -27,6 +28,7 @@ struct MapFile {
 
 struct PlannedInput {
   std::unique_ptr<Planner> planner = std::make_unique<Planner>();
+  std::unique_ptr<Mapper> mapper;             // the revolution, with --lidar
   Status begin_status = Status::kNotStarted;  // the planner has run when it is usable
   StageTimes times;
   double load_us = 0.0;   // reading and filing the input, wall clock

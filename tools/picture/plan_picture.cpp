@@ -41,17 +41,6 @@ std::array<DataPoint, 4> Footprint(const VehicleParams& vehicle, const Pose2& po
   return corners;
 }
 
-// The outline of the vehicle, with a line from its middle to the front to say where that is.
-void DrawVehicle(Canvas& canvas, Axes& axes, const VehicleParams& vehicle, const Pose2& pose,
-                 const Colour& fill, const Colour& rim) {
-  axes.Polygon(Footprint(vehicle, pose), fill, rim);
-  const double half_length_m = double{vehicle.length_m} / 2.0;
-  canvas.Line(axes.X(double{pose.x_m}), axes.Y(double{pose.y_m}),
-              axes.X(double{pose.x_m} + half_length_m * std::cos(double{pose.theta_rad})),
-              axes.Y(double{pose.y_m} + half_length_m * std::sin(double{pose.theta_rad})), rim,
-              2.0);
-}
-
 void DrawPathsAndMarks(Canvas& canvas, Axes& axes, const PlanPicture& picture) {
   const Plan& plan = *picture.plan;
   axes.ClipBegin();
@@ -141,6 +130,16 @@ void DrawSpeed(Canvas& canvas, const PlanPicture& picture, double top_px) {
 }
 
 }  // namespace
+
+void DrawVehicle(Canvas& canvas, Axes& axes, const VehicleParams& vehicle, const Pose2& pose,
+                 const Colour& fill, const Colour& rim) {
+  axes.Polygon(Footprint(vehicle, pose), fill, rim);
+  const double half_length_m = double{vehicle.length_m} / 2.0;
+  canvas.Line(axes.X(double{pose.x_m}), axes.Y(double{pose.y_m}),
+              axes.X(double{pose.x_m} + half_length_m * std::cos(double{pose.theta_rad})),
+              axes.Y(double{pose.y_m} + half_length_m * std::sin(double{pose.theta_rad})), rim,
+              2.0);
+}
 
 void FindView(const PlanPicture& picture, Range& x, Range& y) {
   const Pose2& start = picture.request.start.pose;

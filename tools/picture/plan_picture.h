@@ -30,4 +30,8 @@ void FindView(const PlanPicture& picture, Range& x, Range& y);
 
 Canvas DrawPlan(const PlanPicture& picture);
 
+// The outline of the vehicle, with a line from its middle to the front to say where that is.
+void DrawVehicle(Canvas& canvas, Axes& axes, const VehicleParams& vehicle, const Pose2& pose,
+                 const Colour& fill, const Colour& rim);
+
 }  // namespace hardpack::picture
