@@ -22,6 +22,9 @@ included. The unit is the end of the name; a name without one is a plain number.
 The ranges are what the stages can compute with. What depends on several parameters of different meaning is
 checked where it is used: that the costs of both layers fit a cell (`CheckCostmapParams` in
 `core/costmap/costmap.h`), and that the ground window is odd.
+
+What the codes of a segmentation stand for is a table of its own (`core/segmentation/label_table.h`), RELLIS-3D's by
+default; `--param labels.19=hard` changes one code, to `ignored`, `ground`, `soft`, `hard` or `person`.
 )";
 
 // The shortest digits that give the same float again.

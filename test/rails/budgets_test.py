@@ -12,7 +12,7 @@ import tempfile
 
 # (header, its text, the same with a larger object, a header whose budget must then be broken)
 CASES = [
-    ("core/scan/scan.h", "kCapacityReturns = 131072;", "kCapacityReturns = 1048576;",
+    ("core/scan/scan.h", "kMaxReturns = 393216;", "kMaxReturns = 1048576;",
      "core/scan/scan.h"),
     ("core/costmap/height_grid.h", "int16_t highest_soft_cm_[", "int32_t highest_soft_cm_[",
      "core/costmap/height_grid.h"),

@@ -214,11 +214,11 @@ TEST(ColumnShift, RefusesBeamsThatLookTooFarApart) {
   EXPECT_EQ(MakeBeamModel(level, std::vector<float>{10.0f, -10.0f}, 2048, 0.0f, {}, *model),
             Status::kOk);
   EXPECT_EQ(model->max_column_shift, 114);
-  EXPECT_EQ(MakeBeamModel(level, std::vector<float>{11.0f, -11.0f}, 2048, 0.0f, {}, *model),
+  EXPECT_EQ(MakeBeamModel(level, std::vector<float>{12.0f, -12.0f}, 2048, 0.0f, {}, *model),
             Status::kInvalidArgument);
   EXPECT_EQ(model->beams, 0);
   EXPECT_EQ(model->columns_per_revolution, 0);
-  EXPECT_EQ(MakeBeamModel(level, std::vector<float>{11.0f, -11.0f}, 1024, 0.0f, {}, *model),
+  EXPECT_EQ(MakeBeamModel(level, std::vector<float>{12.0f, -12.0f}, 1024, 0.0f, {}, *model),
             Status::kOk);
 }
 
