@@ -74,22 +74,22 @@ bool Segmenter::Take(const DirectionView& view, Direction& direction) const {
     direction.slope[beam] = view.slope[beam];
   }
   // A number less itself is not 0 when it is not finite. Branchless, over all beams.
-  int32_t bad = 0;
+  uint32_t bad = 0;
   HP_LOOP_BOUND(kMaxBeams)
   for (int beam = 0; beam < beams_; ++beam) {
-    const int32_t seen = view.seen[beam] ? 1 : 0;
     const float range = view.range_m[beam];
-    const float level = view.level_m[beam];
-    const float height = view.height_m[beam];
-    const float slope = view.slope[beam];
+    const float level = direction.level_m[beam];
+    const float height = direction.height_m[beam];
+    const float slope = direction.slope[beam];
     const float none = ((range - range) + (level - level)) + ((height - height) + (slope - slope));
-    bad |= seen & (none == 0.0f ? 0 : 1);
-    range_m[beam] = seen != 0 ? range : RangeColumn::kNoReturn_m;
+    const uint32_t seen = static_cast<uint32_t>(view.seen[beam]);
+    bad |= none == 0.0f ? 0u : seen;
+    range_m[beam] = seen != 0u ? range : RangeColumn::kNoReturn_m;
   }
   direction.top = beams_;
   HP_LOOP_BOUND(kMaxBeams)
   while (direction.top > 0 && !view.seen[direction.top - 1]) --direction.top;
-  return bad == 0 && IsFinite(view.sensor_height_m);
+  return bad == 0u && IsFinite(view.sensor_height_m);
 }
 
 void Segmenter::FindTexture() {
