@@ -244,18 +244,23 @@ void AddHeights(const HeightGrid& heights, DecisionHash& hash) {
   }
 }
 
-void RunScene(const Scene& scene, Report& report) {
+// Not inlined: the parameters are large for one frame of the stack.
+[[gnu::noinline]] void StartMapper(bool labelled, const BeamModel& model, Mapper& mapper,
+                                   DecisionHash& hash) {
   PerceptionParams params;
-  params.mapping.use_labels = scene.labelled ? 1 : 0;
+  params.mapping.use_labels = labelled ? 1 : 0;
+  AddStatus(mapper.Configure(params, CostmapParams{}, kLabels, model, 0, kColumns - 1), hash);
+}
+
+void RunScene(const Scene& scene, Report& report) {
   SensorPoses& odom_from_sensor = g_odom_from_sensor.Construct();
-  PlaceSensor(scene.vehicle, params.mount, odom_from_sensor);
+  PlaceSensor(scene.vehicle, LidarMountParams{}, odom_from_sensor);
 
   SyntheticLidar& lidar = g_lidar.Construct();
   Mapper& mapper = g_mapper.Construct();
   DecisionHash packets;
   AddStatus(lidar.Configure(scene.seed), packets);
-  AddStatus(mapper.Configure(params, CostmapParams{}, kLabels, lidar.model(), 0, kColumns - 1),
-            packets);
+  StartMapper(scene.labelled, lidar.model(), mapper, packets);
   AddPoses(scene.vehicle, mapper, packets);
   ReceivePackets(scene, odom_from_sensor, lidar, mapper, packets);
   report.Add(scene.packets, packets);
