@@ -86,10 +86,10 @@ Status Mapper::Configure(const PerceptionParams& params, const CostmapParams& ru
                       ? INT32_MAX
                       : InCentimeters(rule.clearance_height_m);
   counters_ = MapperCounters{};
-  poses_.Clear();
   restarting_ = false;
-  StartDirections();
-  fold_next_ = -1;
+  silent_ = true;
+  newest_time_ns_ = 0;
+  Forget();
   configured_ = true;
   return heights_.Reset({});
 }
