@@ -157,11 +157,9 @@ int GroundLine::LastPointBefore(float level_m, int hint) const {
   HP_LOOP_BOUND(kSearchSteps)
   while (high - low > 1) {
     const int middle = (low + high) / 2;
-    if (level_m_[middle] < level_m) {
-      low = middle;
-    } else {
-      high = middle;
-    }
+    const bool before = level_m_[middle] < level_m;
+    low = before ? middle : low;
+    high = before ? high : middle;
   }
   return low;
 }
@@ -191,13 +189,14 @@ void GroundLine::Find(const GroundCandidates& candidates, float max_slope) {
   slope_[0] = 0.0f;
   base_[0] = 0;
   beam_[0] = -1;
+  int behind = 0;  // where the last one that was nearer than the line's end belonged
   HP_LOOP_BOUND(kMaxBeams)
   for (int i = 0; i < candidates.count; ++i) {
     const float level_m = candidates.level_m[i];
     const float height_m = candidates.height_m[i];
     int point = size_ - 1;
     const bool takes_back = !(level_m > level_m_[point]);
-    if (takes_back) point = LastPointBefore(level_m, point);
+    if (takes_back) point = behind = LastPointBefore(level_m, behind);
     const float above_m = AboveCarried(point, level_m, height_m);
     const bool continues = !takes_back && above_m <= kHeightNoise_m;
     if (level_m > 0.0f && CanJoin(point, level_m, height_m) &&

@@ -73,18 +73,20 @@ bool Segmenter::Take(const DirectionView& view, Direction& direction) const {
     direction.height_m[beam] = view.height_m[beam];
     direction.slope[beam] = view.slope[beam];
   }
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int beam = 0; beam < beams_; ++beam) {
+    range_m[beam] = view.seen[beam] ? view.range_m[beam] : RangeColumn::kNoReturn_m;
+  }
   // A number less itself is not 0 when it is not finite. Branchless, over all beams.
   uint32_t bad = 0;
   HP_LOOP_BOUND(kMaxBeams)
   for (int beam = 0; beam < beams_; ++beam) {
-    const float range = view.range_m[beam];
+    const float range = range_m[beam];
     const float level = direction.level_m[beam];
     const float height = direction.height_m[beam];
     const float slope = direction.slope[beam];
     const float none = ((range - range) + (level - level)) + ((height - height) + (slope - slope));
-    const uint32_t seen = static_cast<uint32_t>(view.seen[beam]);
-    bad |= none == 0.0f ? 0u : seen;
-    range_m[beam] = seen != 0u ? range : RangeColumn::kNoReturn_m;
+    bad |= (none == 0.0f ? 0u : 1u) & (range != RangeColumn::kNoReturn_m ? 1u : 0u);
   }
   direction.top = beams_;
   HP_LOOP_BOUND(kMaxBeams)

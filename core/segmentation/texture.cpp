@@ -32,15 +32,14 @@ constexpr uint32_t kAround = 256;
 inline uint32_t Pair(float center, float one, float other, float roughness2_m2) {
   const float e1_m = one - center;
   const float e2_m = other - center;
-  const float bend_m = 0.5f * (e1_m + e2_m);
+  const float bend_m = e1_m + e2_m;  // twice
   const float e1_m2 = e1_m * e1_m;
   const float e2_m2 = e2_m * e2_m;
-  // Both neighbours are of the same thing when the further one is.
-  const uint32_t even = (bend_m * bend_m <= roughness2_m2 ? 1u : 0u) &
-                        (Max(e1_m2, e2_m2) <= kSameThing2_m2 ? 1u : 0u);
-  return (e1_m2 <= kSameThing2_m2 ? kAround : 0u) + (e2_m2 <= kSameThing2_m2 ? kAround : 0u) +
-         (((e1_m2 <= roughness2_m2 ? 1u : 0u) | even) +
-          ((e2_m2 <= roughness2_m2 ? 1u : 0u) | even));
+  const uint32_t near1 = e1_m2 <= kSameThing2_m2 ? 1u : 0u;
+  const uint32_t near2 = e2_m2 <= kSameThing2_m2 ? 1u : 0u;
+  const uint32_t even = (bend_m * bend_m <= 4.0f * roughness2_m2 ? 1u : 0u) & near1 & near2;
+  return kAround * (near1 + near2) + (((e1_m2 <= roughness2_m2 ? 1u : 0u) | even) +
+                                      ((e2_m2 <= roughness2_m2 ? 1u : 0u) | even));
 }
 
 // 1 where a neighbour is on the same surface by itself.
