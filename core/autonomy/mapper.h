@@ -18,23 +18,32 @@
 // (docs/algorithm.md sections 1 and 8). Joins core/scan, core/segmentation and core/costmap; owns
 // the ring of columns, the pose history and the height grid. It does not decode and does not plan.
 //
+// Configure once; then, as things come in,
+//   AddPose     a pose of the odometry -> the map follows
 //   AddColumn   pose of its time -> ring (raw) -> directions complete? -> class, local ground,
 //               observed ground into the grid, ageing by what the direction saw -> (classed)
 //   AddLabels   classes by label -> into the grid
-//   Advance     the deadline is over: into the grid with the geometric class
+//   Advance     every tick; the deadline is over: into the grid with the geometric class
+// and Planner::Begin takes the mapper whenever a plan is wanted. Columns without a pose for their
+// time are refused, so the odometry has to run ahead of them or at most 50 ms behind.
 //
-// A column is folded into the grid once: minima and maxima cannot be undone. Until then it is
-// pending, and MarkPending puts its obstacles into every build. With use_labels 0 it is folded as
-// soon as it is classed. All times are of our clock.
+// A column is folded into the grid once: minima and maxima cannot be undone. From its being classed
+// until then it is pending, and MarkPending puts its obstacles into every build. With use_labels 0
+// it is folded as soon as it is classed. A direction is what the beams saw that looked the same
+// way, one return a beam, each from the column that it was fired in (BeamModel::column_shift); it
+// has the sequence number of the column at its own angle. All times are of our clock
+// (core/timebase).
 
 namespace hardpack {
 
 struct MapperCounters {
-  uint32_t columns_without_pose = 0;    // not filed
-  uint32_t folded_with_labels = 0;      // columns
-  uint32_t folded_without_labels = 0;   // by deadline, or because labels are not used
-  uint32_t folded_early = 0;            // of both: their slot was needed before the deadline
-  uint32_t late_unclassed_columns = 0;  // came after their direction was classed: hard as a whole
+  uint32_t columns_without_pose = 0;   // not filed
+  uint32_t folded_with_labels = 0;     // columns
+  uint32_t folded_without_labels = 0;  // by deadline, or because labels are not used
+  uint32_t folded_early = 0;           // of both: their slot was needed before the deadline
+  // Came too late, or had to be folded too early, for some of their rows to be classed: those rows
+  // are hard.
+  uint32_t late_unclassed_columns = 0;
   uint32_t returns_off_map = 0;
   uint32_t overhead_returns = 0;  // above the clearance height: not filed
   uint32_t height_jumps = 0;
@@ -86,7 +95,8 @@ class Mapper {
 
   // Once a tick, after what came in it: folds what has waited for its labels for too long, the
   // oldest first, and ends the revolution of a sensor that is silent. Cost: at most kMaxFolds
-  // columns and kMaxDirections directions.
+  // columns; at the end of a revolution kMaxDirections directions, and with use_labels 0 as many
+  // columns, besides.
   void Advance(uint64_t now_ns);
 
   // The end of a recording: classes and folds everything. Not for on board: its cost is the ring.
