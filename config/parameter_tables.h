@@ -248,7 +248,7 @@ inline constexpr std::array kMappingTable = {
     HP_MAPPING(label_deadline_s, 0.0f, 0.25f,
                "How long a return waits for its label before it is filed with its geometric class "
                "(ours)."),
-    HP_MAPPING(ageing_revolutions, 2.0f, 7.0f,
+    HP_MAPPING(ageing_revolutions, 2.0f, 4.0f,
                "An obstacle that the lidar saw through in this many revolutions, without a return "
                "from it in between, is no longer there (ours)."),
     HP_MAPPING(start_ground_radius_m, 0.0f, 20.0f,

@@ -348,18 +348,30 @@ void Mapper::UseClasses() {
   HP_LOOP_BOUND(kMaxBeams)
   for (int beam = 0; beam < model_.beams; ++beam) {
     if (direction.fan.level_m[beam] > 0.0f) ClassReturn(direction, beam, classes);
-    if (classes.what[beam] != ReturnClass::kGround) continue;
-    const Vec3& point = direction.point_odom[beam];
-    if (!IsUsable(heights_.Insert(point, ReturnClass::kGround, revolution))) {
-      ++counters_.returns_off_map;
-    }
-    const int from = classes.observed_from[beam];
-    // A bridge that is too long to be filed leaves its ground unknown.
-    if (from >= 0) static_cast<void>(heights_.BridgeGround(direction.point_odom[from], point));
+    if (classes.what[beam] == ReturnClass::kGround) FileGround(direction, beam, classes);
   }
   // A fan off the map, or one that is not finite, ages nothing.
   static_cast<void>(heights_.Age(direction.fan, revolution, params_.mapping.ageing_revolutions));
   if (ring_.Holds(direction.sequence)) FinishColumn(ring_.SlotOf(direction.sequence));
+}
+
+// Ground that geometry has found. Where labels are to come only that it was observed: its height is
+// filed with the labels, because what looks like ground may be low growth, and would raise the
+// ground that obstacles are held against.
+void Mapper::FileGround(const Direction& direction, int beam, const DirectionClasses& classes) {
+  const Vec3& point = direction.point_odom[beam];
+  const int from = classes.observed_from[beam];
+  const Vec3& start = from >= 0 ? direction.point_odom[from] : point;
+  if (params_.mapping.use_labels != 0) {
+    // A stretch that is too long to be filed, or ends off the map, stays unknown.
+    static_cast<void>(heights_.ObserveGround(start, point));
+    return;
+  }
+  const uint32_t revolution = RevolutionOf(direction.sequence);
+  if (!IsUsable(heights_.Insert(point, ReturnClass::kGround, revolution))) {
+    ++counters_.returns_off_map;
+  }
+  if (from >= 0) static_cast<void>(heights_.BridgeGround(start, point));
 }
 
 // A label that came before its return was classed is held against the ground now.

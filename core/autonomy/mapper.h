@@ -142,6 +142,7 @@ class Mapper {
   void LookWithBeam(int beam, int own_id, const Transform3& pose, Direction& direction);
   void PassThroughNothing(Direction& direction);
   void UseClasses();
+  void FileGround(const Direction& direction, int beam, const DirectionClasses& classes);
   void ClassReturn(const Direction& direction, int beam, const DirectionClasses& classes);
   ReturnClass FiledClass(PackedReturn packed) const;
   bool IsOverhead(PackedReturn packed) const;

@@ -44,12 +44,13 @@ Status Mapper::AddLabels(const ColumnLabels& labels) {
 }
 
 // What a return is filed as: nothing (kIgnored) for the vehicle itself, what hangs over the way,
-// and ground that was filed when it was classed. A person is filed wherever the label finds one.
+// and ground that was filed when it was classed, without labels. A person is filed wherever the
+// label finds one.
 ReturnClass Mapper::FiledClass(PackedReturn packed) const {
   const ReturnClass what = packed.return_class();
   if (packed.range_mm() == 0) return ReturnClass::kIgnored;
   if (packed.self() && what != ReturnClass::kPerson) return ReturnClass::kIgnored;
-  if (what == ReturnClass::kGround && !packed.labelled()) return ReturnClass::kIgnored;
+  if (what == ReturnClass::kGround && params_.mapping.use_labels == 0) return ReturnClass::kIgnored;
   return what;
 }
 

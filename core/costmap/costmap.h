@@ -18,10 +18,10 @@
 // Only cells of the map count: beyond its border there is neither an obstacle nor a way out.
 //
 // The obstacle rule kLocalGround (ours). Of a cell the lowest and the highest hard return are
-// known. `near ground`: the cell's own lowest return where its ground was observed, else the lowest
-// of the observed ground in the 5 x 5 cells around it. `far ground`: the lowest return of any class
-// in the square of ground_window_cells around the cell. `ground` is the near one where there is
-// one, else the far one.
+// known. `near ground`: the cell's own lowest return where its ground's height is known, else the
+// lowest of the observed ground in the 5 x 5 cells around it. `far ground`: the lowest return of
+// any class in the square of ground_window_cells around the cell. `ground` is the near one where
+// there is one, else the far one.
 //   no hard return                                          not hard
 //   near ground known, lowest hard - it > clearance_height  not hard: overhead only
 //   highest hard - ground > obstacle_height                 hard; a trunk under its crown too, and

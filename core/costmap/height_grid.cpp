@@ -195,19 +195,27 @@ void HeightGrid::FileSoft(int slot, int16_t height_cm, bool odd) {
   if (upper && highest_hard_cm_[slot] == kNone) MakeYoung(slot, odd);
 }
 
-// Observed, or off the window: there is nothing to be filed.
-bool HeightGrid::NeedsNoGround(Cell cell) const {
-  return !window_.Contains(cell) || (seen_[Slot(cell)] & kGroundSeen) != 0;
+// Off the window, or one of `known` (of Seen) is there already.
+bool HeightGrid::NeedsNone(Cell cell, int known) const {
+  return !window_.Contains(cell) || (seen_[Slot(cell)] & known) != 0;
 }
 
 void HeightGrid::TakeAsGround(Cell cell, float z_m) {
-  if (NeedsNoGround(cell)) return;
+  if (NeedsNone(cell, kGroundSeen)) return;
   const int slot = Slot(cell);
   Lower(lowest_cm_[slot], Stored(z_m));
   seen_[slot] |= kGroundSeen;
 }
 
 Status HeightGrid::BridgeGround(const Vec3& from_odom, const Vec3& to_odom) {
+  return CrossCells(from_odom, to_odom, true);
+}
+
+Status HeightGrid::ObserveGround(const Vec3& from_odom, const Vec3& to_odom) {
+  return CrossCells(from_odom, to_odom, false);
+}
+
+Status HeightGrid::CrossCells(const Vec3& from_odom, const Vec3& to_odom, bool with_heights) {
   if (!IsFinitePoint(from_odom) || !IsFinitePoint(to_odom)) return Status::kNotFinite;
   const Vec2 from = {from_odom.x_m, from_odom.y_m};
   const Vec2 along = {to_odom.x_m - from.x_m, to_odom.y_m - from.y_m};
@@ -223,7 +231,8 @@ Status HeightGrid::BridgeGround(const Vec3& from_odom, const Vec3& to_odom) {
 
   const int steps = static_cast<int>(columns + rows);
   // Near the vehicle there is seldom a cell between two ground returns that were filed before.
-  if (steps <= 1 && NeedsNoGround(first) && NeedsNoGround(last)) return Status::kOk;
+  const int known = with_heights ? kGroundSeen : kGroundSeen | kGroundObserved;
+  if (steps <= 1 && NeedsNone(first, known) && NeedsNone(last, known)) return Status::kOk;
   CellWalk walk(from, along);
   HP_LOOP_BOUND(kMaxBridge_cells)
   for (int step = 0; step <= steps; ++step) {
@@ -231,7 +240,11 @@ Status HeightGrid::BridgeGround(const Vec3& from_odom, const Vec3& to_odom) {
     const Cell cell = step == steps ? last : walk.cell();
     walk.Next();
     // Most of it was observed before.
-    if (NeedsNoGround(cell)) continue;
+    if (NeedsNone(cell, known)) continue;
+    if (!with_heights) {
+      seen_[Slot(cell)] |= kGroundObserved;
+      continue;
+    }
     const Vec2 middle = CellCenter(cell);
     const float reach = (middle.x_m - from.x_m) * along.x_m + (middle.y_m - from.y_m) * along.y_m;
     const float part = length2 > 0.0f ? Clamp(reach / length2, 0.0f, 1.0f) : 0.0f;
@@ -422,9 +435,13 @@ void HeightGrid::CutDown(int slot, bool hard, float cut_cm) {
 HeightGrid::CellHeights HeightGrid::At(Cell cell) const {
   if (!window_.Contains(cell)) return {};
   const int slot = Slot(cell);
-  return {Told(lowest_cm_[slot]),           Told(lowest_hard_cm_[slot]),
-          Told(highest_hard_cm_[slot]),     Told(highest_soft_cm_[slot]),
-          (seen_[slot] & kGroundSeen) != 0, (seen_[slot] & kPersonMask) != 0};
+  return {Told(lowest_cm_[slot]),
+          Told(lowest_hard_cm_[slot]),
+          Told(highest_hard_cm_[slot]),
+          Told(highest_soft_cm_[slot]),
+          (seen_[slot] & kGroundSeen) != 0,
+          (seen_[slot] & kPersonMask) != 0,
+          (seen_[slot] & (kGroundSeen | kGroundObserved)) != 0};
 }
 
 void HeightGrid::Read(Cell first, Strip& strip) const {
@@ -442,6 +459,7 @@ void HeightGrid::Read(Cell first, Strip& strip) const {
     for (int i = 0; i < kStripCells; ++i) {
       strip.ground[i] = seen[i] & kGroundSeen;
       strip.person[i] = (seen[i] & kPersonMask) != 0;
+      strip.observed[i] = (seen[i] & (kGroundSeen | kGroundObserved)) != 0;
     }
     return;
   }
@@ -455,6 +473,7 @@ void HeightGrid::Read(Cell first, Strip& strip) const {
     strip.highest_soft_cm[i] = heights.highest_soft_cm;
     strip.ground[i] = heights.ground;
     strip.person[i] = heights.person;
+    strip.observed[i] = heights.observed;
   }
 }
 

@@ -11,7 +11,8 @@
 
 // The rolling grid of return heights ([OS] Cost Map Creation; docs/algorithm.md section 1): per
 // cell the lowest return of any class, the lowest and highest hard return, the highest soft return,
-// whether ground was observed and whether a person was seen; and what has become of them since. It
+// whether the ground was observed and its height is known, and whether a person was seen; and what
+// has become of them since. It
 // does not decide what an obstacle is. Storage is toroidal, so rolling only clears what comes in.
 // The map follows the vehicle by whole cells.
 //
@@ -100,15 +101,16 @@ class HeightGrid {
   static constexpr float kEdge_cm = 3.0f;
   static constexpr int kRest_cm = 5;
   static constexpr int kPersonMemory = 3;
-  static constexpr int kMaxAgeingRevolutions = 7;
+  static constexpr int kMaxAgeingRevolutions = 4;
 
   struct CellHeights {
     int16_t lowest_cm = kNone;
     int16_t lowest_hard_cm = kNone;
     int16_t highest_hard_cm = kNone;
     int16_t highest_soft_cm = kNone;
-    bool ground = false;  // the ground was observed: a ground return, or bridged between two
+    bool ground = false;  // its height is known: a ground return, or bridged between two
     bool person = false;
+    bool observed = false;  // the ground was observed, whether its height is known or not
   };
 
   // Cells side by side along x, as arrays, so that loops over them vectorise.
@@ -118,8 +120,9 @@ class HeightGrid {
     int16_t lowest_hard_cm[kStripCells];
     int16_t highest_hard_cm[kStripCells];
     int16_t highest_soft_cm[kStripCells];
-    uint8_t ground[kStripCells];  // 0 or 1
-    uint8_t person[kStripCells];  // 0 or 1
+    uint8_t ground[kStripCells];    // 0 or 1
+    uint8_t person[kStripCells];    // 0 or 1
+    uint8_t observed[kStripCells];  // 0 or 1
   };
 
   // Empty, centred at the odom frame's origin. Cost: kMapCells cells cleared.
@@ -148,6 +151,10 @@ class HeightGrid {
   static constexpr float kMaxBridge_m = 40.0f;
   static constexpr int kMaxBridge_cells = 286;  // a line of 200 cells' length crosses 284 borders
   Status BridgeGround(const Vec3& from_odom, const Vec3& to_odom);
+
+  // The same cells are observed, but no height is taken: what looks like ground there may turn out
+  // to be low growth. Only x and y of the points count. Statuses and cost of BridgeGround.
+  Status ObserveGround(const Vec3& from_odom, const Vec3& to_odom);
 
   // Takes the ground of all cells whose centre lies within radius_m of a point as observed, at that
   // point's height, where no ground is known yet, as BridgeGround does. kNotFinite;
@@ -179,15 +186,17 @@ class HeightGrid {
   void Read(Cell first, Strip& strip) const;
 
  private:
-  // A cell's byte: whether ground was observed, a person's memory, misses, and the parity of two
-  // revolutions: of the last miss or hit, and of the last return that was filed (ground returns
-  // where there is no obstacle, hard ones).
+  // A cell's byte: whether the ground's height is known, a person's memory, misses, whether the
+  // ground was observed without a height, and the parity of two revolutions: of the last miss or
+  // hit, and of the last return that was filed (ground returns where there is no obstacle, hard
+  // ones).
   enum Seen : uint8_t {
     kGroundSeen = 1,
     kPersonOne = 2,
     kPersonMask = 3 * kPersonOne,
     kMissOne = 8,
-    kMissMask = 7 * kMissOne,
+    kMissMask = (kMaxAgeingRevolutions - 1) * kMissOne,
+    kGroundObserved = 32,
     kSightOdd = 64,
     kFiledOdd = 128,
   };
@@ -231,7 +240,8 @@ class HeightGrid {
   void FileGround(int slot, int16_t height_cm, bool odd);
   void FileHard(int slot, int16_t height_cm, bool odd, bool person);
   void FileSoft(int slot, int16_t height_cm, bool odd);
-  bool NeedsNoGround(Cell cell) const;
+  Status CrossCells(const Vec3& from_odom, const Vec3& to_odom, bool with_heights);
+  bool NeedsNone(Cell cell, int known) const;
   void TakeAsGround(Cell cell, float z_m);
   void MakeYoung(int slot, bool odd);
   void AgeCell(int slot, float distance_m, const SightFan& fan, const Sight& sight);

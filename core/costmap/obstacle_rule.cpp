@@ -129,7 +129,7 @@ uint8_t CellFlags(const HeightGrid::Strip& strip, int i, const Limits& limits) {
   const bool high_soft = strip.highest_soft_cm[i] > limits.high_cm;
   const bool soft = any_soft & high_soft & !hard;
   const bool person = hard & person_seen;
-  const bool observed = hard | soft | (strip.ground[i] != 0);
+  const bool observed = hard | soft | (strip.observed[i] != 0);
   return static_cast<uint8_t>((hard ? Costmap::kHard : 0) | (soft ? Costmap::kSoft : 0) |
                               (person ? Costmap::kPerson : 0) |
                               (observed ? Costmap::kObserved : 0));

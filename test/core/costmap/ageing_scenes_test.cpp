@@ -198,7 +198,7 @@ TEST(AgeingScene, ThinPostsNeverVanishHoweverLateTheirReturnsAreFiled) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937 random(seed);
     const auto share = [&] { return static_cast<float>(random() % 10007) / 10007.0f; };
-    const int ageing = 2 + static_cast<int>(seed % 6);
+    const int ageing = 2 + static_cast<int>(seed % (HeightGrid::kMaxAgeingRevolutions - 1));
     const auto grid = std::make_unique<HeightGrid>();
     LidarScene scene;
     scene.boxes = {kWall};
@@ -255,7 +255,7 @@ TEST(AgeingScene, FilingAloneKeepsAnObstacle) {
   for (uint32_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937 random(seed);
-    const int ageing = 2 + static_cast<int>(seed % 6);
+    const int ageing = 2 + static_cast<int>(seed % (HeightGrid::kMaxAgeingRevolutions - 1));
     const auto grid = std::make_unique<HeightGrid>();
     LidarScene scene;
     scene.boxes = {kWall};

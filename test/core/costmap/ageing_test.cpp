@@ -450,7 +450,7 @@ TEST_F(Ageing, SurvivesHugeNumbers) {
         fan.slope[1] = -slope;
         fan.lowest_slope = -slope;
         fan.highest_slope = slope;
-        EXPECT_EQ(grid_->Age(fan, 1, 7), Status::kOk);
+        EXPECT_EQ(grid_->Age(fan, 1, HeightGrid::kMaxAgeingRevolutions), Status::kOk);
       }
     }
   }

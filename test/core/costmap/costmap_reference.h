@@ -115,7 +115,7 @@ class CostmapReference {
     const HeightGrid::CellHeights& own = HeightsAt(column, row);
     const bool any_hard = own.highest_hard_cm != kNone;
     const bool any_soft = own.highest_soft_cm != kNone;
-    const int free = own.ground ? Costmap::kObserved : 0;
+    const int free = own.observed ? Costmap::kObserved : 0;
     if (!any_hard && !any_soft) return free;
 
     const bool in_cell = params_.obstacle_rule == ObstacleRule::kInCell;

@@ -20,7 +20,7 @@ class RandomLife {
     EXPECT_EQ(grid_.Reset(center_), Status::kOk);
     reference_.Reset(center_);
     revolution_ = seed % 3 == 0 ? UINT32_MAX - 5 : Draw();
-    ageing_revolutions_ = 1 + static_cast<int>(seed % 7);
+    ageing_revolutions_ = 1 + static_cast<int>(seed % HeightGrid::kMaxAgeingRevolutions);
   }
 
   void Step() {

@@ -41,6 +41,43 @@ TEST_F(HeightGridGround, BridgesAllCellsOfALine) {
   }
 }
 
+// Where only sight of the ground is filed the same cells are observed, and no height is known.
+TEST_F(HeightGridGround, ObservesTheCellsThatItWouldBridge) {
+  const auto seen = std::make_unique<HeightGrid>();
+  for (uint32_t seed = 1; seed <= 100; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> place(-60.0f, 60.0f);  // some off the window
+    std::uniform_real_distribution<float> way(-15.0f, 15.0f);
+    const Vec3 from = {place(random), place(random), way(random)};
+    const Vec3 to = {from.x_m + way(random), from.y_m + way(random), way(random)};
+    ASSERT_EQ(grid_->BridgeGround(from, to), Status::kOk);
+    ASSERT_EQ(seen->ObserveGround(from, to), Status::kOk);
+  }
+  for (int index = 0; index < kMapCells; ++index) {
+    const Cell cell = grid_->window().FromIndex(index);
+    ASSERT_EQ(seen->At(cell).observed, grid_->At(cell).ground) << cell.x << ", " << cell.y;
+    ASSERT_EQ(grid_->At(cell).observed, grid_->At(cell).ground);
+    ASSERT_FALSE(seen->At(cell).ground);
+    ASSERT_EQ(seen->At(cell).lowest_cm, HeightGrid::kNone);
+  }
+  EXPECT_EQ(seen->ObserveGround({kNaN, 0.0f, 0.0f}, {}), Status::kNotFinite);
+  EXPECT_EQ(seen->ObserveGround({0.0f, 0.0f, 0.0f}, {41.0f, 0.0f, 0.0f}), Status::kInvalidArgument);
+}
+
+// A height that comes later is taken, and sight of what has one changes nothing.
+TEST_F(HeightGridGround, KeepsSightAndHeightOfTheGroundApart) {
+  ASSERT_EQ(grid_->ObserveGround({0.1f, 0.1f, 0.0f}, {0.1f, 0.1f, 0.0f}), Status::kOk);
+  File({0.1f, 0.1f, 0.7f}, ReturnClass::kHard, 1);
+  EXPECT_FALSE(grid_->At({0, 0}).ground) << "a hard return is no ground, though it was observed";
+  File({0.1f, 0.1f, -0.2f}, ReturnClass::kGround, 1);
+  EXPECT_TRUE(grid_->At({0, 0}).ground);
+  EXPECT_EQ(grid_->At({0, 0}).lowest_cm, -20);
+  ASSERT_EQ(grid_->ObserveGround({0.1f, 0.1f, -9.0f}, {0.1f, 0.1f, -9.0f}), Status::kOk);
+  EXPECT_EQ(grid_->At({0, 0}).lowest_cm, -20);
+  EXPECT_TRUE(grid_->At({0, 0}).observed);
+}
+
 //   . . o o         every cell that the line crosses, so that none is missed at a corner
 //   . o o .
 //   o o . .

@@ -173,7 +173,8 @@ class ReferenceGrid {
             told(cell.highest_hard),
             told(cell.highest_soft),
             cell.ground,
-            cell.memory > 0 && cell.highest_hard};
+            cell.memory > 0 && cell.highest_hard,
+            cell.ground};
   }
 
   const GridWindow& window() const { return window_; }
