@@ -9,10 +9,6 @@ namespace hardpack {
 namespace {
 
 constexpr float kCentimetersPerMeter = 100.0f;
-// Of FoldPending: past all columns that a jump of the frame counter may lie behind, and all folds.
-constexpr int kMaxFinishCalls =
-    ScanRing::kMaxFrameGap * kMaxColumnsPerRevolution / ScanRing::kMaxColumns +
-    ScanRing::kMaxColumns / Mapper::kMaxFolds + 3;
 
 int32_t InCentimeters(float height_m) {
   return RoundToInt(height_m * kCentimetersPerMeter);
@@ -136,10 +132,15 @@ void Mapper::Finish() {
   EndDirections();
   ring_.EndRevolution();
   silent_ = true;
-  HP_LOOP_BOUND(kMaxFinishCalls)
-  for (int call = 0; call < kMaxFinishCalls; ++call) {
-    if (FoldPending(UINT64_MAX, 0)) return;
+  // By slots: jumps of the frame counter may have left columns behind anywhere. Each has its class.
+  if (fold_next_ < 0) return;
+  const int64_t newest = ring_.newest_sequence();
+  HP_LOOP_BOUND(ScanRing::kMaxColumns)
+  for (int ahead = 1; ahead <= ring_.slots(); ++ahead) {
+    const int slot = ring_.SlotOf(newest + ahead);
+    if (ring_.column(slot).state == ColumnState::kClassed) Fold(slot);
   }
+  fold_next_ = newest + 1;
 }
 
 void Mapper::MarkPending(int slot, uint32_t since, CostmapBuilder& builder) const {
@@ -155,7 +156,7 @@ void Mapper::MarkPending(int slot, uint32_t since, CostmapBuilder& builder) cons
     if (!MayBeObstacle(packed)) continue;
     const Vec3 point = PointOdom(column, row, packed);
     const Cell cell = CellAt({point.x_m, point.y_m});
-    if (!window.Contains(cell)) continue;
+    if (!IsFinite(point.x_m) || !IsFinite(point.y_m) || !window.Contains(cell)) continue;
     const uint8_t flags = PendingFlags(packed, InCentimeters(point.z_m), heights_.At(cell));
     if (flags != 0) builder.Mark(window.Index(cell), flags);
   }

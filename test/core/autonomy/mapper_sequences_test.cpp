@@ -198,5 +198,34 @@ TEST(MapperSequences, EveryFiledColumnIsFoldedOnceWhateverComes) {
   EXPECT_GT(sum.columns_without_pose, 0u);
 }
 
+// The lidar was out of reach again and again, and nobody called Advance.
+TEST(MapperSequences, FinishFoldsWhatManyJumpsOfTheCounterLeftBehind) {
+  MapperBench bench(true);
+  for (int jump = 0; jump < 8; ++jump) {
+    const int first = jump * 95 * kColumns;
+    bench.GiveAll(first, first + 200);
+  }
+  EXPECT_GT(bench.Pending(), 0);
+  bench.mapper->Finish();
+  EXPECT_EQ(bench.Pending(), 0);
+  EXPECT_EQ(bench.Folded(), bench.mapper->ring().counters().columns);
+}
+
+// The times of a second recording lie before those of the first.
+TEST(MapperSequences, SilenceIsToldAfterConfigureWhateverCameBeforeIt) {
+  MapperBench bench(false);
+  bench.GiveAll(10 * kColumns, 10 * kColumns + 200);
+  bench.Configure();
+  for (uint64_t time_ns = TimeOf_ns(0); time_ns < TimeOf_ns(400); time_ns += 10'000'000) {
+    EXPECT_EQ(bench.mapper->AddPose(StandingAt(time_ns)), Status::kOk);
+  }
+  for (int index = 0; index <= 200; ++index) {
+    EXPECT_EQ(bench.mapper->AddColumn(bench.Cast(index).first, TimeOf_ns(index)), Status::kOk);
+  }
+  EXPECT_GT(bench.Pending(), 0);
+  bench.mapper->Advance(TimeOf_ns(200) + static_cast<uint64_t>(Mapper::kSilence_ns) + 1);
+  EXPECT_EQ(bench.Pending(), 0);
+}
+
 }  // namespace
 }  // namespace hardpack::perception

@@ -37,10 +37,10 @@ def documented_keys():
 
 
 class PlanOnARecording(CommandTest):
-    def test_says_so_in_one_line_and_writes_three_files(self):
+    def test_says_so_in_one_line_and_writes_its_files(self):
         stdout = self.expect_done(self.lidar())
         self.assertRegex(stdout, r"^ok: \d+\.\d m, \d+\.\d s, clearance \d\.\d\d m -> .*plan\.png\n$")
-        for name in ("plan.png", "costmap.png"):
+        for name in ("plan.png", "costmap.png", "classes.png"):
             width, height = png_size(self.out / name)
             self.assertGreater(min(width, height), 800)
         self.assertTrue(json.loads((self.out / "plan.json").read_text())["usable"])
