@@ -178,7 +178,7 @@ inline constexpr std::array kSpeedTable = {
     HP_SPEED(max_wheel_speed_share, 0.05f, 1.0f,
              "The part of vehicle.max_wheel_speed_radps that a plan may use; the rest is the "
              "tracker's (ours)."),
-    HP_SPEED(max_curvature_rate_per_ms, 0.05f, 100.0f,
+    HP_SPEED(max_curvature_rate_per_s2, 0.05f, 100.0f,
              "Limit of the squared speed times the change of curvature along the path (ours)."),
     HP_SPEED(obstacle_start_speed_mps, 0.05f, 5.0f,
              "Limit of the speed while leaving a hard obstacle at the start (ours)."),

@@ -81,7 +81,7 @@ struct SpeedParams {
   float max_lateral_acceleration_mps2 = 2.0f;
   float max_yaw_rate_radps = 2.2f;
   float max_wheel_speed_share = 0.9f;
-  float max_curvature_rate_per_ms = 2.5f;  // v^2 * |dkappa/ds| is at most this
+  float max_curvature_rate_per_s2 = 2.5f;  // v^2 * |dkappa/ds| is at most this
   float obstacle_start_speed_mps = 0.5f;   // while leaving a hard obstacle at the start
   float reaction_time_s = 0.3f;            // from a return's stamp to the first command
   float stopping_dead_time_s = 0.2f;       // of the drives

@@ -172,7 +172,7 @@ void HeightGrid::FileGround(int slot, int16_t height_cm, bool odd) {
     ++lowest_cm_[slot];
   }
   Lower(lowest_cm_[slot], height_cm);
-  seen_[slot] |= kGroundSeen;
+  seen_[slot] |= kGroundHeightKnown;
 }
 
 void HeightGrid::FileHard(int slot, int16_t height_cm, bool odd, bool person) {
@@ -201,10 +201,10 @@ bool HeightGrid::NeedsNone(Cell cell, int known) const {
 }
 
 void HeightGrid::TakeAsGround(Cell cell, float z_m) {
-  if (NeedsNone(cell, kGroundSeen)) return;
+  if (NeedsNone(cell, kGroundHeightKnown)) return;
   const int slot = Slot(cell);
   Lower(lowest_cm_[slot], Stored(z_m));
-  seen_[slot] |= kGroundSeen;
+  seen_[slot] |= kGroundHeightKnown;
 }
 
 Status HeightGrid::BridgeGround(const Vec3& from_odom, const Vec3& to_odom) {
@@ -231,7 +231,7 @@ Status HeightGrid::CrossCells(const Vec3& from_odom, const Vec3& to_odom, bool w
 
   const int steps = static_cast<int>(columns + rows);
   // Near the vehicle there is seldom a cell between two ground returns that were filed before.
-  const int known = with_heights ? kGroundSeen : kGroundSeen | kGroundObserved;
+  const int known = with_heights ? kGroundHeightKnown : kGroundHeightKnown | kGroundObserved;
   if (steps <= 1 && NeedsNone(first, known) && NeedsNone(last, known)) return Status::kOk;
   CellWalk walk(from, along);
   HP_LOOP_BOUND(kMaxBridge_cells)
@@ -429,7 +429,7 @@ void HeightGrid::CutDown(int slot, bool hard, float cut_cm) {
   } else {
     highest_soft_cm_[slot] = kept_cm;
   }
-  if (!HasObstacle(slot) && (seen_[slot] & kGroundSeen) == 0) lowest_cm_[slot] = kNone;
+  if (!HasObstacle(slot) && (seen_[slot] & kGroundHeightKnown) == 0) lowest_cm_[slot] = kNone;
 }
 
 HeightGrid::CellHeights HeightGrid::At(Cell cell) const {
@@ -439,9 +439,9 @@ HeightGrid::CellHeights HeightGrid::At(Cell cell) const {
           Told(lowest_hard_cm_[slot]),
           Told(highest_hard_cm_[slot]),
           Told(highest_soft_cm_[slot]),
-          (seen_[slot] & kGroundSeen) != 0,
+          (seen_[slot] & kGroundHeightKnown) != 0,
           (seen_[slot] & kPersonMask) != 0,
-          (seen_[slot] & (kGroundSeen | kGroundObserved)) != 0};
+          (seen_[slot] & (kGroundHeightKnown | kGroundObserved)) != 0};
 }
 
 void HeightGrid::Read(Cell first, Strip& strip) const {
@@ -457,9 +457,9 @@ void HeightGrid::Read(Cell first, Strip& strip) const {
     const uint8_t* seen = seen_ + slot;
     HP_LOOP_BOUND(kStripCells)
     for (int i = 0; i < kStripCells; ++i) {
-      strip.ground[i] = seen[i] & kGroundSeen;
+      strip.ground[i] = seen[i] & kGroundHeightKnown;
       strip.person[i] = (seen[i] & kPersonMask) != 0;
-      strip.observed[i] = (seen[i] & (kGroundSeen | kGroundObserved)) != 0;
+      strip.observed[i] = (seen[i] & (kGroundHeightKnown | kGroundObserved)) != 0;
     }
     return;
   }

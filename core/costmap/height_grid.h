@@ -12,9 +12,8 @@
 // The rolling grid of return heights ([OS] Cost Map Creation; docs/algorithm.md section 1): per
 // cell the lowest return of any class, the lowest and highest hard return, the highest soft return,
 // whether the ground was observed and its height is known, and whether a person was seen; and what
-// has become of them since. It
-// does not decide what an obstacle is. Storage is toroidal, so rolling only clears what comes in.
-// The map follows the vehicle by whole cells.
+// has become of them since. It does not decide what an obstacle is. Storage is toroidal, so rolling
+// only clears what comes in. The map follows the vehicle by whole cells.
 //
 // Ageing by visibility (ours). Time alone removes nothing. Age looks at every cell that the beams
 // of one direction cross and that holds an obstacle: the hard one, from its lowest to its highest
@@ -191,7 +190,7 @@ class HeightGrid {
   // hit, and of the last return that was filed (ground returns where there is no obstacle, hard
   // ones).
   enum Seen : uint8_t {
-    kGroundSeen = 1,
+    kGroundHeightKnown = 1,
     kPersonOne = 2,
     kPersonMask = 3 * kPersonOne,
     kMissOne = 8,

@@ -67,7 +67,8 @@ class Segmenter {
   // Directions and beams on either side that have a say in whether a return is soft.
   static constexpr int kSpread = 2;
   // Directions after one that must have come before it can be classed, and as many before it that
-  // are looked at. A sector of 128 columns is never waited for.
+  // are looked at. With the columns that a direction is spread over, never more than 132 are waited
+  // for.
   static constexpr int kLag = kSpread + TextureFinder::kReach_directions;
 
   // kInvalidArgument: beams not 1 .. kMaxBeams; kParameterOutOfRange. Then the segmenter takes

@@ -9,7 +9,7 @@
 
 // How the range image looks around each return: whether it stands alone, lies on a smooth surface,
 // or in something that scatters the beams and lets some of them through, as vegetation does
-// (docs/algorithm.md section 8; ours).
+// (docs/algorithm.md section 1; ours).
 
 namespace hardpack {
 

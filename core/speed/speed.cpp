@@ -30,7 +30,7 @@ struct ShapeLimits {
         wheel2_m2ps2(Squared(params.max_wheel_speed_share * vehicle.max_wheel_speed_radps *
                              vehicle.wheel_radius_m)),
         half_baseline_m(0.5f * vehicle.skid_baseline_m),
-        curvature_rate_per_ms(params.max_curvature_rate_per_ms) {}
+        curvature_rate_per_ms(params.max_curvature_rate_per_s2) {}
 
   float Squared_m2ps2(float curvature_per_m, float curvature_rate_per_m2) const {
     const float kappa = Abs(curvature_per_m);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/capture/rellis_labels.h"
 
-#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstdint>
@@ -12,11 +11,6 @@
 
 namespace hardpack::capture {
 namespace {
-
-// void, dirt, grass, tree, pole, water, sky, vehicle, object, asphalt, building, log, person,
-// fence, bush, concrete, barrier, puddle, mud, rubble
-constexpr std::array kLabels = {0,  1,  3,  4,  5,  6,  7,  8,  9,  10,
-                                12, 15, 17, 18, 19, 23, 27, 31, 33, 34};
 
 constexpr size_t kMaxFileBytes = 64 * 1024 * 1024;
 constexpr std::array<std::string_view, 3> kColumnNames = {"ring", "meas_id", "label"};
@@ -79,8 +73,8 @@ class LabelReader {
     if (measurement_id < 0 || measurement_id >= labels_.columns) {
       return Failure("meas_id", "the sensor has no such column");
     }
-    if (!IsRellisLabel(label)) {
-      return Failure("label", std::to_string(label) + " is not in the ontology");
+    if (label < 0 || label > UINT8_MAX) {
+      return Failure("label", std::to_string(label) + " is no code of 0 .. 255");
     }
     std::optional<uint8_t>& slot =
         labels_.codes[static_cast<size_t>(measurement_id) * static_cast<size_t>(labels_.beams) +
@@ -102,10 +96,6 @@ class LabelReader {
 };
 
 }  // namespace
-
-bool IsRellisLabel(int label) {
-  return std::find(kLabels.begin(), kLabels.end(), label) != kLabels.end();
-}
 
 ReadOutcome ReadLabels(const std::string& path, int beams, int columns, ScanLabels& labels) {
   labels.beams = beams;

@@ -9,13 +9,10 @@
 
 #include "port_linux/read_outcome.h"
 
-// Semantic labels of recorded returns: codes of the ontology of RELLIS-3D. What a code means for
-// driving is the label table's business (core/segmentation/label_table.h).
+// Semantic labels of recorded returns, as codes of 0 .. 255. What a code means for driving is the
+// label table's business (core/segmentation/label_table.h; RELLIS-3D's ontology by default).
 
 namespace hardpack::capture {
-
-// Whether the ontology has this number.
-bool IsRellisLabel(int label);
 
 // Codes of one revolution's returns, [columns x beams], row-major; nothing where the file names no
 // return.
@@ -33,7 +30,7 @@ struct ScanLabels {
 
 // Reads a CSV file whose header names at least the columns ring, meas_id and label, in any order;
 // one return a line. The message of a failure names file, line and column: kInvalidArgument (cannot
-// be opened, no number, outside the sensor's beams x columns, an unknown label, a return named
+// be opened, no number, outside the sensor's beams x columns, a code that is none, a return named
 // twice), kOversized (larger than 64 MiB). Precondition: beams, columns > 0.
 ReadOutcome ReadLabels(const std::string& path, int beams, int columns, ScanLabels& labels);
 

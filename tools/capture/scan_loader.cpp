@@ -141,12 +141,12 @@ class StandingDrive {
   }
 
   const ColumnLabels& LabelsOf(const LidarColumn& column) {
-    constexpr uint8_t kVoid = 0;
+    constexpr uint8_t kNotNamed = 255;  // of no ontology: hard, when in doubt
     column_labels_.frame_id = column.frame_id;
     column_labels_.measurement_id = column.measurement_id;
     column_labels_.beams = column.beams;
     for (int row = 0; row < column.beams; ++row) {
-      column_labels_.label[row] = labels_->At(column.measurement_id, row).value_or(kVoid);
+      column_labels_.label[row] = labels_->At(column.measurement_id, row).value_or(kNotNamed);
     }
     return column_labels_;
   }

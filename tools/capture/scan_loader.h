@@ -57,10 +57,10 @@ struct LidarScanReport {
 // Reads one revolution: the first that is complete (all columns of the sensor's window), else the
 // fullest. The first lidar packet's sender and destination port are the sensor's; what comes from
 // elsewhere is foreign. Configures the mapper, which empties it.
-// With labels a return has the class its label stands for, and one that the file does not name is
-// ignored. Without labels geometry decides (core/segmentation). A return labelled as a person is
-// never taken for the vehicle itself.
-// On failure the status and a one-line message that names the file.
+// With labels a return has the class its label stands for, and one that the file does not name has
+// code 255: hard, when in doubt. Without labels geometry decides (core/segmentation). A return
+// labelled as a person is never taken for the vehicle itself. On failure the status and a one-line
+// message that names the file.
 ReadOutcome LoadLidarScan(const LidarScanRequest& request, Mapper& mapper, LidarScanReport& report);
 
 }  // namespace hardpack::capture

@@ -178,6 +178,7 @@ void RunPlan(const PlanOptions& options) {
   const PlanRequest request = RequestFrom(options);
   Parameters parameters;
   SetParameters(options.parameters, parameters);
+  parameters.perception.mapping.use_labels = options.lidar.labels.empty() ? 0 : 1;
   MakeOutputFolder(options.out);
   const PlannedInput input = options.map.yaml.empty()
                                  ? PlanOnLidar(options.lidar, parameters, request)

@@ -39,7 +39,7 @@ double ShapeLimit(const SpeedParams& p, const VehicleParams& v, double kappa, do
   limit = std::min(limit, double{p.max_wheel_speed_share} * double{v.max_wheel_speed_radps} *
                               double{v.wheel_radius_m} /
                               (1.0 + kappa * double{v.skid_baseline_m} / 2.0));
-  if (rate > 0.0) limit = std::min(limit, std::sqrt(double{p.max_curvature_rate_per_ms} / rate));
+  if (rate > 0.0) limit = std::min(limit, std::sqrt(double{p.max_curvature_rate_per_s2} / rate));
   return limit;
 }
 

@@ -13,16 +13,6 @@ namespace {
 
 using test::TextFile;
 
-// Every code but those of the ontology is refused, and none that the table calls hard for lack of a
-// better word: 20 classes.
-TEST(RellisLabels, KnowsTheOntology) {
-  int known = 0;
-  for (int label = -300; label <= 300; ++label) known += IsRellisLabel(label) ? 1 : 0;
-  EXPECT_EQ(known, 20);
-  for (const int label : {0, 3, 17, 34}) EXPECT_TRUE(IsRellisLabel(label)) << label;
-  for (const int label : {-1, 2, 35, 256}) EXPECT_FALSE(IsRellisLabel(label)) << label;
-}
-
 TEST(RellisLabels, FindsColumnsByName) {
   const TextFile file("x,label,meas_id,range_mm,ring\r\n1.5,3,511,7,2\r\n-2.5,17,0,8,15\r\n");
   ScanLabels labels;
@@ -45,7 +35,8 @@ TEST(RellisLabels, NamesFileLineAndColumnOfWhatIsWrong) {
       {"ring,meas_id,label\n16,2,3\n", ": line 2: ring: the sensor has no such beam"},
       {"ring,meas_id,label\n-1,2,3\n", ": line 2: ring: the sensor has no such beam"},
       {"ring,meas_id,label\n1,512,3\n", ": line 2: meas_id: the sensor has no such column"},
-      {"ring,meas_id,label\n1,2,2\n", ": line 2: label: 2 is not in the ontology"},
+      {"ring,meas_id,label\n1,2,256\n", ": line 2: label: 256 is no code of 0 .. 255"},
+      {"ring,meas_id,label\n1,2,-1\n", ": line 2: label: -1 is no code of 0 .. 255"},
       {"ring,meas_id,label\n1,2,3\n\n1,2,4\n", ": line 4: meas_id: this return was named before"},
   };
   for (const auto& [text, message] : cases) {
