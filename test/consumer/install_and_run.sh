@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Installs a build to a fresh prefix, builds the consumer against it alone, and runs it.
+# Installs a build to a fresh prefix, builds the consumers against it alone, and runs them.
 #   install_and_run.sh BUILD_DIR WORK_DIR CXX
 set -eu
 source=$(cd "$(dirname "$0")" && pwd)
@@ -10,8 +10,29 @@ rm -rf "$work"
 mkdir -p "$work"
 cmake --install "$build" --prefix "$work/prefix" --component development >"$work/install.log"
 # A copy outside the project's tree: a header that is found must be an installed one.
-cp "$source/CMakeLists.txt" "$source/main.cpp" "$work"
+cp "$source/CMakeLists.txt" "$source/main.cpp" "$source/lidar.cpp" "$work"
 cmake -S "$work" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER="$3" \
   -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror"
 cmake --build "$work/build"
+
+# The lidar's datagrams, the first of them twice, as networks do.
+if [ -x "$build/tools/hardpack" ]; then
+  "$build/tools/hardpack" scene --out "$work/scene"
+  python3 "$source/datagrams.py" "$work/scene/scan.pcap" >"$work/datagrams"
+  record_bytes=$((8 + 4 + 16 * (16 + 64 * 12 + 4)))  # LEGACY, 16 columns of 64 beams
+  records=$(($(wc -c <"$work/datagrams") / record_bytes))
+  columns=$((records * 16))
+  [ "$columns" -gt 1024 ]  # more than a revolution
+  { head -c "$record_bytes" "$work/datagrams"; cat "$work/datagrams"; } |
+    "$work/build/lidar" >"$work/lidar.txt"
+  cat "$work/lidar.txt"
+  # Through the gap in the fence: of what was not seen nothing is within 2 m. And status 0 of the
+  # pipe's end: the plan was usable.
+  grep -Eqx "$columns columns, 0 missing; [a-z_]+, [0-9]+ points, 2[2-5]\.[0-9] m, [01]\.[0-9]+ m clear" \
+    "$work/lidar.txt"
+else
+  echo "lidar: not run, this build has no hardpack command (HARDPACK_TOOLS)"
+fi
+
+# Last, and what goes before prints no such line: it is by this line that the test passes.
 "$work/build/plan"
