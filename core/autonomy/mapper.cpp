@@ -35,6 +35,16 @@ float Length(const Vec3& v) {
   return Sqrt(v.x_m * v.x_m + v.y_m * v.y_m + v.z_m * v.z_m);
 }
 
+// Rise of the ground that a vehicle stands on, along odom's x and y; level under one that has
+// fallen over.
+Vec2 SlopeUnder(const StampedPose& pose) {
+  const Transform3 odom_from_body = TransformFrom(pose);
+  const float up = odom_from_body.rotation[8];
+  constexpr float kFallenOver = 0.5f;
+  if (!(up > kFallenOver)) return {};
+  return {-odom_from_body.rotation[2] / up, -odom_from_body.rotation[5] / up};
+}
+
 // Beyond this range no return is the vehicle itself: one inside the box's outline would have to lie
 // more than 60 degrees below the level.
 float SelfReach(const LidarMountParams& mount) {
@@ -108,13 +118,13 @@ Status Mapper::AddPose(const StampedPose& pose) {
   if (const Status status = poses_.Add(pose); !IsUsable(status)) return status;
   const Vec2 place = {pose.position.x_m, pose.position.y_m};
   if (first || emptied) {
+    const float radius_m = first ? params_.mapping.start_ground_radius_m : 0.0f;
     const Status reset = heights_.Reset(place);
-    const Status assumed =
-        heights_.AssumeGround(pose.position, first ? params_.mapping.start_ground_radius_m : 0.0f);
+    const Status assumed = heights_.AssumeGround(pose.position, radius_m, SlopeUnder(pose));
     if (!IsUsable(reset) || !IsUsable(assumed)) return Status::kNotFinite;
   }
   const Status moved = heights_.Recenter(place);
-  const Status stands = heights_.AssumeGround(pose.position, kStandingRadius_m);
+  const Status stands = heights_.AssumeGround(pose.position, kStandingRadius_m, SlopeUnder(pose));
   return IsUsable(moved) ? stands : moved;
 }
 
@@ -162,8 +172,12 @@ Status Mapper::AddColumn(const LidarColumn& column, uint64_t time_ns) {
   if (!column.valid || column.beams != model_.beams || !sequence.ok()) {
     // The ring has a name for it, and counts it.
     const Status refused = ring_.Push(column, time_ns, Transform3{}, self);
-    if (refused == Status::kSensorRestarted) BeginRestart();
-    return refused;
+    late_run_ = refused == Status::kLate ? late_run_ + 1 : 0;
+    // A single wild frame id has taken the ring far ahead of the sensor, or it has started anew at
+    // a number just below: nothing else makes every column late.
+    const bool lost = late_run_ >= kMaxLateRun;
+    if (refused == Status::kSensorRestarted || lost) BeginRestart();
+    return lost ? Status::kSensorRestarted : refused;
   }
   StampedPose pose;
   if (const Status known = poses_.At(time_ns, pose); !IsUsable(known)) {
@@ -176,6 +190,7 @@ Status Mapper::AddColumn(const LidarColumn& column, uint64_t time_ns) {
   const Status filed = ring_.Push(column, time_ns, TransformFrom(pose) * body_from_sensor_, self);
   if (!IsUsable(filed)) return filed;
   silent_ = false;
+  late_run_ = 0;
   if (time_ns > newest_time_ns_) newest_time_ns_ = time_ns;
   if (fold_next_ < 0 || sequence.value() < fold_next_) fold_next_ = sequence.value();
   ClassDirections(sequence.value(), newest);
@@ -305,7 +320,8 @@ void Mapper::PassThroughNothing(Direction& direction) {
   }
   HP_LOOP_BOUND(kMaxBeams)
   for (int beam = 0; beam < model_.beams; ++beam) {
-    if (direction.nothing[beam]) direction.fan.level_m[beam] = furthest_m;
+    const bool up = direction.fan.slope[beam] >= 0.0f;
+    if (up && direction.nothing[beam]) direction.fan.level_m[beam] = furthest_m;
   }
 }
 
@@ -360,6 +376,9 @@ void Mapper::UseClasses() {
 // ground that obstacles are held against.
 void Mapper::FileGround(const Direction& direction, int beam, const DirectionClasses& classes) {
   const Vec3& point = direction.point_odom[beam];
+  const int gap_from = classes.gap_from[beam];
+  if (gap_from >= 0)
+    static_cast<void>(heights_.ForgetGround(direction.point_odom[gap_from], point));
   const int from = classes.observed_from[beam];
   const Vec3& start = from >= 0 ? direction.point_odom[from] : point;
   if (params_.mapping.use_labels != 0) {
@@ -401,6 +420,7 @@ void Mapper::EndDirections() {
 }
 
 void Mapper::BeginRestart() {
+  late_run_ = 0;
   EndDirections();
   ++counters_.sensor_restarts;
   restarting_ = true;

@@ -62,6 +62,8 @@ class Mapper {
   static constexpr float kStandingRadius_m = 0.7f;
   // Columns folded by one Advance at most: more than come in 10 ms from any sensor.
   static constexpr int kMaxFolds = 256;
+  // So many columns in a row that are all too late are the sensor's count, and the ring is ahead.
+  static constexpr int kMaxLateRun = 32;
   // Directions classed by one AddColumn at most: those that wait when a column ends a gap.
   static constexpr int kMaxDirections = kMaxColumnShift + Segmenter::kLag + 2;
 
@@ -110,6 +112,8 @@ class Mapper {
   void MarkPending(int slot, uint32_t since, CostmapBuilder& builder) const;
 
   bool started() const { return configured_; }
+  // A pose and a column have come: what the map calls free was not just never looked at.
+  bool has_seen() const { return configured_ && poses_.size() > 0 && ring_.newest_sequence() >= 0; }
   const HeightGrid& heights() const { return heights_; }
   const ScanRing& ring() const { return ring_; }
   const PoseHistory& poses() const { return poses_; }
@@ -157,6 +161,7 @@ class Mapper {
   bool configured_ = false;
   bool restarting_ = false;  // the sensor has; what is pending is being folded
   bool silent_ = true;
+  int32_t late_run_ = 0;         // columns refused as late, in a row
   int64_t next_direction_ = -1;  // to be looked along; -1: the next column says
   int64_t fold_next_ = -1;       // no column before it is pending; -1: none has come
   uint64_t newest_time_ns_ = 0;  // of all columns

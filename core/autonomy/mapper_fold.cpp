@@ -176,7 +176,8 @@ uint8_t Mapper::PendingFlags(PackedReturn packed, int32_t height_cm,
   if (packed.return_class() == ReturnClass::kPerson) return Costmap::kHard | Costmap::kPerson;
   if (cell.ground || packed.height_known()) {
     const int32_t above_cm = cell.ground ? height_cm - cell.lowest_cm : packed.height_cm();
-    if (above_cm <= obstacle_cm_ || above_cm > clearance_cm_) return 0;
+    const bool overhead = above_cm > clearance_cm_ && !cell.guessed;
+    if (above_cm <= obstacle_cm_ || overhead) return 0;
   }
   constexpr int32_t kSameBush_cm = 30;
   const bool known_soft = !packed.labelled() && cell.highest_hard_cm == HeightGrid::kNone &&

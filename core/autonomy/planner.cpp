@@ -55,7 +55,7 @@ Status CheckRequest(const PlanRequest& request) {
 
 Status Planner::Begin(const Mapper& mapper, const PlannerParams& params,
                       const PlanRequest& request) {
-  if (mapper.started()) {
+  if (mapper.has_seen()) {
     folded_before_ = mapper.fold_count();
     return BeginOn(mapper.heights(), params, request);
   }

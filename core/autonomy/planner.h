@@ -92,8 +92,8 @@ class Planner {
   // On the map as it is, and with what comes into it until its cells are classed.
   // kParameterOutOfRange; kNotFinite: a number of the request; kInvalidArgument: its speed is
   // negative or above kMaxRequestSpeed_mps, its curvature beyond kCurvatureCeiling_per_m, its place
-  // beyond kMaxRequestPosition_m, or an angle beyond kSinCosMaxAngle_rad; kNotStarted: the mapper.
-  // Then nothing is started, and result().status says the same.
+  // beyond kMaxRequestPosition_m, or an angle beyond kSinCosMaxAngle_rad; kNotStarted: no pose or
+  // no column has come to the mapper. Then nothing is started, and result().status says the same.
   Status Begin(const Mapper& mapper, const PlannerParams& params, const PlanRequest& request);
 
   // The same on heights alone, filed by whoever owns the grid.

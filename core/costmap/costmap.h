@@ -19,11 +19,12 @@
 //
 // The obstacle rule kLocalGround (ours). Of a cell the lowest and the highest hard return are
 // known. `near ground`: the cell's own lowest return where its ground's height is known, else the
-// lowest of the observed ground in the 5 x 5 cells around it. `far ground`: the lowest return of
-// any class in the square of ground_window_cells around the cell. `ground` is the near one where
-// there is one, else the far one.
+// lowest in those of the 5 x 5 cells around it that a ground return came from. `far ground`: the
+// lowest return of any class in the square of ground_window_cells around the cell. `ground` is the
+// near one where there is one, else the far one.
 //   no hard return                                          not hard
-//   near ground known, lowest hard - it > clearance_height  not hard: overhead only
+//   near ground known and the own one not guessed,
+//   lowest hard - near ground > clearance_height            not hard: overhead only
 //   highest hard - ground > obstacle_height                 hard; a trunk under its crown too, and
 //                                                           whatever may lie between low and high
 //   a person among the hard returns                         hard, standing or lying

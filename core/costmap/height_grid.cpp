@@ -10,7 +10,6 @@ namespace hardpack {
 namespace {
 
 constexpr float kCentimetersPerMeter = 100.0f;
-constexpr float kCellReach_cm = 14.142136f;  // from a cell's middle to its corner
 constexpr float kMaxAssumed_m = 50.0f;
 
 // kNone is above every height, so the first return needs no case of its own here ...
@@ -41,37 +40,6 @@ bool IsNearOrigin(Cell cell) {
 int64_t StepsBetween(int32_t from, int32_t to) {
   const int64_t steps = int64_t{to} - from;
   return steps < 0 ? -steps : steps;
-}
-
-// The fan can be used, and its furthest return; 0: it saw nothing.
-Status CheckFan(const SightFan& fan, float& furthest_m) {
-  furthest_m = 0.0f;
-  if (fan.beams < 0 || fan.beams > kMaxBeams) return Status::kInvalidArgument;
-  if (!IsFinitePoint(fan.sensor_odom) || !IsFinite(fan.direction_odom.x_m) ||
-      !IsFinite(fan.direction_odom.y_m) || !IsFinite(fan.lowest_slope) ||
-      !IsFinite(fan.highest_slope)) {
-    return Status::kNotFinite;
-  }
-  bool finite = true;
-  HP_LOOP_BOUND(kMaxBeams)
-  for (int beam = 0; beam < fan.beams; ++beam) {
-    const float level_m = fan.level_m[beam];
-    finite = finite && IsFinite(level_m) && (level_m <= 0.0f || IsFinite(fan.slope[beam]));
-    furthest_m = Max(furthest_m, level_m);
-  }
-  if (!finite) return Status::kNotFinite;
-  const Vec2 direction = fan.direction_odom;
-  const float length2 = direction.x_m * direction.x_m + direction.y_m * direction.y_m;
-  const bool unit = length2 >= 0.99f * 0.99f && length2 <= 1.01f * 1.01f;
-  return unit ? Status::kOk : Status::kInvalidArgument;
-}
-
-// How many cells a walk takes until their middles are further away than any return can tell of.
-int CellsInReach(Vec2 direction, float furthest_m) {
-  const float cells_per_m = (Abs(direction.x_m) + Abs(direction.y_m)) * kCellsPerMeter;
-  // A cell's middle lies up to 0.15 m ahead of a return in it, the line's end in it as far again.
-  const float cells = (furthest_m + 2.0f * HeightGrid::kEndsBefore_m) * cells_per_m;
-  return ClampInt(FloorToInt(cells), 0, HeightGrid::kMaxSight_cells - 3) + 3;
 }
 
 // By how many cells a window's edge moves, as far as it matters: a whole window empties it.
@@ -167,12 +135,19 @@ bool HeightGrid::IsNewlyFiled(int slot, bool odd) {
   return odd != was_odd;
 }
 
+// A height from beside gives way to one that was measured here.
 void HeightGrid::FileGround(int slot, int16_t height_cm, bool odd) {
-  if (!HasObstacle(slot) && IsNewlyFiled(slot, odd) && lowest_cm_[slot] < height_cm) {
-    ++lowest_cm_[slot];
+  const bool empty = !HasObstacle(slot);
+  const bool is_person = (seen_[slot] & kPersonMask) != 0;
+  if ((empty || is_person) && IsNewlyFiled(slot, odd)) {
+    if (is_person) seen_[slot] = static_cast<uint8_t>(seen_[slot] - kPersonOne);
+    if (empty && lowest_cm_[slot] < height_cm) ++lowest_cm_[slot];
   }
+  const bool guessed = (seen_[slot] & (kGroundHeightKnown | kGroundFromBeside)) ==
+                       (kGroundHeightKnown | kGroundFromBeside);
+  if (empty && guessed) lowest_cm_[slot] = height_cm;
   Lower(lowest_cm_[slot], height_cm);
-  seen_[slot] |= kGroundHeightKnown;
+  seen_[slot] = static_cast<uint8_t>((seen_[slot] & ~kGroundFromBeside) | kGroundHeightKnown);
 }
 
 void HeightGrid::FileHard(int slot, int16_t height_cm, bool odd, bool person) {
@@ -204,18 +179,31 @@ void HeightGrid::TakeAsGround(Cell cell, float z_m) {
   if (NeedsNone(cell, kGroundHeightKnown)) return;
   const int slot = Slot(cell);
   Lower(lowest_cm_[slot], Stored(z_m));
-  seen_[slot] |= kGroundHeightKnown;
+  seen_[slot] |= kGroundHeightKnown | kGroundFromBeside;
 }
 
 Status HeightGrid::BridgeGround(const Vec3& from_odom, const Vec3& to_odom) {
-  return CrossCells(from_odom, to_odom, true);
+  return CrossCells(from_odom, to_odom, Crossing::kBridge);
 }
 
 Status HeightGrid::ObserveGround(const Vec3& from_odom, const Vec3& to_odom) {
-  return CrossCells(from_odom, to_odom, false);
+  return CrossCells(from_odom, to_odom, Crossing::kObserve);
 }
 
-Status HeightGrid::CrossCells(const Vec3& from_odom, const Vec3& to_odom, bool with_heights) {
+Status HeightGrid::ForgetGround(const Vec3& from_odom, const Vec3& to_odom) {
+  return CrossCells(from_odom, to_odom, Crossing::kForget);
+}
+
+void HeightGrid::ForgetCell(int slot) {
+  if ((seen_[slot] & kGroundFromBeside) == 0) return;
+  const bool had_height = (seen_[slot] & kGroundHeightKnown) != 0;
+  seen_[slot] = static_cast<uint8_t>(seen_[slot] & ~(kGroundHeightKnown | kGroundFromBeside));
+  // The lowest return is not told apart from the height that is forgotten: of a hard obstacle it is
+  // known, and a soft one keeps it.
+  if (had_height && highest_soft_cm_[slot] == kNone) lowest_cm_[slot] = lowest_hard_cm_[slot];
+}
+
+Status HeightGrid::CrossCells(const Vec3& from_odom, const Vec3& to_odom, Crossing crossing) {
   if (!IsFinitePoint(from_odom) || !IsFinitePoint(to_odom)) return Status::kNotFinite;
   const Vec2 from = {from_odom.x_m, from_odom.y_m};
   const Vec2 along = {to_odom.x_m - from.x_m, to_odom.y_m - from.y_m};
@@ -231,8 +219,12 @@ Status HeightGrid::CrossCells(const Vec3& from_odom, const Vec3& to_odom, bool w
 
   const int steps = static_cast<int>(columns + rows);
   // Near the vehicle there is seldom a cell between two ground returns that were filed before.
-  const int known = with_heights ? kGroundHeightKnown : kGroundHeightKnown | kGroundObserved;
-  if (steps <= 1 && NeedsNone(first, known) && NeedsNone(last, known)) return Status::kOk;
+  const int known = crossing == Crossing::kObserve ? kGroundHeightKnown | kGroundFromBeside
+                                                   : int{kGroundHeightKnown};
+  if (steps <= 1 &&
+      (crossing == Crossing::kForget || (NeedsNone(first, known) && NeedsNone(last, known)))) {
+    return Status::kOk;
+  }
   CellWalk walk(from, along);
   HP_LOOP_BOUND(kMaxBridge_cells)
   for (int step = 0; step <= steps; ++step) {
@@ -240,9 +232,13 @@ Status HeightGrid::CrossCells(const Vec3& from_odom, const Vec3& to_odom, bool w
     const Cell cell = step == steps ? last : walk.cell();
     walk.Next();
     // Most of it was observed before.
+    if (crossing == Crossing::kForget) {
+      if (step > 0 && step < steps && window_.Contains(cell)) ForgetCell(Slot(cell));
+      continue;
+    }
     if (NeedsNone(cell, known)) continue;
-    if (!with_heights) {
-      seen_[Slot(cell)] |= kGroundObserved;
+    if (crossing == Crossing::kObserve) {
+      seen_[Slot(cell)] |= kGroundFromBeside;
       continue;
     }
     const Vec2 middle = CellCenter(cell);
@@ -253,8 +249,11 @@ Status HeightGrid::CrossCells(const Vec3& from_odom, const Vec3& to_odom, bool w
   return Status::kOk;
 }
 
-Status HeightGrid::AssumeGround(const Vec3& center_odom, float radius_m) {
-  if (!IsFinitePoint(center_odom) || !IsFinite(radius_m)) return Status::kNotFinite;
+Status HeightGrid::AssumeGround(const Vec3& center_odom, float radius_m, Vec2 slope) {
+  if (!IsFinitePoint(center_odom) || !IsFinite(radius_m) || !IsFinite(slope.x_m) ||
+      !IsFinite(slope.y_m)) {
+    return Status::kNotFinite;
+  }
   if (radius_m < 0.0f || radius_m > kMaxAssumed_m) return Status::kInvalidArgument;
   const Cell middle = CellAt({center_odom.x_m, center_odom.y_m});
   const float u = PlaceInCell(center_odom.x_m, middle.x);
@@ -270,7 +269,8 @@ Status HeightGrid::AssumeGround(const Vec3& center_odom, float radius_m) {
       const float along_x = static_cast<float>(dx) + 0.5f - u;
       if (along_x * along_x + along_y * along_y > radius_cells * radius_cells) continue;
       // Saturates rather than wraps at the end of the plane: such a cell is off any window.
-      TakeAsGround({Offset(middle.x, dx), Offset(middle.y, dy)}, center_odom.z_m);
+      const float rise_m = (along_x * slope.x_m + along_y * slope.y_m) * kCellSize_m;
+      TakeAsGround({Offset(middle.x, dx), Offset(middle.y, dy)}, center_odom.z_m + rise_m);
     }
   }
   return Status::kOk;
@@ -286,152 +286,6 @@ Status HeightGrid::ShiftHeights(float dz_m) {
   return Status::kOk;
 }
 
-Status HeightGrid::Age(const SightFan& fan, uint32_t revolution, int ageing_revolutions) {
-  float furthest_m = 0.0f;
-  const Status status = CheckFan(fan, furthest_m);
-  if (status != Status::kOk) return status;
-  const Vec2 sensor = {fan.sensor_odom.x_m, fan.sensor_odom.y_m};
-  if (ageing_revolutions < 1 || ageing_revolutions > kMaxAgeingRevolutions ||
-      !window_.Contains(CellAt(sensor))) {
-    return Status::kInvalidArgument;
-  }
-  if (furthest_m <= 0.0f) return Status::kOk;
-
-  Sight sight = {};
-  const Vec2 given = fan.direction_odom;
-  const float length = Sqrt(given.x_m * given.x_m + given.y_m * given.y_m);
-  sight.direction = {given.x_m / length, given.y_m / length};
-  sight.z_cm = fan.sensor_odom.z_m * kCentimetersPerMeter - static_cast<float>(datum_cm_);
-  const float spread = Max(fan.highest_slope - fan.lowest_slope, 0.0f) * kCentimetersPerMeter;
-  sight.spacing_cm_per_m = fan.beams > 1 ? spread / static_cast<float>(fan.beams - 1) : 0.0f;
-  sight.odd = (revolution & 1) != 0;
-  sight.ageing_revolutions = ageing_revolutions;
-
-  const int cells = CellsInReach(sight.direction, furthest_m);
-  CellWalk walk(sensor, sight.direction);
-  HP_LOOP_BOUND(kMaxSight_cells)
-  for (int i = 0; i < cells; ++i) {
-    if (!window_.Contains(walk.cell())) break;
-    const int slot = Slot(walk.cell());
-    if (HasObstacle(slot)) {
-      const Vec2 middle = CellCenter(walk.cell());
-      AgeCell(slot,
-              (middle.x_m - sensor.x_m) * sight.direction.x_m +
-                  (middle.y_m - sensor.y_m) * sight.direction.y_m,
-              fan, sight);
-    }
-    walk.Next();
-  }
-  return Status::kOk;
-}
-
-void HeightGrid::AgeCell(int slot, float distance_m, const SightFan& fan, const Sight& sight) {
-  const int misses = (seen_[slot] & kMissMask) / kMissOne;
-  const bool is_new = ((seen_[slot] & kSightOdd) != 0) != sight.odd;
-  if (!is_new && misses == 0) return;  // neither a hit nor a miss would change anything
-
-  const bool hard = highest_hard_cm_[slot] != kNone;
-  Target target = {};
-  target.lowest_cm = hard ? lowest_hard_cm_[slot] : lowest_cm_[slot];
-  target.highest_cm = hard ? highest_hard_cm_[slot] : highest_soft_cm_[slot];
-  target.distance_m = distance_m;
-  target.margin_cm = kEdge_cm + sight.spacing_cm_per_m * Max(distance_m, 0.0f);
-  const Evidence evidence = Look(fan, sight, target);
-  if (evidence.hit) {
-    MakeYoung(slot, sight.odd);
-    return;
-  }
-  const bool through = evidence.inside || (evidence.around && !evidence.ended);
-  if (!is_new || !through) return;
-  MakeYoung(slot, sight.odd);
-  if (misses + 1 < sight.ageing_revolutions) {
-    seen_[slot] = static_cast<uint8_t>(seen_[slot] + (misses + 1) * kMissOne);
-    return;
-  }
-  CutDown(slot, hard, evidence.inside ? Cut_cm(fan, sight, target) : target.lowest_cm);
-}
-
-HeightGrid::Evidence HeightGrid::Look(const SightFan& fan, const Sight& sight,
-                                      const Target& target) {
-  const float near_m = Max(target.distance_m - kEndsBefore_m, 0.0f);
-  const float behind_m = target.distance_m + kBehind_m;
-  const float reach_cm = target.distance_m * kCentimetersPerMeter;
-  const float low_cm = target.lowest_cm - target.margin_cm;
-  const float high_cm = target.highest_cm + target.margin_cm;
-  const float middle_cm = 0.5f * (target.lowest_cm + target.highest_cm);
-  const float hit_cm = middle_cm - kEdge_cm;
-  const float edge_cm = target.highest_cm - kEdge_cm;
-  int32_t hit = 0;
-  int32_t ended = 0;
-  int32_t inside = 0;
-  int32_t below = 0;
-  int32_t above = 0;
-  // No branches: it runs for every obstacle along every direction.
-  HP_LOOP_BOUND(kMaxBeams)
-  for (int beam = 0; beam < fan.beams; ++beam) {
-    const float level_m = fan.level_m[beam];
-    const float slope = fan.slope[beam];
-    const int32_t beyond = -(level_m > behind_m);
-    const int32_t got_here = -(level_m > near_m);
-    const float level_cm = level_m * kCentimetersPerMeter;
-    const float height_cm = sight.z_cm + slope * Min(level_cm, reach_cm);
-    const float half_cm = Abs(slope) * kCellReach_cm;
-    const float bottom_cm = height_cm - half_cm;
-    const float top_cm = height_cm + half_cm;
-    const int32_t ended_here =
-        got_here & ~beyond & -(height_cm >= low_cm) & -(height_cm <= high_cm);
-    ended |= ended_here;
-    hit |= ended_here & -(height_cm >= hit_cm);
-    inside |= beyond & -(bottom_cm >= target.lowest_cm) & -(top_cm <= edge_cm);
-    below |= beyond & -(top_cm >= low_cm) & -(top_cm <= middle_cm);
-    above |= beyond & -(bottom_cm >= middle_cm) & -(bottom_cm <= high_cm);
-  }
-  return {hit != 0, ended != 0, inside != 0, below != 0 && above != 0};
-}
-
-// Down to where an obstacle is cut: a beam went through inside it, and none hit it.
-float HeightGrid::Cut_cm(const SightFan& fan, const Sight& sight, const Target& target) {
-  const float near_m = Max(target.distance_m - kEndsBefore_m, 0.0f);
-  const float behind_m = target.distance_m + kBehind_m;
-  const float reach_cm = target.distance_m * kCentimetersPerMeter;
-  const float top_cm = target.highest_cm - kEdge_cm;
-  float lowest_through_cm = top_cm;
-  float highest_end_cm = target.lowest_cm;
-  HP_LOOP_BOUND(kMaxBeams)
-  for (int beam = 0; beam < fan.beams; ++beam) {
-    const float level_m = fan.level_m[beam];
-    if (!(level_m > near_m)) continue;
-    const float slope = fan.slope[beam];
-    const float level_cm = level_m * kCentimetersPerMeter;
-    const float height_cm = sight.z_cm + slope * Min(level_cm, reach_cm);
-    const float half_cm = Abs(slope) * kCellReach_cm;
-    if (level_m > behind_m) {
-      if (height_cm - half_cm >= target.lowest_cm) {
-        lowest_through_cm = Min(lowest_through_cm, height_cm + half_cm);
-      }
-    } else if (height_cm <= top_cm) {
-      highest_end_cm = Max(highest_end_cm, height_cm);
-    }
-  }
-  return Max(lowest_through_cm, highest_end_cm);
-}
-
-// The hard obstacle, or the soft one, ends at a height below its highest return from now on.
-void HeightGrid::CutDown(int slot, bool hard, float cut_cm) {
-  const int32_t highest_cm = RoundToInt(cut_cm);
-  const int16_t lowest_cm = hard ? lowest_hard_cm_[slot] : lowest_cm_[slot];
-  const bool gone = highest_cm <= lowest_cm + kRest_cm;
-  const int16_t kept_cm = gone ? kNone : static_cast<int16_t>(highest_cm);
-  if (hard) {
-    highest_hard_cm_[slot] = kept_cm;
-    if (gone) lowest_hard_cm_[slot] = kNone;
-    seen_[slot] = static_cast<uint8_t>(seen_[slot] & ~kPersonMask);
-  } else {
-    highest_soft_cm_[slot] = kept_cm;
-  }
-  if (!HasObstacle(slot) && (seen_[slot] & kGroundHeightKnown) == 0) lowest_cm_[slot] = kNone;
-}
-
 HeightGrid::CellHeights HeightGrid::At(Cell cell) const {
   if (!window_.Contains(cell)) return {};
   const int slot = Slot(cell);
@@ -441,7 +295,8 @@ HeightGrid::CellHeights HeightGrid::At(Cell cell) const {
           Told(highest_soft_cm_[slot]),
           (seen_[slot] & kGroundHeightKnown) != 0,
           (seen_[slot] & kPersonMask) != 0,
-          (seen_[slot] & (kGroundHeightKnown | kGroundObserved)) != 0};
+          (seen_[slot] & (kGroundHeightKnown | kGroundFromBeside)) != 0,
+          (seen_[slot] & kGroundHeightKnown) != 0 && (seen_[slot] & kGroundFromBeside) != 0};
 }
 
 void HeightGrid::Read(Cell first, Strip& strip) const {
@@ -459,7 +314,8 @@ void HeightGrid::Read(Cell first, Strip& strip) const {
     for (int i = 0; i < kStripCells; ++i) {
       strip.ground[i] = seen[i] & kGroundHeightKnown;
       strip.person[i] = (seen[i] & kPersonMask) != 0;
-      strip.observed[i] = (seen[i] & (kGroundHeightKnown | kGroundObserved)) != 0;
+      strip.observed[i] = (seen[i] & (kGroundHeightKnown | kGroundFromBeside)) != 0;
+      strip.guessed[i] = (seen[i] & kGroundHeightKnown) & ((seen[i] & kGroundFromBeside) != 0);
     }
     return;
   }
@@ -474,6 +330,7 @@ void HeightGrid::Read(Cell first, Strip& strip) const {
     strip.ground[i] = heights.ground;
     strip.person[i] = heights.person;
     strip.observed[i] = heights.observed;
+    strip.guessed[i] = heights.guessed;
   }
 }
 

@@ -61,7 +61,8 @@
 // what is seen through in every second revolution only does not age.
 //
 // A person's flag lasts while returns of a person come: each sets a memory of kPersonMemory, and
-// each new revolution (by parity too) whose first hard return is not a person's takes one off.
+// each new revolution (by parity too) whose first hard or ground return is not a person's takes one
+// off.
 // The ground ages by being seen: in a cell without an obstacle, a ground return of a new revolution
 // lets `lowest` rise by at most one centimetre, and not above that return, so that the ground
 // follows a slow drift of the odometry's height.
@@ -110,6 +111,7 @@ class HeightGrid {
     bool ground = false;  // its height is known: a ground return, or bridged between two
     bool person = false;
     bool observed = false;  // the ground was observed, whether its height is known or not
+    bool guessed = false;   // its height is bridged or assumed: no ground return came from here
   };
 
   // Cells side by side along x, as arrays, so that loops over them vectorise.
@@ -122,6 +124,7 @@ class HeightGrid {
     uint8_t ground[kStripCells];    // 0 or 1
     uint8_t person[kStripCells];    // 0 or 1
     uint8_t observed[kStripCells];  // 0 or 1
+    uint8_t guessed[kStripCells];   // 0 or 1
   };
 
   // Empty, centred at the odom frame's origin. Cost: kMapCells cells cleared.
@@ -155,11 +158,18 @@ class HeightGrid {
   // to be low growth. Only x and y of the points count. Statuses and cost of BridgeGround.
   Status ObserveGround(const Vec3& from_odom, const Vec3& to_odom);
 
-  // Takes the ground of all cells whose centre lies within radius_m of a point as observed, at that
-  // point's height, where no ground is known yet, as BridgeGround does. kNotFinite;
+  // A nearer look did not see the ground between two points of it. Between the cells of the two
+  // ends, what was bridged, assumed or only observed is unknown again: a ditch that is narrower
+  // than the rings' spacing is bridged from afar. Where a ground return came from stays. Statuses
+  // and cost of BridgeGround.
+  Status ForgetGround(const Vec3& from_odom, const Vec3& to_odom);
+
+  // Takes the ground of all cells whose centre lies within radius_m of a point as observed, in the
+  // plane through it that rises by `slope` a metre along x and y, where no ground is known yet, as
+  // BridgeGround does. kNotFinite;
   // kInvalidArgument: radius_m is negative or above 50. Cost: the cells of the square around it, at
   // most kMapCells.
-  Status AssumeGround(const Vec3& center_odom, float radius_m);
+  Status AssumeGround(const Vec3& center_odom, float radius_m, Vec2 slope = {});
 
   // Lets the cells age that the fan's beams crossed. kNotFinite: a number of the fan (slopes of
   // beams that saw nothing excepted); kInvalidArgument: beams not 0 .. kMaxBeams, a direction that
@@ -185,8 +195,9 @@ class HeightGrid {
   void Read(Cell first, Strip& strip) const;
 
  private:
-  // A cell's byte: whether the ground's height is known, a person's memory, misses, whether the
-  // ground was observed without a height, and the parity of two revolutions: of the last miss or
+  // A cell's byte: whether the ground's height is known, a person's memory, misses, whether what is
+  // known of the ground comes from beside it (its height, or without one that it was observed), and
+  // the parity of two revolutions: of the last miss or
   // hit, and of the last return that was filed (ground returns where there is no obstacle, hard
   // ones).
   enum Seen : uint8_t {
@@ -195,7 +206,7 @@ class HeightGrid {
     kPersonMask = 3 * kPersonOne,
     kMissOne = 8,
     kMissMask = (kMaxAgeingRevolutions - 1) * kMissOne,
-    kGroundObserved = 32,
+    kGroundFromBeside = 32,
     kSightOdd = 64,
     kFiledOdd = 128,
   };
@@ -239,7 +250,10 @@ class HeightGrid {
   void FileGround(int slot, int16_t height_cm, bool odd);
   void FileHard(int slot, int16_t height_cm, bool odd, bool person);
   void FileSoft(int slot, int16_t height_cm, bool odd);
-  Status CrossCells(const Vec3& from_odom, const Vec3& to_odom, bool with_heights);
+  // What is done to the cells that a line crosses.
+  enum class Crossing : uint8_t { kBridge, kObserve, kForget };
+  Status CrossCells(const Vec3& from_odom, const Vec3& to_odom, Crossing crossing);
+  void ForgetCell(int slot);
   bool NeedsNone(Cell cell, int known) const;
   void TakeAsGround(Cell cell, float z_m);
   void MakeYoung(int slot, bool odd);

@@ -160,7 +160,8 @@ void CostmapBuilder::LoadGround(const HeightGrid& heights, int row) {
       // Read before it is chosen from, or the loop would not vectorise.
       const int16_t lowest_cm = strip_.lowest_cm[i];
       lowest[start + i] = lowest_cm;
-      ground[start + i] = strip_.ground[i] != 0 ? lowest_cm : kNone;
+      const bool measured = (strip_.ground[i] != 0) & (strip_.guessed[i] == 0);
+      ground[start + i] = measured ? lowest_cm : kNone;
       unseen[start + i] = strip_.ground[i] ^ 1;
     }
   }
@@ -233,8 +234,9 @@ void CostmapBuilder::ClassifyStrip(int row, int start) {
     const int16_t near_cm = strip_.ground[i] != 0 ? own_cm : around_cm;
     const int16_t local_cm = near_cm != kNone ? near_cm : in_square_cm;
     const bool ground_seen = in_cell | (unseen[i] == 0);
+    const bool no_overhead = in_cell | (strip_.guessed[i] != 0);
     const Limits limits = {Raised(in_cell ? own_cm : local_cm, obstacle_cm),
-                           Raised(in_cell ? kNone : near_cm, clearance_cm), ground_seen};
+                           Raised(no_overhead ? kNone : near_cm, clearance_cm), ground_seen};
     flags[i] = CellFlags(strip_, i, limits);
   }
 }

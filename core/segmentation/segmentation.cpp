@@ -10,6 +10,10 @@ namespace hardpack {
 namespace {
 
 // Between rings that lie close together the noise of their heights must not look like a slope.
+// A stretch where ground was looked for and not seen: more than what a lost return or a tuft leaves
+// out, and wide enough for a wheel to drop into.
+constexpr float kGapShare = 2.0f;
+constexpr float kLeastGap_m = 1.0f;
 constexpr float kHeightNoise_m = 0.05f;
 constexpr float kTallStep_m = 1.0f;
 // What was tall stays so for as many directions: a crown has gaps.
@@ -39,6 +43,8 @@ void Segmenter::Restart() {
   for (Direction& direction : directions_) direction.Clear();
   HP_LOOP_BOUND(kTallSteps)
   for (uint8_t& left : tall_) left = 0;
+  gaps_.count = 0;
+  gaps_before_[0].count = 0;
 }
 
 void Segmenter::Direction::Clear() {
@@ -141,6 +147,7 @@ void Segmenter::FileHeights(const Direction& direction) {
     result_.ground_known[beam] = false;
     result_.above_ground_m[beam] = 0.0f;
     result_.observed_from[beam] = -1;
+    result_.gap_from[beam] = -1;
     if (range_m[beam] == RangeColumn::kNoReturn_m) continue;
     const float level_m = direction.level_m[beam];
     point = line_.LastPointBefore(level_m, point);
@@ -156,25 +163,63 @@ void Segmenter::FileHeights(const Direction& direction) {
 }
 
 void Segmenter::FileGround(const Direction& direction) {
+  gaps_before_[1] = gaps_before_[0];
+  gaps_before_[0] = gaps_;
+  gaps_.count = 0;
   HP_LOOP_BOUND(kMaxBeams)
   for (int point = 1; point < line_.size(); ++point) {
     const int beam = line_.beam(point);
     result_.what[beam] = ReturnClass::kGround;
     result_.ground_known[beam] = true;
     result_.above_ground_m[beam] = 0.0f;
-    if (IsObserved(direction, point)) {
-      result_.observed_from[beam] = static_cast<int16_t>(line_.beam(point - 1));
-    }
+    FileStretch(direction, point);
   }
 }
 
-// Whether the ground between a point of the line and the one before it counts as observed.
-bool Segmenter::IsObserved(const Direction& direction, int point) const {
+// What is known of the ground between a point of the line and the one before it.
+void Segmenter::FileStretch(const Direction& direction, int point) {
+  const int beam = line_.beam(point);
   const int near_beam = line_.beam(point - 1);
-  if (near_beam < 0) return false;
+  if (near_beam < 0) return;
   const float run_m = line_.level_m(point) - line_.level_m(point - 1);
   const float rise_m = line_.height_m(point) - line_.height_m(point - 1);
-  if (!(Abs(rise_m) <= params_.bridge_max_slope * run_m + kHeightNoise_m)) return false;
+  const bool is_even = Abs(rise_m) <= params_.bridge_max_slope * run_m + kHeightNoise_m;
+  if (is_even && !IsLong(direction, point, params_.bridge_factor)) {
+    result_.observed_from[beam] = static_cast<int16_t>(near_beam);
+  }
+  const bool is_gap = run_m > kLeastGap_m &&
+                      IsLong(direction, point, params_.bridge_factor * kGapShare) &&
+                      !StandsBetween(near_beam, beam);
+  if (!is_gap) return;
+  const float middle_m = line_.level_m(point) - 0.5f * run_m;
+  // A ditch is there for the directions before, too; between tufts of grass it is a matter of luck.
+  if (gaps_before_[0].Hold(middle_m) && gaps_before_[1].Hold(middle_m))
+    result_.gap_from[beam] = static_cast<int8_t>(near_beam);
+  gaps_.Add(line_.level_m(point - 1), line_.level_m(point));
+}
+
+void Segmenter::Gaps::Add(float from_m, float to_m) {
+  if (count == kMost) return;
+  low_m[count] = from_m;
+  high_m[count] = to_m;
+  ++count;
+}
+
+bool Segmenter::Gaps::Hold(float level_m) const {
+  bool hold = false;
+  HP_LOOP_BOUND(kMost)
+  for (int gap = 0; gap < count; ++gap) {
+    hold = hold || (level_m >= low_m[gap] && level_m <= high_m[gap]);
+  }
+  return hold;
+}
+
+// Whether a point of the line is further from the one before it than `factor` spacings of the
+// rings.
+bool Segmenter::IsLong(const Direction& direction, int point, float factor) const {
+  const int near_beam = line_.beam(point - 1);
+  const float run_m = line_.level_m(point) - line_.level_m(point - 1);
+  const float rise_m = line_.height_m(point) - line_.height_m(point - 1);
   // The nearer beam is below the point's own, so there is a next higher one.
   const float low = direction.slope[near_beam];
   const float step_rad = (direction.slope[near_beam + 1] - low) / (1.0f + low * low);
@@ -182,8 +227,19 @@ bool Segmenter::IsObserved(const Direction& direction, int point) const {
   const float above_m = direction.sensor_height_m - line_.height_m(point - 1);
   // On rising ground the rings lie closer: R^2 da / (h + R s).
   const float closing_m = above_m * run_m + near_m * Max(rise_m, 0.0f);
-  return closing_m > 0.0f &&
-         run_m * closing_m <= params_.bridge_factor * near_m * near_m * step_rad * run_m;
+  return !(closing_m > 0.0f && run_m * closing_m <= factor * near_m * near_m * step_rad * run_m);
+}
+
+// Whether a beam between two others came back from something that is not below the ground: it may
+// hide the ground behind it.
+bool Segmenter::StandsBetween(int near_beam, int beam) const {
+  bool stands = false;
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int between = near_beam + 1; between < beam; ++between) {
+    const bool seen = result_.what[between] != ReturnClass::kIgnored;
+    stands = stands || (seen && !(above_m_[between] < -params_.ground_band_m));
+  }
+  return stands;
 }
 
 void Segmenter::RememberTall(const Direction& direction) {

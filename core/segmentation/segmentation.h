@@ -60,6 +60,10 @@ struct DirectionClasses {
   // For ground returns: the beam of the next nearer ground return up to which the ground between
   // them counts as observed; -1 where it does not, or there is none.
   int16_t observed_from[kMaxBeams] = {};
+  // For ground returns: the beam of the next nearer ground return, if the ground between them was
+  // looked for and not seen: half as far again as may be bridged, at least 0.8 m, and nothing
+  // stands between them. -1 elsewhere.
+  int8_t gap_from[kMaxBeams] = {};
 };
 
 class Segmenter {
@@ -118,7 +122,19 @@ class Segmenter {
   void FindLine(const Direction& direction);
   void FileHeights(const Direction& direction);
   void FileGround(const Direction& direction);
-  bool IsObserved(const Direction& direction, int point) const;
+  // Stretches of one direction, by level distance, where ground was looked for and not seen.
+  struct Gaps {
+    static constexpr int kMost = 4;  // further ones are not remembered
+    int32_t count = 0;
+    float low_m[kMost] = {};
+    float high_m[kMost] = {};
+    void Add(float from_m, float to_m);
+    bool Hold(float level_m) const;
+  };
+
+  void FileStretch(const Direction& direction, int point);
+  bool IsLong(const Direction& direction, int point, float factor) const;
+  bool StandsBetween(int near_beam, int beam) const;
   void RememberTall(const Direction& direction);
   bool IsTallAt(float level_m) const;
   bool MayBeSoft(const Direction& direction, int beam) const;
@@ -139,6 +155,8 @@ class Segmenter {
   uint32_t around_[kMaxBeams] = {};
   // For how many directions to come something tall stands at each level distance.
   uint8_t tall_[kTallSteps] = {};
+  Gaps gaps_;            // of the direction that is classed
+  Gaps gaps_before_[2];  // and of the two before it
   DirectionClasses result_;
 };
 static_assert(std::is_trivially_copyable_v<Segmenter>);

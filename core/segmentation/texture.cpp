@@ -111,6 +111,11 @@ void TextureFinder::Find(const RangeColumn* const (&columns)[kColumns], int beam
     line_[i] = (Sure(c[i], c[i - 1], rough2) + Sure(c[i], c[i + 1], rough2)) +
                (Sure(c[i], c[i - 2], rough2) + Sure(c[i], c[i + 2], rough2));
   }
+  Judge(beams, alone2, texture);
+}
+
+void TextureFinder::Judge(int beams, float alone2, Texture& texture) {
+  constexpr int kReach = RangeColumn::kReach_beams;
   HP_LOOP_BOUND(kMaxBeams)
   for (int i = 0; i < beams; ++i) {
     const uint32_t tight = counts_[i] % kAround;

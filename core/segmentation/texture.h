@@ -52,6 +52,9 @@ class TextureFinder {
             const SegmentationParams& params, Texture& texture);
 
  private:
+  // What the counts of all beams amount to.
+  void Judge(int beams, float alone2, Texture& texture);
+
   uint32_t counts_[kMaxBeams] = {};   // neighbours by kind, packed
   uint32_t row_[kMaxBeams] = {};      // neighbours of the same beam on the same surface
   uint32_t line_[kMaxBeams] = {};     // neighbours of the same direction on it

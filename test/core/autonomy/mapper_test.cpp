@@ -193,6 +193,24 @@ TEST(Mapper, KeepsTheMapWhenTheSensorRestarts) {
   EXPECT_EQ(bench.HardInGrid(MapperBench::kBox), Chain::Cells(MapperBench::kBox));
 }
 
+// One wrong frame id takes the ring ahead of the sensor: it finds back within two packets' columns
+// and a tick, not after the 60 revolutions.
+TEST(Mapper, FindsBackFromOneWrongFrameId) {
+  MapperBench bench(false);
+  bench.GiveAll(0, 2 * kColumns);
+  LidarColumn wild = bench.Cast(2 * kColumns + 1).first;
+  wild.frame_id = static_cast<uint16_t>(wild.frame_id + 60);
+  EXPECT_EQ(bench.mapper->AddColumn(wild, TimeOf_ns(2 * kColumns + 1)), Status::kOk);
+  int refused = 0;
+  for (int index = 2 * kColumns + 2; index < 3 * kColumns; ++index) {
+    refused += IsUsable(bench.Give(index)) ? 0 : 1;
+    bench.mapper->Advance(TimeOf_ns(index));
+  }
+  EXPECT_GE(refused, 1);
+  EXPECT_LE(refused, 2 * Mapper::kMaxLateRun);
+  EXPECT_EQ(bench.mapper->counters().sensor_restarts, 1u);
+}
+
 TEST(Mapper, EndsTheRevolutionOfASilentSensor) {
   MapperBench bench(true);
   constexpr int kLast = kAhead + 100;

@@ -211,5 +211,60 @@ TEST(PerceptionScenes, PolesStaySharpWhileTheVehicleTurns) {
   EXPECT_GT(smeared.outside, kPoles);
 }
 
+// From afar the rings lie further apart than a ditch is wide, and it is bridged; from near it is
+// not.
+//
+//   [==] ->        ______   ______
+//                        |_|   1 m wide, 1 m deep
+TEST(PerceptionScenes, DitchThatIsDrivenAtBecomesUnknown) {
+  for (const double width_m : {1.0, 1.5, 2.0}) {
+    SCOPED_TRACE(width_m);
+    World world;
+    world.ground = Ground({{-1000.0, 0.0},
+                           {20.0, 0.0},
+                           {20.0, -1.0},
+                           {20.0 + width_m, -1.0},
+                           {20.0 + width_m, 0.0},
+                           {1000.0, 0.0}},
+                          0.0);
+    Chain chain(false, Sector{12.0});
+    chain.world = world;
+    chain.truth = [](double t) {
+      Pose pose;
+      pose.x = std::min(3.0 * t, 14.0);
+      return pose;
+    };
+    chain.RunUntil(5.5);
+    chain.Build();
+    const Area ditch = {20.0, -0.6, 20.0 + width_m, 0.6};
+    const int unknown = Chain::Cells(ditch) - chain.Count(ditch, Costmap::kObserved);
+    EXPECT_GE(unknown, 0.5 * Chain::Cells(ditch)) << chain.Picture({18.0, -0.6, 24.0, 0.6});
+    EXPECT_GE(chain.Count({15.0, -0.6, 19.8, 0.6}, Costmap::kObserved), 0.95 * 24 * 6);
+  }
+}
+
+// Where the vehicle starts on a slope, a person uphill is above what is assumed of the ground.
+//
+//                 o
+//             ___/|
+//   [==]_____/
+TEST(PerceptionScenes, PersonUphillOfTheStartIsHard) {
+  for (const double distance_m : {4.5, 5.0, 6.0}) {
+    SCOPED_TRACE(distance_m);
+    World world;
+    const double steep = std::tan(25.0 * kDegree_rad);
+    world.ground = Ground({{-1000.0, 0.0}, {1.0, 0.0}, {1000.0, 999.0 * steep}}, 0.0);
+    const double feet_m = (distance_m - 1.0) * steep;
+    world.bodies = {Cylinder(distance_m, 0.0, 0.25, feet_m + 1.8, kPersonCode)};
+    Chain chain(false, Sector{20.0});
+    chain.world = world;
+    chain.truth = [](double) { return Pose{}; };
+    chain.RunUntil(1.0);
+    chain.Build();
+    const Area person = {distance_m - 0.4, -0.4, distance_m + 0.4, 0.4};
+    EXPECT_GE(chain.Count(person, Costmap::kHard), 2) << chain.Picture({3.0, -1.0, 8.0, 1.0});
+  }
+}
+
 }  // namespace
 }  // namespace hardpack::perception

@@ -157,7 +157,8 @@ TEST(PerceptionScenes, GrassIsFree) {
     SCOPED_TRACE(with_labels ? "with labels" : "by geometry");
     const auto chain = Standing(world, with_labels, 1.5);
     EXPECT_EQ(chain->Count(kGrass, kObstacle), 0) << chain->Picture(kGrass);
-    EXPECT_GE(chain->Count(kGrass, kObserved), 0.8 * Chain::Cells(kGrass))
+    // What no beam came back from in three directions side by side is not bridged over.
+    EXPECT_GE(chain->Count(kGrass, kObserved), 0.75 * Chain::Cells(kGrass))
         << chain->Picture(kGrass);
   }
 }

@@ -329,14 +329,13 @@ TEST_F(Ageing, WhatIsCutIsNoPersonAnyMore) {
   EXPECT_FALSE(Heights().person);
 }
 
-TEST_F(Ageing, APersonFadesWithRevolutionsOfOtherHardReturns) {
+TEST_F(Ageing, APersonFadesWithRevolutionsOfOtherReturns) {
   File(1.0f, ReturnClass::kPerson, 10);
   for (int i = 0; i < 9; ++i) File(1.0f, ReturnClass::kHard, 10);  // the same revolution
   File(1.0f, ReturnClass::kHard, 11);
   File(1.0f, ReturnClass::kHard, 11);
   File(1.0f, ReturnClass::kHard, 12);
   EXPECT_TRUE(Heights().person);
-  File(0.0f, ReturnClass::kGround, 13);
   File(1.0f, ReturnClass::kSoft, 13);
   EXPECT_TRUE(Heights().person);
   File(1.0f, ReturnClass::kHard, 13);
@@ -344,6 +343,27 @@ TEST_F(Ageing, APersonFadesWithRevolutionsOfOtherHardReturns) {
   EXPECT_EQ(Highest(), 100);
   File(1.0f, ReturnClass::kPerson, 14);
   EXPECT_TRUE(Heights().person);
+}
+
+// A mask that bled onto the ground around a person: nothing stands there that could be seen
+// through.
+TEST_F(Ageing, APersonOnTheGroundFadesWithGroundReturns) {
+  File(0.05f, ReturnClass::kPerson, 10);
+  for (uint32_t revolution = 11; revolution <= 13; ++revolution) {
+    EXPECT_TRUE(Heights().person);
+    File(0.0f, ReturnClass::kGround, revolution);
+    File(0.0f, ReturnClass::kGround, revolution);
+  }
+  EXPECT_FALSE(Heights().person);
+}
+
+// Lying, and seen together with the ground beside: a person as long as there are returns of one.
+TEST_F(Ageing, APersonLyingDoesNotFade) {
+  for (uint32_t revolution = 10; revolution <= 40; ++revolution) {
+    File(0.0f, ReturnClass::kGround, revolution);
+    File(0.2f, ReturnClass::kPerson, revolution);
+    EXPECT_TRUE(Heights().person);
+  }
 }
 
 TEST_F(Ageing, APersonWhoIsSeenNowAndThenDoesNotFade) {

@@ -106,7 +106,7 @@ class CostmapReference {
     int lowest_cm = kNone;
     ForSquare(column, row, 2, [&](int x, int y) {
       const HeightGrid::CellHeights& other = HeightsAt(x, y);
-      if (other.ground) lowest_cm = std::min<int>(lowest_cm, other.lowest_cm);
+      if (other.ground && !other.guessed) lowest_cm = std::min<int>(lowest_cm, other.lowest_cm);
     });
     return lowest_cm;
   }
@@ -132,7 +132,7 @@ class CostmapReference {
       });
       const int near_cm = NearGround_cm(column, row);
       ground_cm = near_cm != kNone ? near_cm : far_cm;
-      overhead = near_cm != kNone &&
+      overhead = near_cm != kNone && !own.guessed &&
                  own.lowest_hard_cm - near_cm > Rounded(params_.clearance_height_m * 100.0f);
     }
     const int obstacle_cm = Rounded(params_.obstacle_height_m * 100.0f);

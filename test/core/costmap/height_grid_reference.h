@@ -57,11 +57,17 @@ class ReferenceGrid {
     const bool odd = revolution % 2 == 1;
     const int64_t h = *height;
     if (what == ReturnClass::kGround) {
-      if (!cell.HasObstacle()) {
-        if (cell.filed_odd != odd && cell.lowest && *cell.lowest < h) ++*cell.lowest;
+      const bool empty = !cell.HasObstacle();
+      const bool person = cell.memory > 0;
+      if (empty || person) {
+        const bool first = cell.filed_odd != odd;
         cell.filed_odd = odd;
+        if (first && person) --cell.memory;
+        if (first && empty && cell.lowest && *cell.lowest < h) ++*cell.lowest;
       }
+      if (empty && cell.ground && cell.beside) cell.lowest = h;
       cell.ground = true;
+      cell.beside = false;
     }
     if (!cell.lowest || h < *cell.lowest) cell.lowest = h;
     if (what == ReturnClass::kSoft) {
@@ -174,7 +180,8 @@ class ReferenceGrid {
             told(cell.highest_soft),
             cell.ground,
             cell.memory > 0 && cell.highest_hard,
-            cell.ground};
+            cell.ground,
+            cell.ground && cell.beside};
   }
 
   const GridWindow& window() const { return window_; }
@@ -194,6 +201,7 @@ class ReferenceGrid {
     std::optional<int64_t> highest_hard;
     std::optional<int64_t> highest_soft;
     bool ground = false;
+    bool beside = false;  // the ground's height is a guess from beside
     int memory = 0;
     int misses = 0;
     bool sight_odd = false;
@@ -258,6 +266,7 @@ class ReferenceGrid {
     Cell& cell = cells_[key];
     if (cell.ground) return;
     cell.ground = true;
+    cell.beside = true;
     if (!cell.lowest || height < *cell.lowest) cell.lowest = height;
   }
 
