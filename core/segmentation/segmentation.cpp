@@ -194,7 +194,7 @@ void Segmenter::FileStretch(const Direction& direction, int point) {
   const float middle_m = line_.level_m(point) - 0.5f * run_m;
   // A ditch is there for the directions before, too; between tufts of grass it is a matter of luck.
   if (gaps_before_[0].Hold(middle_m) && gaps_before_[1].Hold(middle_m))
-    result_.gap_from[beam] = static_cast<int8_t>(near_beam);
+    result_.gap_from[beam] = static_cast<int16_t>(near_beam);
   gaps_.Add(line_.level_m(point - 1), line_.level_m(point));
 }
 

@@ -63,7 +63,7 @@ struct DirectionClasses {
   // For ground returns: the beam of the next nearer ground return, if the ground between them was
   // looked for and not seen: half as far again as may be bridged, at least 0.8 m, and nothing
   // stands between them. -1 elsewhere.
-  int8_t gap_from[kMaxBeams] = {};
+  int16_t gap_from[kMaxBeams] = {};
 };
 
 class Segmenter {
