@@ -5,6 +5,7 @@
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/saturate.h"
+#include "core/base/wide_int.h"
 
 namespace hardpack {
 namespace {
@@ -19,7 +20,7 @@ int32_t InCentimeters(float height_m) {
 }
 
 float SecondsBetween(uint64_t earlier_ns, uint64_t later_ns) {
-  return static_cast<float>(later_ns - earlier_ns) * kSecondsPerNanosecond;
+  return ToFloat(later_ns - earlier_ns) * kSecondsPerNanosecond;
 }
 
 // Where the body frame's origin lies in the sensor frame.
@@ -276,7 +277,7 @@ void Mapper::FinishColumn(int slot) {
 }
 
 Mapper::Direction& Mapper::DirectionOf(int64_t sequence) {
-  return directions_[sequence % (Segmenter::kLag + 1)];
+  return directions_[Divide(sequence, Segmenter::kLag + 1).remainder];
 }
 
 // Makes the view of one direction from the columns that its beams were fired in, and hands it to
@@ -295,7 +296,7 @@ void Mapper::LookAlong(int64_t sequence) {
   fan.highest_slope = -kSteepest;
   view_.beams = model_.beams;
   view_.sensor_height_m = fan.sensor_odom.z_m - ground_m;
-  const auto measurement_id = static_cast<int>(sequence % model_.columns_per_revolution);
+  const auto measurement_id = Divide(sequence, model_.columns_per_revolution).remainder;
   HP_LOOP_BOUND(kMaxBeams)
   for (int beam = 0; beam < model_.beams; ++beam) {
     LookWithBeam(beam, measurement_id, pose, direction);

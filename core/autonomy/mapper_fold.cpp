@@ -4,6 +4,7 @@
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/saturate.h"
+#include "core/base/wide_int.h"
 
 namespace hardpack {
 namespace {
@@ -55,7 +56,7 @@ bool Mapper::IsOverhead(PackedReturn packed) const {
 }
 
 uint32_t Mapper::RevolutionOf(int64_t sequence) const {
-  return static_cast<uint32_t>(sequence / model_.columns_per_revolution);
+  return static_cast<uint32_t>(Divide(sequence, model_.columns_per_revolution).quotient);
 }
 
 Vec3 Mapper::PointOdom(const ScanColumn& column, int row, PackedReturn packed) const {

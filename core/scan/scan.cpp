@@ -326,12 +326,12 @@ Status ScanRing::FindForLabels(uint16_t frame_id, uint16_t measurement_id, int64
 }
 
 int64_t ScanRing::TurnOf(int64_t sequence) const {
-  return sequence / columns_;
+  return Divide(sequence, columns_).quotient;
 }
 
 int64_t ScanRing::PlaceOf(int64_t sequence) const {
-  const auto measurement_id = static_cast<int>(sequence % columns_);
-  return TurnOf(sequence) * window_columns() + WindowPosition(measurement_id);
+  const Division at = Divide(sequence, columns_);
+  return at.quotient * window_columns() + WindowPosition(at.remainder);
 }
 
 void ScanRing::MarkClassed(int slot) {

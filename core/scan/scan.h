@@ -12,6 +12,7 @@
 #include "core/base/result.h"
 #include "core/base/saturate.h"
 #include "core/base/status.h"
+#include "core/base/wide_int.h"
 #include "core/measurements/measurements.h"
 
 // The ring of lidar columns between the codec and the costmap, and the geometry that turns a column
@@ -220,7 +221,7 @@ class ScanRing {
   // and Configure has succeeded.
   int SlotOf(int64_t sequence) const {
     HP_ASSERT(sequence >= 0 && slots_ > 0);
-    return static_cast<int>(sequence % slots_);
+    return Divide(sequence, slots_).remainder;
   }
   // Of the column that is the furthest on; -1 before the first.
   int64_t newest_sequence() const { return newest_sequence_; }
