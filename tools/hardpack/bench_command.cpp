@@ -11,6 +11,7 @@
 #include "tools/hardpack/arguments.h"
 #include "tools/hardpack/bench_stages.h"
 #include "tools/hardpack/command.h"
+#include "tools/hardpack/quality_command.h"
 #include "tools/movingai/movingai.h"
 
 namespace hardpack::command {
@@ -132,8 +133,9 @@ void AddBenchCommand(CLI::App& app) {
   movingai->add_option("SCEN", options->scenarios, "The scenarios (.scen)")->required();
   movingai->add_flag("--json", options->json, "Print one JSON object on stdout");
   movingai->callback([options] { RunMovingaiBench(*options); });
-  bench->callback([options, movingai] {
-    if (!movingai->parsed()) RunBench(*options);
+  AddQualityCommand(*bench);
+  bench->callback([options, bench] {
+    if (bench->get_subcommands().empty()) RunBench(*options);
   });
 }
 

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "config/parameters.h"
+#include "core/costmap/costmap.h"
+#include "core/path/path.h"
+#include "tools/picture/canvas.h"
+
+// One problem, and the paths that several solvers found on it: on the costmap, and beneath it their
+// curvature along the way.
+
+namespace hardpack::picture {
+
+struct QualityCurve {
+  std::string name;
+  WorldPath path;
+  // F, map and path part of it, largest curvature and rate, limits, length, clearance, angle, time
+  std::array<std::string, 10> figures;
+};
+
+struct QualityPicture {
+  const Costmap* map = nullptr;
+  const PlannerParams* params = nullptr;
+  PathStart start;
+  Vec2 goal_odom;
+  std::string title;
+  std::vector<QualityCurve> curves;  // at most 6; the first one is the base path
+};
+
+Canvas DrawQuality(const QualityPicture& picture);
+
+}  // namespace hardpack::picture
