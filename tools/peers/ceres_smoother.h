@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "config/parameters.h"
@@ -9,15 +10,18 @@
 #include "core/optimizer/optimizer.h"
 #include "core/path/path.h"
 
-// Ceres as a path smoother, beside core/optimizer: it moves the free points of a path so that F
-// (core/optimizer/optimizer.h) falls, with F's |u| rounded off within a small epsilon, which Ceres
-// needs. Two of its solvers can do that, and both are offered, as either may be the better:
+// Ceres as a path smoother, beside core/optimizer: it moves the free points of a path across it,
+// each along the normal that it has on the seed, so that F (core/optimizer/optimizer.h) falls, with
+// F's |u| rounded off at 0, which Ceres needs. Two of its solvers can do that, and both are
+// offered:
 // - kTrustRegion: F as nonlinear least squares, one residual block a term. A term a |u| is the
 //   residual u under a loss function, which Ceres solves by reweighting; the map's term is the
 //   square of its root. Levenberg-Marquardt with sparse Cholesky, as nav2's constrained smoother.
-// - kLineSearch: F as one function of all points (GradientProblemSolver), by L-BFGS.
-// Derivatives are analytic and in double precision; one thread; tolerances are Ceres' defaults. The
-// problem is built anew for each path, as nav2 does, so that belongs to the time.
+// - kLineSearch: F as one function of all offsets (GradientProblemSolver), by L-BFGS.
+// That is its best fair use: derivatives are analytic and found once a step for all residuals
+// (EvaluationCallback), one thread, tolerances at Ceres' defaults. Points free in x and y, which
+// has twice the unknowns and lets points slide along the path, was tried and is slower and worse.
+// The problem is built anew for each path, as nav2 does, so that belongs to the time.
 
 namespace hardpack::peers {
 
@@ -39,15 +43,15 @@ CeresResult Smooth(CeresMethod method, const Costmap& map, const OptimizerParams
                    const WorldPath& seed, float start_curvature_per_m, bool keep_end_heading,
                    int max_iterations);
 
-// The rounded F that a method minimises, and its derivative by x and y of each free point, from
-// point 2 on (for tests). The first is within a few thousandths of F per point. Empty where Smooth
-// is not usable.
+// The rounded F that a method minimises, and its derivative by the offset of each free point from
+// the seed, along the normal to the left (for tests). offsets_m: one a free point, from point 2 on.
+// Without a gradient where Smooth is not usable.
 struct CeresObjective {
   double value = 0.0;
-  std::vector<double> gradient;  // [free points x 2]
+  std::vector<double> gradient_per_m;  // [free points]
 };
 CeresObjective ObjectiveOf(CeresMethod method, const Costmap& map, const OptimizerParams& params,
-                           const WorldPath& path, float start_curvature_per_m,
-                           bool keep_end_heading);
+                           const WorldPath& seed, float start_curvature_per_m,
+                           bool keep_end_heading, std::span<const double> offsets_m);
 
 }  // namespace hardpack::peers
