@@ -136,6 +136,9 @@ inline constexpr std::array kPathTable = {
 
 #define HP_OPTIMIZER(...) HP_ENTRY("optimizer", OptimizerParams, __VA_ARGS__)
 inline constexpr std::array kOptimizerTable = {
+    HP_OPTIMIZER(method, 0.0f, 1.0f,
+                 "How the cost is brought down: 0 Algorithm 1 of the paper, 1 Newton's method on "
+                 "all points at once (ours)."),
     HP_OPTIMIZER(max_curvature_per_m, 0.01f, 10.0f, "Limit of the curvature."),
     HP_OPTIMIZER(max_curvature_rate_per_m2, 0.01f, 50.0f,
                  "Limit of the change of curvature along the path."),
@@ -159,7 +162,9 @@ inline constexpr std::array kOptimizerTable = {
         "N, the steps within which a perturbation is damped away (25 in the paper's figure)."),
     HP_OPTIMIZER(max_sweeps, 0.0f, 1000.0f, "Sweeps over the path before the descent is ended."),
     HP_OPTIMIZER(min_relative_decrease, 0.0f, 0.5f,
-                 "A sweep that lowers the cost by a smaller part has converged (ours).")};
+                 "A sweep that lowers the cost by a smaller part has converged (ours)."),
+    HP_OPTIMIZER(max_newton_steps, 0.0f, 200.0f,
+                 "Steps of Newton's method before it is ended (ours).")};
 #undef HP_OPTIMIZER
 
 #define HP_SPEED(...) HP_ENTRY("speed", SpeedParams, __VA_ARGS__)
@@ -191,6 +196,28 @@ inline constexpr std::array kSpeedTable = {
     HP_SPEED(person_margin_m, 0.0f, 5.0f,
              "Distance to be kept from a person when stopping (ours).")};
 #undef HP_SPEED
+
+#define HP_REPLAN(...) HP_ENTRY("replan", ReplanParams, __VA_ARGS__)
+inline constexpr std::array kReplanTable = {
+    HP_REPLAN(cheaper_share, 0.0f, 1.0f,
+              "On the same map and to the same end a new plan replaces the committed one only if "
+              "it costs less by this share of the committed one's cost (ours)."),
+    HP_REPLAN(cheaper_floor, 0.0f, 1000.0f,
+              "And by at least this: where both cost next to nothing a share says nothing. Turning "
+              "by 0.5 rad costs 0.5, and so does half a metre of unknown ground (ours)."),
+    HP_REPLAN(max_cross_track_m, 0.05f, 5.0f,
+              "Further off the committed path than this the new plan starts from the vehicle's "
+              "predicted pose instead of from the path (ours)."),
+    HP_REPLAN(min_latency_s, 0.0f, 10.0f,
+              "The new plan leaves the committed path behind the stretch that is driven while it "
+              "is made: this long, or 1.5 times what plans have taken, if that is longer (ours)."),
+    HP_REPLAN(extend_m, 0.5f, 50.0f,
+              "A committed path that ends short of the goal (which lies off the map, say) is "
+              "extended when its end can be brought nearer by this (ours)."),
+    HP_REPLAN(goal_change_m, 0.0f, 100.0f,
+              "A goal that has moved by more than this is another goal, whose plan replaces the "
+              "committed one at once (ours).")};
+#undef HP_REPLAN
 
 #define HP_LIDAR_MOUNT(...) HP_ENTRY("mount", LidarMountParams, __VA_ARGS__)
 inline constexpr std::array kLidarMountTable = {
@@ -275,6 +302,7 @@ static_assert(NamesAllMembers(kAstarTable));
 static_assert(NamesAllMembers(kPathTable));
 static_assert(NamesAllMembers(kOptimizerTable));
 static_assert(NamesAllMembers(kSpeedTable));
+static_assert(NamesAllMembers(kReplanTable));
 static_assert(NamesAllMembers(kLidarMountTable));
 static_assert(NamesAllMembers(kSegmentationTable));
 static_assert(NamesAllMembers(kMappingTable));

@@ -56,6 +56,9 @@ struct PathParams {
 
 // Cost weights and limits of [OS] Cost Function Formulation, per metre of path.
 struct OptimizerParams {
+  static constexpr int32_t kPaperDescent = 0;   // Algorithm 1 of the paper
+  static constexpr int32_t kLateralNewton = 1;  // ours
+  int32_t method = kPaperDescent;
   float max_curvature_per_m = 0.5f;
   float max_curvature_rate_per_m2 = 0.5f;
   float curvature_alpha = 1.0f;        // in-bounds weight of |curvature|
@@ -68,6 +71,7 @@ struct OptimizerParams {
   int32_t window_steps = 25;           // N, the damping length
   int32_t max_sweeps = 60;
   float min_relative_decrease = 0.01f;  // a sweep that lowers F by less ends the descent
+  int32_t max_newton_steps = 12;
 };
 
 // [OS] Speed Control; values below the blank line are ours.
@@ -88,6 +92,18 @@ struct SpeedParams {
   float stopping_lag_s = 0.5f;             // first-order lag of the drives
   float person_speed_mps = 2.0f;           // how fast a person may walk into the way
   float person_margin_m = 0.5f;
+};
+
+// When the plan that is driven gives way to a new one, and where the new one joins it
+// (core/autonomy/replanner.h).
+struct ReplanParams {
+  float cheaper_share = 0.15f;     // a new plan must cost less by so much of the old one's cost ...
+  float cheaper_floor = 0.5f;      // ... and by so much at least
+  float max_cross_track_m = 0.5f;  // further off the path: planned from the vehicle's own pose
+  float min_latency_s = 0.1f;      // least time that a plan is taken to need
+  float extend_m = 5.0f;           // an end short of the goal is left behind once it could be so
+                                   // much nearer
+  float goal_change_m = 1.0f;      // a goal that moves by more is another one
 };
 
 // Where the lidar sits on the vehicle, and which returns are the vehicle itself.
@@ -142,6 +158,7 @@ struct PlannerParams {
   PathParams path;
   OptimizerParams optimizer;
   SpeedParams speed;
+  ReplanParams replan;
 };
 
 }  // namespace hardpack

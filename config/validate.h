@@ -29,6 +29,7 @@ constexpr void VisitParameters(Params& params, Visit&& visit) {
     visit(params.path, kPathTable);
     visit(params.optimizer, kOptimizerTable);
     visit(params.speed, kSpeedTable);
+    visit(params.replan, kReplanTable);
   } else if constexpr (requires { params.mount; }) {
     visit(params.mount, kLidarMountTable);
     visit(params.segmentation, kSegmentationTable);
