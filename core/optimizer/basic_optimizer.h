@@ -12,10 +12,6 @@
 
 namespace hardpack {
 
-// kParameterOutOfRange unless every number is finite, weights are not negative, limits and steps
-// are positive, and counts are within the optimizer's own bounds.
-Status CheckOptimizerParams(const OptimizerParams& params, const PathParams& path_params);
-
 template <typename Model>
 Status BasicOptimizer<Model>::Begin(const Costmap& map, const OptimizerParams& params,
                                     const PathParams& path_params, const WorldPath& seed,
@@ -52,22 +48,6 @@ Status BasicOptimizer<Model>::Begin(const Costmap& map, const OptimizerParams& p
   result_.before = cost_;
   result_.after = cost_;
   BeginSweep();
-  return Status::kOk;
-}
-
-// Forward steps, each with a direction, and room for a perturbation.
-template <typename Model>
-Status BasicOptimizer<Model>::CheckSeed(const WorldPath& seed, float start_curvature_per_m) {
-  if (!IsFinite(start_curvature_per_m)) return Status::kNotFinite;
-  if (seed.size() < kMinPoints) return Status::kPathTooShort;
-  if (!IsFinite(seed[0])) return Status::kNotFinite;
-  HP_LOOP_BOUND(kMaxPathPoints - 1)
-  for (int k = 1; k < seed.size(); ++k) {
-    const Vec2 chord = {seed[k].x_m - seed[k - 1].x_m, seed[k].y_m - seed[k - 1].y_m};
-    const float length_m = cost_terms::Length(chord);
-    if (!IsFinite(seed[k]) || !IsFinite(length_m)) return Status::kNotFinite;
-    if (length_m < cost_terms::kShortestChord_m) return Status::kInvalidArgument;
-  }
   return Status::kOk;
 }
 

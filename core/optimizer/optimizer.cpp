@@ -10,50 +10,22 @@ Vec2 Position(const Pose2& pose) {
   return {pose.x_m, pose.y_m};
 }
 
-bool IsPositive(float value) {
-  return IsFinite(value) && value > 0.0f;
-}
-
-bool IsWeight(float value) {
-  return IsFinite(value) && value >= 0.0f;
-}
-
 }  // namespace
 
 template class BasicOptimizer<PlanarModel>;
 
-Status CheckOptimizerParams(const OptimizerParams& params, const PathParams& path_params) {
-  const bool good =
-      IsPositive(params.max_curvature_per_m) && IsPositive(params.max_curvature_rate_per_m2) &&
-      IsWeight(params.curvature_alpha) && IsWeight(params.curvature_beta) &&
-      IsWeight(params.curvature_rate_alpha) && IsWeight(params.curvature_rate_beta) &&
-      IsPositive(params.perturbation_rad) && IsPositive(params.max_perturbation_rad) &&
-      params.perturbation_rad <= params.max_perturbation_rad &&
-      params.max_perturbation_rad <= kHalfPi && IsWeight(params.perturbation_scale) &&
-      params.window_steps >= 2 && params.window_steps < kMaxPathPoints && params.max_sweeps >= 0 &&
-      params.max_sweeps <= Optimizer::kMaxSweeps && IsWeight(params.min_relative_decrease) &&
-      IsFinite(path_params.step_m) && path_params.step_m >= PathSampler::kMinStep_m;
-  return good ? Status::kOk : Status::kParameterOutOfRange;
+Status Optimizer::Begin(const Costmap& map, const OptimizerParams& params,
+                        const PathParams& path_params, const WorldPath& seed,
+                        float start_curvature_per_m, bool keep_end_heading) {
+  by_paper_ = params.method == OptimizerParams::kPaperDescent;
+  return by_paper_ ? descent_.Begin(map, params, path_params, seed, start_curvature_per_m,
+                                    keep_end_heading)
+                   : newton_.Begin(map, params, path_params, seed, start_curvature_per_m,
+                                   keep_end_heading);
 }
 
-PathCost CostOf(const Costmap& map, const OptimizerParams& params, const WorldPath& path,
-                float start_curvature_per_m) {
-  const int last = path.size() - 1;
-  PathCost sum;
-  if (last < 1) return sum;
-  cost_terms::Walk walk;
-  sum.map = cost_terms::WalkFirstPoint(map, Position(path[0]), Position(path[1]),
-                                       start_curvature_per_m, walk)
-                .map;
-  HP_LOOP_BOUND(kMaxPathPoints - 2)
-  for (int k = 1; k < last; ++k) {
-    const cost_terms::PointCost cost = cost_terms::WalkPoint<PlanarModel>(
-        map, params, Position(path[k]), Position(path[k + 1]), walk);
-    sum.map += cost.map;
-    sum.path += cost.path;
-  }
-  sum.map += cost_terms::WalkLastPoint(map, Position(path[last]), walk).map;
-  return sum;
+Progress Optimizer::Step(const Costmap& map, int units) {
+  return by_paper_ ? descent_.Step(map, units) : newton_.Step(map, units);
 }
 
 Status Perturb(const WorldPath& path, int point, float delta_rad, int window, bool damped,

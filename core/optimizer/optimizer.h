@@ -9,6 +9,8 @@
 #include "core/base/status.h"
 #include "core/costmap/costmap.h"
 #include "core/optimizer/cost_terms.h"
+#include "core/optimizer/lateral_newton.h"
+#include "core/optimizer/path_cost.h"
 #include "core/path/path.h"
 
 // The path optimizer of the paper ([OS] Cost Function Formulation and Path Solver, Algorithm 1;
@@ -19,28 +21,6 @@
 
 namespace hardpack {
 
-// F(P) = map + path; the sums of docs/algorithm.md section 4. Dimensionless.
-struct PathCost {
-  float map = 0.0f;
-  float path = 0.0f;
-  float total() const { return map + path; }
-};
-
-// Cost of a whole path of n points. start_curvature_per_m: the vehicle's present curvature, against
-// which the first change of curvature is taken.
-//   F_map  = sum_{k=0}^{n-1} ds_k cost(p_k)
-//   F_path = sum_{k=1}^{n-2} ds_k [ f(kappa_k; alpha, beta, kappa_max)
-//                                 + f(kappa'_k; alpha', beta', kappa'_max) ]
-//   ds_k the mean length of the two chords that meet at p_k (half the one chord at the ends),
-//   kappa_k = phi_{k-1} / ds_k, the turn between those chords, kappa_0 = start_curvature_per_m,
-//   kappa'_k = (kappa_k - kappa_{k-1}) / ds_k,
-//   f(u) = alpha |u| below u_max, alpha u_max + beta (|u| - u_max) above.
-// Chords count, headings do not: forward steps only. Where ds_k is below 0.1 mm no turn
-// is counted. Fewer than two points cost nothing. Points must be finite. Cost: one pass over the
-// path.
-PathCost CostOf(const Costmap& map, const OptimizerParams& params, const WorldPath& path,
-                float start_curvature_per_m);
-
 // Perturb(i, delta) of the paper: adds delta_rad to the heading change at point i, integrates the
 // next `window` steps forward and blends them back into the unperturbed ones with a quintic
 // S-curve. Points 0 .. i and i + window .. n - 1 stay where they are. The window shrinks near the
@@ -50,15 +30,6 @@ PathCost CostOf(const Costmap& map, const OptimizerParams& params, const WorldPa
 // window < 2; kNotFinite. On a failure `perturbed` is empty.
 Status Perturb(const WorldPath& path, int point, float delta_rad, int window, bool damped,
                WorldPath& perturbed);
-
-struct OptimizerResult {
-  Status status = Status::kNotStarted;  // kOk (converged) or kIterationLimit
-  PathCost before;                      // of the seed
-  PathCost after;                       // never above before; CostOf(path()), bit for bit
-  int32_t sweeps = 0;
-  int32_t perturbations_kept = 0;
-  int32_t spreads_kept = 0;
-};
 
 // Algorithm 1 over a vehicle model (see PlanarModel). What we add, each bounded:
 // - the better of the left and the right perturbation is taken; the step scaled by its decrease is
@@ -73,7 +44,7 @@ struct OptimizerResult {
 template <typename Model>
 class BasicOptimizer {
  public:
-  static constexpr int kMinPoints = 4;
+  static constexpr int kMinPoints = kMinSeedPoints;
   static constexpr int kMaxHalvings = 3;
   static constexpr int kMaxSweeps = 1000;
   // A whole run, whatever the seed: each sweep's points, spreading them and the cost of that.
@@ -119,7 +90,6 @@ class BasicOptimizer {
     float cost;
   };
 
-  static Status CheckSeed(const WorldPath& seed, float start_curvature_per_m);
   static PathCost SumOf(const Line& line, int points);
 
   void DoUnit(const Costmap& map);
@@ -170,10 +140,31 @@ class BasicOptimizer {
   float spread_along_m_ = 0.0f;  // ... this far from its start
 };
 
-using Optimizer = BasicOptimizer<PlanarModel>;
 extern template class BasicOptimizer<PlanarModel>;
+static_assert(sizeof(BasicOptimizer<PlanarModel>) <= 32 * 1024);
+
+// The one that params.method names. Begin, Step and the results are as above.
+class Optimizer {
+ public:
+  static constexpr int kMinPoints = kMinSeedPoints;
+  static constexpr int kMaxSweeps = BasicOptimizer<PlanarModel>::kMaxSweeps;
+  static constexpr int kMaxUnits = BasicOptimizer<PlanarModel>::kMaxUnits > LateralNewton::kMaxUnits
+                                       ? BasicOptimizer<PlanarModel>::kMaxUnits
+                                       : LateralNewton::kMaxUnits;
+
+  Status Begin(const Costmap& map, const OptimizerParams& params, const PathParams& path_params,
+               const WorldPath& seed, float start_curvature_per_m, bool keep_end_heading);
+  Progress Step(const Costmap& map, int units);
+  const OptimizerResult& result() const { return by_paper_ ? descent_.result() : newton_.result(); }
+  const WorldPath& path() const { return by_paper_ ? descent_.path() : newton_.path(); }
+
+ private:
+  bool by_paper_ = true;
+  BasicOptimizer<PlanarModel> descent_;
+  LateralNewton newton_;
+};
 static_assert(std::is_trivially_copyable_v<Optimizer>);
-static_assert(sizeof(Optimizer) <= 32 * 1024);
+static_assert(sizeof(Optimizer) <= 96 * 1024);
 
 // The seed whose first chord points along the vehicle's heading: over a window at its start the
 // base path is blended, by the same S-curve, out of the straight line ahead. The window is long

@@ -1,0 +1,578 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/optimizer/lateral_newton.h"
+
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
+#include "core/base/saturate.h"
+#include "core/optimizer/cost_terms.h"
+#include "core/optimizer/perturbation.h"
+
+namespace hardpack {
+namespace {
+
+// The kinks' widths, as shares of the limits: from the first to the last, each step this much of
+// the one before. A kink of |u| is narrower than one at a limit by kZeroShare.
+constexpr float kFirstWidth = 0.4f;
+constexpr float kLastWidth = 0.01f;
+constexpr float kNarrowing = 0.45f;
+// The limit of the rounded terms lies before the real one, so that what is rounded off does not
+// exceed it.
+constexpr float kLimitShare = 0.99f;
+
+constexpr float kFirstDamping = 0.01f;
+constexpr float kLeastDamping = 1.0e-6f;
+constexpr float kDampingRise = 8.0f;
+constexpr float kDampingFall = 0.3f;
+constexpr float kShorterShare = 0.4f;
+constexpr float kLongestMove_m = 2.0f;
+
+// Half a cell to either side of a point the map is sampled for its derivatives.
+constexpr float kSample_m = 0.5f * kCellSize_m;
+
+// Steps between spreading, and the step behind the last kink's narrowing that gains no more than
+// this share of F is the last.
+constexpr int kSpreadEvery = 4;
+constexpr float kLeastGain = 1.0e-3f;
+
+// Vectorised, unlike Sqrt, which asks first whether there is a root to take.
+float Root(float not_negative) {
+  return __builtin_sqrtf(not_negative);
+}
+
+// The angle of half_cross / half_dot, doubled: the turn between unit chords whose cross product and
+// 1 + dot product, both halved, these are. |turn| up to 135 degrees to 1e-6, from there on roughly:
+// only where a path folds back. No branch, so that it is vectorised.
+float TurnOf(float half_cross, float half_dot) {
+  constexpr float kTanPiOver8 = 0.41421356f;
+  constexpr float kHalfTurn = 1.0e-6f;  // no division by zero where the path folds back
+  const float y = Abs(half_cross);
+  const float x = Max(half_dot, kHalfTurn);
+  const bool far = y > kTanPiOver8 * x;
+  // atan(y / x) = pi / 4 + atan((y - x) / (y + x)).
+  const float ratio = (far ? y - x : y) / (far ? y + x : x);
+  const float s = ratio * ratio;
+  // atan(r) / r interpolated on [0, tan(pi / 8)].
+  const float angle =
+      ratio + ratio * s *
+                  (-0.33333331f +
+                   s * (0.19999540f + s * (-0.14263956f + s * (0.10743731f - s * 0.0645192f))));
+  const float turn = 2.0f * (far ? 0.25f * kPi + angle : angle);
+  return half_cross < 0.0f ? -turn : turn;
+}
+
+float TermOf(float value, float alpha, float beta, float max) {
+  const float size = Abs(value);
+  return alpha * size + (beta - alpha) * Max(size - max, 0.0f);
+}
+
+}  // namespace
+
+Status LateralNewton::Begin(const Costmap& map, const OptimizerParams& params,
+                            const PathParams& path_params, const WorldPath& seed,
+                            float start_curvature_per_m, bool keep_end_heading) {
+  result_ = OptimizerResult{};
+  path_.Clear();
+  moved_ = false;
+  End(CheckSeed(seed, start_curvature_per_m));
+  if (result_.status == Status::kOk) End(CheckOptimizerParams(params, path_params));
+  if (result_.status != Status::kOk) return result_.status;
+  result_.before = CostOf(map, params, seed, start_curvature_per_m);
+  if (!IsFinite(result_.before.total())) End(Status::kNotFinite);
+  if (result_.status != Status::kOk) return result_.status;
+
+  End(Status::kNotStarted);
+  result_.after = result_.before;
+  params_ = params;
+  wanted_step_m_ = path_params.step_m;
+  start_curvature_per_m_ = start_curvature_per_m;
+  end_points_ = keep_end_heading ? 2 : 1;
+  seed_ = seed;
+  path_ = seed;
+  SetHeadingsFromChords(path_);
+  line().points = seed.size();
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 0; k < seed.size(); ++k) {
+    line().x_m[k] = seed[k].x_m;
+    line().y_m[k] = seed[k].y_m;
+  }
+  cost_ = CostOfLine(map, line());
+  width_share_ = kFirstWidth;
+  damping_ = kFirstDamping;
+  NextStep();
+  return Status::kOk;
+}
+
+void LateralNewton::End(Status status) {
+  result_.status = status;
+  phase_ = Phase::kIdle;
+}
+
+Progress LateralNewton::Step(const Costmap& map, int units) {
+  HP_LOOP_BOUND(kMaxUnits)
+  for (int unit = 0; unit < units && phase_ != Phase::kIdle; ++unit) DoUnit(map);
+  Publish();
+  return phase_ == Phase::kIdle ? Progress::kDone : Progress::kBusy;
+}
+
+void LateralNewton::DoUnit(const Costmap& map) {
+  switch (phase_) {
+    case Phase::kIdle:
+      return;
+    case Phase::kDerive:
+      return Derive(map);
+    case Phase::kSolve:
+      return Solve();
+    case Phase::kTry:
+      return TryStep(map);
+    case Phase::kSpread:
+      return Spread();
+    case Phase::kTrySpread:
+      return TrySpread(map);
+    case Phase::kFinish:
+      return Finish(map);
+  }
+}
+
+// F of a line but for the rounding, and all that its derivatives need. Not a number where a chord
+// has no length.
+float LateralNewton::CostOfLine(const Costmap& map, Line& line) const {
+  MeasureChords(line);
+  MeasureCurvatures(line);
+  const int points = line.points;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 0; k < points; ++k) line.map_cost[k] = map.CostAt(line.x_m[k], line.y_m[k]);
+  const OptimizerParams params = params_;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 0; k < points; ++k) {
+    line.path_cost[k] = TermOf(line.curvature_per_m[k], params.curvature_alpha,
+                               params.curvature_beta, params.max_curvature_per_m) +
+                        TermOf(line.rate_per_m2[k], params.curvature_rate_alpha,
+                               params.curvature_rate_beta, params.max_curvature_rate_per_m2);
+  }
+  line.path_cost[0] = 0.0f;
+  line.path_cost[points - 1] = 0.0f;
+  float cost = 0.0f;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 0; k < points; ++k) cost += line.ds_m[k] * (line.map_cost[k] + line.path_cost[k]);
+  return cost;
+}
+
+void LateralNewton::MeasureChords(Line& line) {
+  const int chords = line.points - 1;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 0; k < chords; ++k) {
+    const float dx = line.x_m[k + 1] - line.x_m[k];
+    const float dy = line.y_m[k + 1] - line.y_m[k];
+    const float length_m = Root(dx * dx + dy * dy);
+    const float inverse_per_m = 1.0f / length_m;
+    line.length_m[k] = length_m;
+    line.inverse_length_per_m[k] = inverse_per_m;
+    line.chord_x[k] = dx * inverse_per_m;
+    line.chord_y[k] = dy * inverse_per_m;
+  }
+}
+
+void LateralNewton::MeasureCurvatures(Line& line) const {
+  const int last = line.points - 1;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 1; k < last; ++k) {
+    const float cross =
+        line.chord_x[k - 1] * line.chord_y[k] - line.chord_y[k - 1] * line.chord_x[k];
+    const float dot = line.chord_x[k - 1] * line.chord_x[k] + line.chord_y[k - 1] * line.chord_y[k];
+    const float ds_m = 0.5f * (line.length_m[k - 1] + line.length_m[k]);
+    const float inverse_per_m = 1.0f / ds_m;
+    line.half_cross[k] = 0.5f * cross;
+    line.half_dot[k] = 0.5f + 0.5f * dot;
+    line.ds_m[k] = ds_m;
+    line.inverse_ds_per_m[k] = inverse_per_m;
+    line.curvature_per_m[k] = TurnOf(0.5f * cross, 0.5f + 0.5f * dot) * inverse_per_m;
+  }
+  line.curvature_per_m[0] = start_curvature_per_m_;
+  line.half_cross[0] = 0.0f;
+  line.half_cross[last] = 0.0f;
+  line.half_dot[0] = 1.0f;
+  line.half_dot[last] = 1.0f;
+  line.ds_m[0] = 0.5f * line.length_m[0];
+  line.ds_m[last] = 0.5f * line.length_m[last - 1];
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 1; k < last; ++k) {
+    line.rate_per_m2[k] =
+        (line.curvature_per_m[k] - line.curvature_per_m[k - 1]) * line.inverse_ds_per_m[k];
+  }
+}
+
+void LateralNewton::Derive(const Costmap& map) {
+  DeriveMap(map);
+  DeriveCurvatures();
+  Assemble();
+  cost_before_ = cost_;
+  solves_ = 0;
+  phase_ = Phase::kSolve;
+}
+
+// A point's normal is half the sum of the unit chords that meet there, turned to the left: not of
+// length 1 where the path bends, and all that is derived by offsets along it is right nevertheless.
+void LateralNewton::DeriveMap(const Costmap& map) {
+  const Line& line = this->line();
+  const int last = line.points - 1;
+  constexpr float kHalfInverse = 0.5f / kSample_m;
+  constexpr float kInverse2 = 1.0f / (kSample_m * kSample_m);
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 1; k < last; ++k) {
+    const float aside_x_m = -0.5f * kSample_m * (line.chord_y[k - 1] + line.chord_y[k]);
+    const float aside_y_m = 0.5f * kSample_m * (line.chord_x[k - 1] + line.chord_x[k]);
+    const float left = map.CostAt(line.x_m[k] + aside_x_m, line.y_m[k] + aside_y_m);
+    const float right = map.CostAt(line.x_m[k] - aside_x_m, line.y_m[k] - aside_y_m);
+    map_slope_[k] = (left - right) * kHalfInverse;
+    map_bend_[k] = Max((left - line.map_cost[k]) + (right - line.map_cost[k]), 0.0f) * kInverse2;
+  }
+}
+
+// With e the offsets, w = half_dot, s = half_cross and l the lengths of the chords:
+//   d turn_k = w_{k-1} e_{k-1} / l_{k-1} - w_k e_k (1 / l_{k-1} + 1 / l_k) + w_{k+1} e_{k+1} / l_k
+//   d ds_k   = -(s_{k-1} e_{k-1} + 2 s_k e_k + s_{k+1} e_{k+1}) / 2
+//   d kappa_k = (d turn_k - kappa_k d ds_k) / ds_k
+//   d kappa'_k = (d kappa_k - d kappa_{k-1} - kappa'_k d ds_k) / ds_k
+void LateralNewton::DeriveCurvatures() {
+  const Line& line = this->line();
+  const int last = line.points - 1;
+  HP_LOOP_BOUND(3)
+  for (auto& row : by_offset_) row[0] = 0.0f;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 1; k < last; ++k) {
+    const float before_per_m = line.inverse_length_per_m[k - 1];
+    const float behind_per_m = line.inverse_length_per_m[k];
+    const float curvature_per_m = line.curvature_per_m[k];
+    const float inverse_per_m = line.inverse_ds_per_m[k];
+    by_offset_[0][k] =
+        (line.half_dot[k - 1] * before_per_m + 0.5f * curvature_per_m * line.half_cross[k - 1]) *
+        inverse_per_m;
+    by_offset_[1][k] =
+        (curvature_per_m * line.half_cross[k] - line.half_dot[k] * (before_per_m + behind_per_m)) *
+        inverse_per_m;
+    by_offset_[2][k] =
+        (line.half_dot[k + 1] * behind_per_m + 0.5f * curvature_per_m * line.half_cross[k + 1]) *
+        inverse_per_m;
+  }
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 1; k < last; ++k) {
+    const float inverse_per_m = line.inverse_ds_per_m[k];
+    const float rate_per_m2 = line.rate_per_m2[k];
+    rate_by_offset_[0][k] = -by_offset_[0][k - 1] * inverse_per_m;
+    rate_by_offset_[1][k] =
+        (by_offset_[0][k] - by_offset_[1][k - 1] + 0.5f * rate_per_m2 * line.half_cross[k - 1]) *
+        inverse_per_m;
+    rate_by_offset_[2][k] =
+        (by_offset_[1][k] - by_offset_[2][k - 1] + rate_per_m2 * line.half_cross[k]) *
+        inverse_per_m;
+    rate_by_offset_[3][k] =
+        (by_offset_[2][k] + 0.5f * rate_per_m2 * line.half_cross[k + 1]) * inverse_per_m;
+  }
+  const float curvature_max = params_.max_curvature_per_m;
+  const float rate_max = params_.max_curvature_rate_per_m2;
+  const Kink curvature = {params_.curvature_alpha, params_.curvature_beta - params_.curvature_alpha,
+                          kLimitShare * curvature_max, width_share_ * curvature_max};
+  const Kink rate = {params_.curvature_rate_alpha,
+                     params_.curvature_rate_beta - params_.curvature_rate_alpha,
+                     kLimitShare * rate_max, width_share_ * rate_max};
+  DeriveTerm(curvature, line.curvature_per_m, line.ds_m, line.points, slope_, bend_);
+  DeriveTerm(rate, line.rate_per_m2, line.ds_m, line.points, rate_slope_, rate_bend_);
+}
+
+// |v| is rounded off to sqrt(v^2 + width^2), at 0 and at the limit. Its second derivative is taken
+// between the true one, width^2 / size^3, which is blind to a kink that the step will cross, and
+// 1 / size, which is that of the parabola that touches |v| at v and -v, and too careful.
+void LateralNewton::DeriveTerm(const Kink& kink, const float* value, const float* ds_m, int points,
+                               float* slope, float* bend) {
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 1; k < points - 1; ++k) {
+    const float size = Abs(value[k]);
+    const float excess = size - kink.max;
+    const float inverse = 1.0f / Root(size * size + kink.width * kink.width);
+    const float inverse_excess = 1.0f / Root(excess * excess + kink.width * kink.width);
+    const float steeper = 0.5f * kink.steeper;
+    const float rise = kink.alpha * size * inverse + steeper * (1.0f + excess * inverse_excess);
+    slope[k] = ds_m[k] * (value[k] < 0.0f ? -rise : rise);
+    bend[k] = ds_m[k] * kink.width *
+              (kink.alpha * inverse * inverse + steeper * inverse_excess * inverse_excess);
+  }
+  slope[0] = 0.0f;
+  bend[0] = 0.0f;
+  HP_LOOP_BOUND(3)
+  for (int k = points - 1; k < points + 2; ++k) {
+    slope[k] = 0.0f;
+    bend[k] = 0.0f;
+  }
+}
+
+// Each curvature adds slope_ times its derivatives to the gradient, and bend_ times their products
+// to the band; its rate too. Gathered by point, so that it is vectorised.
+void LateralNewton::Assemble() {
+  const Line& line = this->line();
+  const int last = last_free();
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 2; k <= last; ++k) {
+    const float before = line.map_cost[k - 1] + line.path_cost[k - 1];
+    const float here = line.map_cost[k] + line.path_cost[k];
+    const float behind = line.map_cost[k + 1] + line.path_cost[k + 1];
+    gradient_[k] =
+        line.ds_m[k] * map_slope_[k] - 0.5f * line.half_cross[k] * (before + 2.0f * here + behind);
+    band_[0][k] = line.ds_m[k] * map_bend_[k];
+  }
+  const auto& j = by_offset_;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 2; k <= last; ++k) {
+    const float before = bend_[k - 1] * j[2][k - 1];
+    const float here = bend_[k] * j[1][k];
+    gradient_[k] += slope_[k - 1] * j[2][k - 1] + slope_[k] * j[1][k] + slope_[k + 1] * j[0][k + 1];
+    band_[0][k] += before * j[2][k - 1] + here * j[1][k] + bend_[k + 1] * j[0][k + 1] * j[0][k + 1];
+    band_[1][k] = before * j[1][k - 1] + here * j[0][k];
+    band_[2][k] = before * j[0][k - 1];
+  }
+  const auto& q = rate_by_offset_;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 2; k <= last; ++k) {
+    const float before = rate_bend_[k - 1] * q[3][k - 1];
+    const float here = rate_bend_[k] * q[2][k];
+    const float behind = rate_bend_[k + 1] * q[1][k + 1];
+    gradient_[k] += rate_slope_[k - 1] * q[3][k - 1] + rate_slope_[k] * q[2][k] +
+                    rate_slope_[k + 1] * q[1][k + 1] + rate_slope_[k + 2] * q[0][k + 2];
+    band_[0][k] += before * q[3][k - 1] + here * q[2][k] + behind * q[1][k + 1] +
+                   rate_bend_[k + 2] * q[0][k + 2] * q[0][k + 2];
+    band_[1][k] += before * q[2][k - 1] + here * q[1][k] + behind * q[0][k + 1];
+    band_[2][k] += before * q[1][k - 1] + here * q[0][k];
+    band_[3][k] = before * q[0][k - 1];
+  }
+}
+
+void LateralNewton::Solve() {
+  ++solves_;
+  if (!Factor()) return Damp();
+  Substitute();
+  const int last = last_free();
+  float longest_m = 0.0f;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 2; k <= last; ++k) longest_m = Max(longest_m, Abs(step_m_[k]));
+  share_ = longest_m > kLongestMove_m ? kLongestMove_m / longest_m : 1.0f;
+  shares_ = 0;
+  phase_ = Phase::kTry;
+}
+
+// L D L^T = band + damping, and step = L^-1 (-gradient). False: rounding, or a map that is no
+// number, leaves a pivot that is not positive.
+bool LateralNewton::Factor() {
+  const int last = last_free();
+  // Rows before the first count as far away.
+  HP_LOOP_BOUND(2)
+  for (int k = 0; k < 2; ++k) {
+    lower_[0][k] = 0.0f;
+    lower_[1][k] = 0.0f;
+    inverse_pivot_[k] = 0.0f;
+    step_m_[k] = 0.0f;
+  }
+  band_[1][2] = 0.0f;
+  band_[2][2] = 0.0f;
+  band_[2][3] = 0.0f;
+  band_[3][2] = 0.0f;
+  band_[3][3] = 0.0f;
+  band_[3][4] = 0.0f;
+  bool positive = true;
+  float inverse_3 = 0.0f;  // of the pivot three rows before ...
+  float step_3_m = 0.0f;   // ... and of the step there
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 2; k <= last; ++k) {
+    const float u3 = band_[3][k];
+    const float u2 = band_[2][k] - u3 * lower_[0][k - 2];
+    const float u1 = band_[1][k] - u3 * lower_[1][k - 1] - u2 * lower_[0][k - 1];
+    const float l3 = u3 * inverse_3;
+    const float l2 = u2 * inverse_pivot_[k - 2];
+    const float l1 = u1 * inverse_pivot_[k - 1];
+    const float pivot = band_[0][k] + damping_ - u3 * l3 - u2 * l2 - u1 * l1;
+    positive = positive && pivot > 0.0f;
+    inverse_pivot_[k] = 1.0f / pivot;
+    lower_[0][k] = l1;
+    lower_[1][k] = l2;
+    lower_[2][k] = l3;
+    step_m_[k] = -gradient_[k] - l1 * step_m_[k - 1] - l2 * step_m_[k - 2] - l3 * step_3_m;
+    inverse_3 = inverse_pivot_[k - 2];
+    step_3_m = step_m_[k - 2];
+  }
+  return positive;
+}
+
+// D L^T step = what Factor left in step.
+void LateralNewton::Substitute() {
+  const int last = last_free();
+  HP_LOOP_BOUND(3)
+  for (int k = last + 1; k < last + 4; ++k) {
+    step_m_[k] = 0.0f;
+    lower_[0][k] = 0.0f;
+    lower_[1][k] = 0.0f;
+    lower_[2][k] = 0.0f;
+  }
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = last; k >= 2; --k) {
+    step_m_[k] = step_m_[k] * inverse_pivot_[k] - lower_[2][k + 3] * step_m_[k + 3] -
+                 lower_[1][k + 2] * step_m_[k + 2] - lower_[0][k + 1] * step_m_[k + 1];
+  }
+}
+
+// The same derivatives again, with a shorter step.
+void LateralNewton::Damp() {
+  damping_ = kDampingRise * damping_ + kFirstDamping;
+  phase_ = Phase::kSolve;
+  if (solves_ == kMaxSolves) EndStep();
+}
+
+void LateralNewton::MovePoints() {
+  const Line& from = line();
+  Line& to = trial();
+  const int points = from.points;
+  to.points = points;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 0; k < points; ++k) {
+    to.x_m[k] = from.x_m[k];
+    to.y_m[k] = from.y_m[k];
+  }
+  const int last = last_free();
+  const float half_share = 0.5f * share_;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 2; k <= last; ++k) {
+    const float move_m = half_share * step_m_[k];
+    to.x_m[k] -= move_m * (from.chord_y[k - 1] + from.chord_y[k]);
+    to.y_m[k] += move_m * (from.chord_x[k - 1] + from.chord_x[k]);
+  }
+}
+
+void LateralNewton::TryStep(const Costmap& map) {
+  MovePoints();
+  const float cost = CostOfLine(map, trial());
+  ++shares_;
+  if (cost < cost_) {
+    at_ = 1 - at_;
+    cost_ = cost;
+    moved_ = true;
+    ++result_.perturbations_kept;
+    if (shares_ == 1) damping_ = Max(kDampingFall * damping_, kLeastDamping);
+    return EndStep();
+  }
+  share_ *= kShorterShare;
+  if (shares_ == kMaxShares) Damp();
+}
+
+void LateralNewton::EndStep() {
+  ++result_.sweeps;
+  if (result_.sweeps % kSpreadEvery == kSpreadEvery - 1 && BeginSpread()) return;
+  NextStep();
+}
+
+void LateralNewton::NextStep() {
+  phase_ = Phase::kDerive;
+  if (result_.sweeps == 0) {
+    if (last_free() < 2 || params_.max_newton_steps == 0) phase_ = Phase::kFinish;
+    return;
+  }
+  const bool narrow = width_share_ <= kLastWidth;
+  const float gain = cost_before_ - cost_;
+  if (narrow && gain <= kLeastGain * cost_before_) phase_ = Phase::kFinish;
+  if (result_.sweeps >= params_.max_newton_steps) phase_ = Phase::kFinish;
+  width_share_ = Max(kNarrowing * width_share_, kLastWidth);
+}
+
+// False: the points are even enough.
+bool LateralNewton::BeginSpread() {
+  constexpr float kEvenShare = 0.05f;
+  const Line& line = this->line();
+  const int end = line.points - end_points_;
+  float shortest_m = line.length_m[1];
+  float longest_m = line.length_m[1];
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 1; k < end; ++k) {
+    shortest_m = Min(shortest_m, line.length_m[k]);
+    longest_m = Max(longest_m, line.length_m[k]);
+  }
+  if (longest_m - shortest_m <= kEvenShare * wanted_step_m_) return false;
+  phase_ = Phase::kSpread;
+  return true;
+}
+
+// As BasicOptimizer does it: new points on the cubics through the four old ones around.
+void LateralNewton::Spread() {
+  const Line& from = line();
+  Line& to = trial();
+  const int end = from.points - end_points_;
+  float length_m = 0.0f;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 1; k < end; ++k) length_m += from.length_m[k];
+  const int steps =
+      ClampInt(RoundToInt(length_m / wanted_step_m_), 2, kMaxPathPoints - 1 - end_points_);
+  const float step_m = length_m / static_cast<float>(steps);
+  to.points = steps + 1 + end_points_;
+  const int kept_behind = to.points - end_points_;
+  int chord = 1;
+  float along_m = 0.0f;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 2; k < kept_behind; ++k) {
+    along_m += step_m;
+    HP_LOOP_BOUND(kMaxPathPoints)
+    while (chord + 1 < end && along_m >= from.length_m[chord]) along_m -= from.length_m[chord++];
+    const int first = ClampInt(chord - 1, 0, from.points - 4);
+    Vec2 around[4];
+    HP_LOOP_BOUND(4)
+    for (int i = 0; i < 4; ++i) around[i] = {from.x_m[first + i], from.y_m[first + i]};
+    const Vec2 point = perturbation::CubicThrough(around, chord - first, along_m);
+    to.x_m[k] = point.x_m;
+    to.y_m[k] = point.y_m;
+  }
+  HP_LOOP_BOUND(2)
+  for (int k = 0; k < 2; ++k) {
+    to.x_m[k] = from.x_m[k];
+    to.y_m[k] = from.y_m[k];
+  }
+  HP_LOOP_BOUND(2)
+  for (int k = kept_behind; k < to.points; ++k) {
+    to.x_m[k] = from.x_m[k + from.points - to.points];
+    to.y_m[k] = from.y_m[k + from.points - to.points];
+  }
+  phase_ = Phase::kTrySpread;
+}
+
+void LateralNewton::TrySpread(const Costmap& map) {
+  const float cost = CostOfLine(map, trial());
+  if (cost <= cost_) {
+    at_ = 1 - at_;
+    cost_ = cost;
+    moved_ = true;
+    ++result_.spreads_kept;
+  }
+  NextStep();
+}
+
+// F as CostOf has it. It has been told from its rounding above the seed's only where next to
+// nothing was gained.
+void LateralNewton::Finish(const Costmap& map) {
+  Publish();
+  result_.after = CostOf(map, params_, path_, start_curvature_per_m_);
+  if (!(result_.after.total() <= result_.before.total())) {
+    path_ = seed_;
+    SetHeadingsFromChords(path_);
+    result_.after = result_.before;
+  }
+  const bool settled = cost_before_ - cost_ <= params_.min_relative_decrease * cost_before_;
+  End(settled ? Status::kOk : Status::kIterationLimit);
+}
+
+void LateralNewton::Publish() {
+  if (!moved_) return;
+  moved_ = false;
+  const Line& line = this->line();
+  path_.Resize(line.points);
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 0; k < line.points; ++k) {
+    path_[k].x_m = line.x_m[k];
+    path_[k].y_m = line.y_m[k];
+  }
+  SetHeadingsFromChords(path_);
+}
+
+}  // namespace hardpack
