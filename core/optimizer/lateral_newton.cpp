@@ -24,6 +24,9 @@ constexpr float kLeastDamping = 1.0e-6f;
 constexpr float kDampingRise = 8.0f;
 constexpr float kDampingFall = 0.3f;
 constexpr float kShorterShare = 0.4f;
+constexpr float kLeastCaution = 0.1f;
+constexpr float kCautionRise = 3.0f;
+constexpr float kCautionFall = 0.3f;
 constexpr float kLongestMove_m = 2.0f;
 
 // Half a cell to either side of a point the map is sampled for its derivatives.
@@ -98,6 +101,7 @@ Status LateralNewton::Begin(const Costmap& map, const OptimizerParams& params,
   cost_ = CostOfLine(map, line());
   width_share_ = kFirstWidth;
   damping_ = kFirstDamping;
+  caution_ = 0.0f;
   NextStep();
   return Status::kOk;
 }
@@ -205,8 +209,6 @@ void LateralNewton::Derive(const Costmap& map) {
   DeriveMap(map);
   DeriveCurvatures();
   Assemble();
-  cost_before_ = cost_;
-  solves_ = 0;
   phase_ = Phase::kSolve;
 }
 
@@ -271,10 +273,10 @@ void LateralNewton::DeriveCurvatures() {
   const float curvature_max = params_.max_curvature_per_m;
   const float rate_max = params_.max_curvature_rate_per_m2;
   const Kink curvature = {params_.curvature_alpha, params_.curvature_beta - params_.curvature_alpha,
-                          kLimitShare * curvature_max, width_share_ * curvature_max};
+                          kLimitShare * curvature_max, width_share_ * curvature_max, caution_};
   const Kink rate = {params_.curvature_rate_alpha,
                      params_.curvature_rate_beta - params_.curvature_rate_alpha,
-                     kLimitShare * rate_max, width_share_ * rate_max};
+                     kLimitShare * rate_max, width_share_ * rate_max, caution_};
   DeriveTerm(curvature, line.curvature_per_m, line.ds_m, line.points, slope_, bend_);
   DeriveTerm(rate, line.rate_per_m2, line.ds_m, line.points, rate_slope_, rate_bend_);
 }
@@ -284,17 +286,19 @@ void LateralNewton::DeriveCurvatures() {
 // 1 / size, which is that of the parabola that touches |v| at v and -v, and too careful.
 void LateralNewton::DeriveTerm(const Kink& kink, const float* value, const float* ds_m, int points,
                                float* slope, float* bend) {
+  const float width2 = kink.width * kink.width;
   HP_LOOP_BOUND(kMaxPathPoints)
   for (int k = 1; k < points - 1; ++k) {
     const float size = Abs(value[k]);
     const float excess = size - kink.max;
-    const float inverse = 1.0f / Root(size * size + kink.width * kink.width);
-    const float inverse_excess = 1.0f / Root(excess * excess + kink.width * kink.width);
+    const float inverse = 1.0f / Root(size * size + width2);
+    const float inverse_excess = 1.0f / Root(excess * excess + width2);
     const float steeper = 0.5f * kink.steeper;
     const float rise = kink.alpha * size * inverse + steeper * (1.0f + excess * inverse_excess);
     slope[k] = ds_m[k] * (value[k] < 0.0f ? -rise : rise);
-    bend[k] = ds_m[k] * kink.width *
-              (kink.alpha * inverse * inverse + steeper * inverse_excess * inverse_excess);
+    bend[k] = ds_m[k] * (kink.alpha * (kink.width + kink.caution * size) * inverse * inverse +
+                         steeper * (kink.width + kink.caution * Abs(excess)) * inverse_excess *
+                             inverse_excess);
   }
   slope[0] = 0.0f;
   bend[0] = 0.0f;
@@ -420,7 +424,8 @@ void LateralNewton::Substitute() {
 // The same derivatives again, with a shorter step.
 void LateralNewton::Damp() {
   damping_ = kDampingRise * damping_ + kFirstDamping;
-  phase_ = Phase::kSolve;
+  caution_ = Min(kCautionRise * caution_ + kLeastCaution, 1.0f);
+  phase_ = Phase::kDerive;
   if (solves_ == kMaxSolves) EndStep();
 }
 
@@ -453,7 +458,10 @@ void LateralNewton::TryStep(const Costmap& map) {
     cost_ = cost;
     moved_ = true;
     ++result_.perturbations_kept;
-    if (shares_ == 1) damping_ = Max(kDampingFall * damping_, kLeastDamping);
+    if (shares_ == 1) {
+      damping_ = Max(kDampingFall * damping_, kLeastDamping);
+      caution_ *= kCautionFall;
+    }
     return EndStep();
   }
   share_ *= kShorterShare;
@@ -468,7 +476,9 @@ void LateralNewton::EndStep() {
 
 void LateralNewton::NextStep() {
   phase_ = Phase::kDerive;
+  solves_ = 0;
   if (result_.sweeps == 0) {
+    cost_before_ = cost_;
     if (last_free() < 2 || params_.max_newton_steps == 0) phase_ = Phase::kFinish;
     return;
   }
@@ -477,6 +487,7 @@ void LateralNewton::NextStep() {
   if (narrow && gain <= kLeastGain * cost_before_) phase_ = Phase::kFinish;
   if (result_.sweeps >= params_.max_newton_steps) phase_ = Phase::kFinish;
   width_share_ = Max(kNarrowing * width_share_, kLastWidth);
+  cost_before_ = cost_;
 }
 
 // False: the points are even enough.

@@ -84,6 +84,7 @@ class LateralNewton {
     float steeper;  // beta - alpha
     float max;
     float width;
+    float caution;  // 0: a second derivative as of a rounded kink; 1: of a parabola above it
   };
 
   void DoUnit(const Costmap& map);
@@ -136,6 +137,7 @@ class LateralNewton {
   float cost_before_ = 0.0f;  // the same before this step
   float width_share_ = 0.0f;  // of the kinks, of their limits
   float damping_ = 0.0f;
+  float caution_ = 0.0f;
   float share_ = 0.0f;  // of the step that is tried
   int32_t shares_ = 0;  // tried of this solution
   int32_t solves_ = 0;  // of this step
