@@ -8,6 +8,7 @@
 #include <cstddef>
 
 #include "core/optimizer/cost_terms.h"
+#include "tools/peers/moved_path.h"
 #include "tools/peers/rounded_cost.h"
 
 namespace hardpack::peers {
@@ -21,53 +22,11 @@ constexpr double kRoundedExcess = 1e-2;
 constexpr double kMapFloor_m = 1e-3;
 constexpr double kTrustRegionRadius = 1e6;
 
-constexpr int kFirstFree = 2;
+constexpr int kFirstFree = MovedPath::kFirstFree;
 constexpr int kMinPoints = 4;
 
-size_t Index(int k) {
-  return static_cast<size_t>(k);
-}
-
-// A path whose free points move along the normals of its seed.
-struct MovedPath {
-  MovedPath(const WorldPath& seed, bool keep_end_heading);
-
-  int points() const { return static_cast<int>(seed.size() / 2); }
-  void Place();
-
-  int free_end;                // behind the last free point
-  std::vector<double> seed;    // [points x 2]
-  std::vector<double> normal;  // [points x 2], to the left
-  std::vector<double> offset;  // [points]
-  std::vector<double> placed;  // [points x 2]
-};
-
-MovedPath::MovedPath(const WorldPath& path, bool keep_end_heading)
-    : free_end(path.size() - (keep_end_heading ? 2 : 1)) {
-  for (const Pose2& pose : path) {
-    seed.push_back(pose.x_m);
-    seed.push_back(pose.y_m);
-  }
-  placed = seed;
-  offset.assign(seed.size() / 2, 0.0);
-  normal.assign(seed.size(), 0.0);
-  for (size_t i = Index(2 * kFirstFree); i < Index(2 * free_end); i += 2) {
-    double x = seed[i + 2] - seed[i - 2];
-    double y = seed[i + 3] - seed[i - 1];
-    if (x == 0.0 && y == 0.0) {  // there and back again
-      x = seed[i + 2] - seed[i];
-      y = seed[i + 3] - seed[i + 1];
-    }
-    const double length = std::sqrt(x * x + y * y);
-    normal[i] = -y / length;
-    normal[i + 1] = x / length;
-  }
-}
-
-void MovedPath::Place() {
-  for (size_t i = Index(2 * kFirstFree); i < Index(2 * free_end); ++i) {
-    placed[i] = seed[i] + normal[i] * offset[i / 2];
-  }
+size_t Count(int count) {
+  return static_cast<size_t>(count);
 }
 
 // The factors of F's five kinds of terms, each with the size below which |u| is rounded.
@@ -118,7 +77,7 @@ class TermResidual : public ceres::CostFunction {
   TermResidual(const Term& term, int first, int blocks, const double* normals)
       : term_(term), by_(term.by + first), normals_(normals), blocks_(blocks) {
     set_num_residuals(1);
-    mutable_parameter_block_sizes()->assign(Index(blocks), 1);
+    mutable_parameter_block_sizes()->assign(Count(blocks), 1);
   }
 
   bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
@@ -162,7 +121,7 @@ class AllTerms : public ceres::EvaluationCallback {
   AllTerms(MovedPath& path, RoundedCost& cost) : path_(path), cost_(cost) {}
   void PrepareForEvaluation(bool jacobians, bool) override {
     path_.Place();
-    cost_.Find(path_.placed.data(), jacobians);
+    cost_.Find(path_.positions_m(), jacobians);
   }
 
  private:
@@ -176,11 +135,8 @@ class LeastSquares {
                MovedPath& path);
   ceres::Problem& problem() { return problem_; }
 
-  // What the squares hold beside the rounded F.
-  double constant() const {
-    const auto map_terms = static_cast<double>(problem_.NumResidualBlocks() - other_terms_);
-    return map_terms * kMapFloor_m;
-  }
+  // What half the sum of squares is above the rounded F without the map terms of fixed points.
+  double constant() const { return map_terms_ * kMapFloor_m; }
 
  private:
   static ceres::Problem::Options Options(ceres::EvaluationCallback* callback) {
@@ -202,7 +158,7 @@ class LeastSquares {
   RoundedLoss turn_excess_;
   RoundedLoss step_;
   RoundedLoss step_excess_;
-  int other_terms_ = 0;  // than the map's
+  double map_terms_ = 0.0;
   ceres::Problem problem_;
 };
 
@@ -216,8 +172,8 @@ LeastSquares::LeastSquares(const Costmap& map, const OptimizerParams& params,
       step_(Roundings(params).step),
       step_excess_(Roundings(params).step_excess),
       problem_(Options(&all_terms_)) {
-  for (int k = kFirstFree; k < path_.free_end; ++k) {
-    problem_.AddParameterBlock(&path_.offset[Index(k)], 1);
+  for (int k = kFirstFree; k < path_.free_end(); ++k) {
+    problem_.AddParameterBlock(path_.offsets_m() + k, 1);
   }
   const int last = path_.points() - 1;
   for (int k = 1; k < last; ++k) {
@@ -227,20 +183,21 @@ LeastSquares::LeastSquares(const Costmap& map, const OptimizerParams& params,
     Add<TermResidual>(terms.step, k, k - 2, &step_);
     Add<TermResidual>(terms.step_excess, k, k - 2, &step_excess_);
   }
-  other_terms_ = problem_.NumResidualBlocks();
+  const int others = problem_.NumResidualBlocks();
   for (int k = 1; k <= last; ++k) Add<MapResidual>(cost_.at(k).map, k, k - 1, nullptr);
+  map_terms_ = problem_.NumResidualBlocks() - others;
 }
 
 template <typename Residual>
 void LeastSquares::Add(const Term& term, int k, int from, ceres::LossFunction* loss) {
   const int first = std::max(from, kFirstFree);
-  const int blocks = std::min(k + 2, path_.free_end) - first;
+  const int blocks = std::min(k + 2, path_.free_end()) - first;
   if (blocks <= 0) return;
   double* offsets[4] = {};
-  for (int i = 0; i < blocks; ++i) offsets[i] = &path_.offset[Index(first + i)];
+  for (int i = 0; i < blocks; ++i) offsets[i] = path_.offsets_m() + first + i;
   problem_.AddResidualBlock(
-      new Residual(term, 2 * (first - k + 2), blocks, &path_.normal[Index(2 * first)]), loss,
-      offsets, blocks);
+      new Residual(term, 2 * (first - k + 2), blocks, path_.normals() + 2 * first), loss, offsets,
+      blocks);
 }
 
 // --- one function
@@ -253,9 +210,9 @@ class WholeCost : public ceres::FirstOrderFunction {
       : path_(path),
         cost_(map, params, path.points(), start_curvature_per_m),
         roundings_(params),
-        by_(path.seed.size() + 4) {}
+        by_(Count(2 * path.points() + 4)) {}
 
-  int NumParameters() const override { return path_.free_end - kFirstFree; }
+  int NumParameters() const override { return path_.free_points(); }
   bool Evaluate(const double* offsets, double* value, double* gradient) const override;
 
  private:
@@ -277,9 +234,9 @@ class WholeCost : public ceres::FirstOrderFunction {
 };
 
 bool WholeCost::Evaluate(const double* offsets, double* value, double* gradient) const {
-  std::copy(offsets, offsets + NumParameters(), path_.offset.begin() + kFirstFree);
+  std::copy(offsets, offsets + NumParameters(), path_.offsets_m() + kFirstFree);
   path_.Place();
-  cost_.Find(path_.placed.data(), gradient != nullptr);
+  cost_.Find(path_.positions_m(), gradient != nullptr);
   std::fill(by_.begin(), by_.end(), 0.0);
   const int last = path_.points() - 1;
   double sum = cost_.first_map_term();
@@ -294,9 +251,9 @@ bool WholeCost::Evaluate(const double* offsets, double* value, double* gradient)
   AddSlope(cost_.at(last).map, last, 1.0);
   *value = sum;
   if (gradient == nullptr) return true;
-  for (int k = kFirstFree; k < path_.free_end; ++k) {
+  for (int k = kFirstFree; k < path_.free_end(); ++k) {
     const double* const by = by_.data() + 2 * (k + 2);
-    const double* const normal = path_.normal.data() + 2 * k;
+    const double* const normal = path_.normals() + 2 * k;
     gradient[k - kFirstFree] = by[0] * normal[0] + by[1] * normal[1];
   }
   return true;
@@ -339,11 +296,25 @@ void SolveWhole(const ceres::GradientProblem& problem, int max_iterations, Moved
   ceres::GradientProblemSolver::Options options;
   options.max_num_iterations = max_iterations;
   options.logging_type = ceres::SILENT;
-  std::vector<double> offsets(Index(problem.NumParameters()), 0.0);
+  std::vector<double> offsets(Count(problem.NumParameters()), 0.0);
   ceres::GradientProblemSolver::Summary summary;
   ceres::Solve(options, problem, offsets.data(), &summary);
-  std::copy(offsets.begin(), offsets.end(), path.offset.begin() + kFirstFree);
+  std::copy(offsets.begin(), offsets.end(), path.offsets_m() + kFirstFree);
   Report(summary, result);
+}
+
+// Keeps a solution, evenly spread where F is lower so: points crowd on the inside of a bend, where
+// the turns between them are lost in single precision.
+void Keep(const Costmap& map, const OptimizerParams& params, const MovedPath& moved,
+          float start_curvature_per_m, bool keep_end_heading, CeresResult& result) {
+  moved.CopyTo(result.path);
+  result.after = CostOf(map, params, result.path, start_curvature_per_m);
+  const WorldPath spread = Spread(result.path, keep_end_heading);
+  const PathCost spread_cost = CostOf(map, params, spread, start_curvature_per_m);
+  if (spread_cost.total() < result.after.total()) {
+    result.path = spread;
+    result.after = spread_cost;
+  }
 }
 
 }  // namespace
@@ -357,7 +328,7 @@ CeresResult Smooth(CeresMethod method, const Costmap& map, const OptimizerParams
   result.before = CostOf(map, params, seed, start_curvature_per_m);
   result.after = result.before;
   MovedPath path(seed, keep_end_heading);
-  if (path.free_end <= kFirstFree) return result;
+  if (path.free_points() <= 0) return result;
   if (method == CeresMethod::kTrustRegion) {
     LeastSquares squares(map, params, start_curvature_per_m, path);
     SolveSquares(squares.problem(), max_iterations, result);
@@ -367,12 +338,7 @@ CeresResult Smooth(CeresMethod method, const Costmap& map, const OptimizerParams
   }
   if (!result.usable) return result;
   path.Place();
-  for (int k = kFirstFree; k < path.free_end; ++k) {
-    result.path[k].x_m = static_cast<float>(path.placed[Index(2 * k)]);
-    result.path[k].y_m = static_cast<float>(path.placed[Index(2 * k + 1)]);
-  }
-  SetHeadingsFromChords(result.path);
-  result.after = CostOf(map, params, result.path, start_curvature_per_m);
+  Keep(map, params, path, start_curvature_per_m, keep_end_heading, result);
   return result;
 }
 
@@ -382,15 +348,14 @@ CeresObjective ObjectiveOf(CeresMethod method, const Costmap& map, const Optimiz
   CeresObjective objective;
   if (!IsUsableSeed(seed, start_curvature_per_m)) return objective;
   MovedPath path(seed, keep_end_heading);
-  const int free_points = path.free_end - kFirstFree;
-  if (free_points <= 0 || offsets_m.size() != Index(free_points)) return objective;
-  objective.gradient_per_m.resize(Index(free_points));
+  if (path.free_points() <= 0 || offsets_m.size() != Count(path.free_points())) return objective;
+  objective.gradient_per_m.resize(offsets_m.size());
   if (method == CeresMethod::kLineSearch) {
     const WholeCost whole(map, params, start_curvature_per_m, path);
     whole.Evaluate(offsets_m.data(), &objective.value, objective.gradient_per_m.data());
     return objective;
   }
-  std::copy(offsets_m.begin(), offsets_m.end(), path.offset.begin() + kFirstFree);
+  std::copy(offsets_m.begin(), offsets_m.end(), path.offsets_m() + kFirstFree);
   LeastSquares squares(map, params, start_curvature_per_m, path);
   squares.problem().Evaluate({}, &objective.value, nullptr, &objective.gradient_per_m, nullptr);
   objective.value -= squares.constant();

@@ -21,7 +21,8 @@
 // That is its best fair use: derivatives are analytic and found once a step for all residuals
 // (EvaluationCallback), one thread, tolerances at Ceres' defaults. Points free in x and y, which
 // has twice the unknowns and lets points slide along the path, was tried and is slower and worse.
-// The problem is built anew for each path, as nav2 does, so that belongs to the time.
+// The points of the solution are spread evenly where F is lower so, as core/optimizer does. The
+// problem is built anew for each path, as nav2 does, so that belongs to the time.
 
 namespace hardpack::peers {
 
@@ -47,7 +48,7 @@ CeresResult Smooth(CeresMethod method, const Costmap& map, const OptimizerParams
 // the seed, along the normal to the left (for tests). offsets_m: one a free point, from point 2 on.
 // Without a gradient where Smooth is not usable.
 struct CeresObjective {
-  double value = 0.0;
+  double value = 0.0;                  // less what no free point changes
   std::vector<double> gradient_per_m;  // [free points]
 };
 CeresObjective ObjectiveOf(CeresMethod method, const Costmap& map, const OptimizerParams& params,
