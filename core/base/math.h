@@ -45,8 +45,9 @@ inline float Sqrt(float value) {
   return value > 0.0f ? __builtin_sqrtf(value) : 0.0f;
 }
 
+// Clears the sign: one instruction, also for four values at once.
 constexpr float Abs(float value) {
-  return value < 0.0f ? -value : value;
+  return __builtin_fabsf(value);
 }
 constexpr float Min(float a, float b) {
   return b < a ? b : a;
