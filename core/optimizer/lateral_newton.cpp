@@ -4,7 +4,9 @@
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/saturate.h"
+#include "core/optimizer/branch_free.h"
 #include "core/optimizer/cost_terms.h"
+#include "core/optimizer/map_samples.h"
 #include "core/optimizer/perturbation.h"
 
 namespace hardpack {
@@ -47,20 +49,18 @@ float Root(float not_negative) {
 // only where a path folds back. No branch, so that it is vectorised.
 float TurnOf(float half_cross, float half_dot) {
   constexpr float kTanPiOver8 = 0.41421356f;
-  constexpr float kHalfTurn = 1.0e-6f;  // no division by zero where the path folds back
-  const float y = Abs(half_cross);
-  const float x = Max(half_dot, kHalfTurn);
-  const bool far = y > kTanPiOver8 * x;
-  // atan(y / x) = pi / 4 + atan((y - x) / (y + x)).
-  const float ratio = (far ? y - x : y) / (far ? y + x : x);
+  constexpr float kHalfTurn = 1.0e-7f;  // no division by zero where the path folds back
+  const float y = branch_free::Magnitude(half_cross);
+  const float x = branch_free::NotBelowZero(half_dot) + kHalfTurn;
+  // Beyond: atan(y / x) = pi / 4 + atan((y - x) / (y + x)).
+  const bool beyond = y > kTanPiOver8 * x;
+  const float ratio = (y - branch_free::KeptIf(beyond, x)) / (x + branch_free::KeptIf(beyond, y));
   const float s = ratio * ratio;
   // atan(r) / r interpolated on [0, tan(pi / 8)].
-  const float angle =
-      ratio + ratio * s *
-                  (-0.33333331f +
-                   s * (0.19999540f + s * (-0.14263956f + s * (0.10743731f - s * 0.0645192f))));
-  const float turn = 2.0f * (far ? 0.25f * kPi + angle : angle);
-  return half_cross < 0.0f ? -turn : turn;
+  const float series =
+      -0.33333331f + s * (0.19999540f + s * (-0.14263956f + s * (0.10743731f - s * 0.0645192f)));
+  const float angle = branch_free::KeptIf(beyond, 0.25f * kPi) + (ratio + ratio * s * series);
+  return branch_free::WithSignOf(half_cross, 2.0f * angle);
 }
 
 float TermOf(float value, float alpha, float beta, float max) {
@@ -143,8 +143,7 @@ float LateralNewton::CostOfLine(const Costmap& map, Line& line) const {
   MeasureChords(line);
   MeasureCurvatures(line);
   const int points = line.points;
-  HP_LOOP_BOUND(kMaxPathPoints)
-  for (int k = 0; k < points; ++k) line.map_cost[k] = map.CostAt(line.x_m[k], line.y_m[k]);
+  SampleCosts(map, line.x_m, line.y_m, points, line.map_cost);
   const OptimizerParams params = params_;
   HP_LOOP_BOUND(kMaxPathPoints)
   for (int k = 0; k < points; ++k) {
@@ -219,14 +218,24 @@ void LateralNewton::DeriveMap(const Costmap& map) {
   const int last = line.points - 1;
   constexpr float kHalfInverse = 0.5f / kSample_m;
   constexpr float kInverse2 = 1.0f / (kSample_m * kSample_m);
+  Line& aside = trial();
+  HP_LOOP_BOUND(2)
+  for (int side = 0; side < 2; ++side) {
+    const float half_m = side == 0 ? 0.5f * kSample_m : -0.5f * kSample_m;
+    HP_LOOP_BOUND(kMaxPathPoints)
+    for (int k = 1; k < last; ++k) {
+      aside.x_m[k] = line.x_m[k] - half_m * (line.chord_y[k - 1] + line.chord_y[k]);
+      aside.y_m[k] = line.y_m[k] + half_m * (line.chord_x[k - 1] + line.chord_x[k]);
+    }
+    SampleCosts(map, aside.x_m, aside.y_m, last, side == 0 ? aside.map_cost : aside.path_cost);
+  }
   HP_LOOP_BOUND(kMaxPathPoints)
   for (int k = 1; k < last; ++k) {
-    const float aside_x_m = -0.5f * kSample_m * (line.chord_y[k - 1] + line.chord_y[k]);
-    const float aside_y_m = 0.5f * kSample_m * (line.chord_x[k - 1] + line.chord_x[k]);
-    const float left = map.CostAt(line.x_m[k] + aside_x_m, line.y_m[k] + aside_y_m);
-    const float right = map.CostAt(line.x_m[k] - aside_x_m, line.y_m[k] - aside_y_m);
+    const float left = aside.map_cost[k];
+    const float right = aside.path_cost[k];
+    const float here = line.map_cost[k];
     map_slope_[k] = (left - right) * kHalfInverse;
-    map_bend_[k] = Max((left - line.map_cost[k]) + (right - line.map_cost[k]), 0.0f) * kInverse2;
+    map_bend_[k] = branch_free::NotBelowZero((left - here) + (right - here)) * kInverse2;
   }
 }
 

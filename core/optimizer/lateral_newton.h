@@ -56,7 +56,7 @@ class LateralNewton {
   // Derive: derivatives of line_. Solve: the step. Try: line_ moved, into the other line.
   enum class Phase : uint8_t { kIdle, kDerive, kSolve, kTry, kSpread, kTrySpread, kFinish };
 
-  static constexpr int kRoom = kMaxPathPoints + 4;  // zeros behind the last point are read
+  static constexpr int kRoom = kMaxPathPoints + 8;  // what lies behind the last point is read
 
   // A path, and what F sees of it. Chord k goes from point k to point k + 1; at point k the chord
   // before it turns into the one behind it.
