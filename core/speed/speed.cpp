@@ -4,58 +4,57 @@
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 
+// The loops over the points choose by Min, Max and ?: of what is already computed, and look for bad
+// numbers to the end, so that compilers take four points at a time.
+
 namespace hardpack {
 namespace {
 
 constexpr float kLeastFreeWay_m = 1.0e-6f;
 // Covers the eight roundings between ReactionSpeedCap and StoppingDistance, each 2^-24 at most.
 constexpr float kBelowTheInverse = 1.0f - 1.0f / 1048576.0f;
+
 float Squared(float value) {
   return value * value;
 }
 
 float ClampCurvature(float curvature_per_m) {
-  return Clamp(curvature_per_m, -kCurvatureCeiling_per_m, kCurvatureCeiling_per_m);
+  return Max(-kCurvatureCeiling_per_m, Min(curvature_per_m, kCurvatureCeiling_per_m));
 }
 
-// The parameters as CurvatureSpeedLimit uses them: what is the same for all points is computed
-// once, squared speeds are compared, and a division is made only for a limit that binds.
+// The limits of CurvatureSpeedLimit, inverted once for all points, so that a point takes the
+// largest of the inverses and one division.
 struct ShapeLimits {
   ShapeLimits(const SpeedParams& params, const VehicleParams& vehicle)
-      : per_gamma_m(1.0f / params.gamma_per_m),
-        min_mps(params.min_speed_mps),
-        span_mps(params.max_speed_mps - params.min_speed_mps),
-        lateral_mps2(params.max_lateral_acceleration_mps2),
-        yaw2_rad2ps2(Squared(params.max_yaw_rate_radps)),
-        wheel2_m2ps2(Squared(params.max_wheel_speed_share * vehicle.max_wheel_speed_radps *
-                             vehicle.wheel_radius_m)),
-        half_baseline_m(0.5f * vehicle.skid_baseline_m),
-        curvature_rate_per_ms(params.max_curvature_rate_per_s2) {}
+      : min_mps(params.min_speed_mps),
+        max_mps(params.max_speed_mps),
+        fall_m2ps((params.max_speed_mps - params.min_speed_mps) / params.gamma_per_m),
+        per_lateral_s2pm(1.0f / params.max_lateral_acceleration_mps2),
+        per_yaw_s(1.0f / params.max_yaw_rate_radps),
+        per_wheel_spm(1.0f / (params.max_wheel_speed_share * vehicle.max_wheel_speed_radps *
+                              vehicle.wheel_radius_m)),
+        turn_per_wheel_s(0.5f * vehicle.skid_baseline_m * per_wheel_spm),
+        per_rate_s2(1.0f / params.max_curvature_rate_per_s2) {}
 
-  float Squared_m2ps2(float curvature_per_m, float curvature_rate_per_m2) const {
+  // The squared limit where the curvature is curvature_per_m, after a change of change_per_m over
+  // way_m. The divisor is never 0: the wheels always have a limit.
+  float Squared_m2ps2(float curvature_per_m, float change_per_m, float way_m) const {
     const float kappa = Abs(curvature_per_m);
-    const float rate = Abs(curvature_rate_per_m2);
-    const float wheel_share = 1.0f + kappa * half_baseline_m;
-    float limit = Squared(min_mps + span_mps * (1.0f - Min(kappa * per_gamma_m, 1.0f)));
-    limit = MinQuotient(limit, lateral_mps2, kappa);
-    limit = MinQuotient(limit, yaw2_rad2ps2, kappa * kappa);
-    limit = MinQuotient(limit, wheel2_m2ps2, wheel_share * wheel_share);
-    return MinQuotient(limit, curvature_rate_per_ms, rate);
+    const float paper_mps = Max(min_mps, max_mps - kappa * fall_m2ps);
+    const float per_turn = Max(kappa * per_lateral_s2pm, Squared(kappa * per_yaw_s));
+    const float per_shape = Max(per_turn, Squared(per_wheel_spm + kappa * turn_per_wheel_s));
+    const float per_change = Abs(change_per_m) * per_rate_s2;
+    return Min(Squared(paper_mps), way_m / Max(per_shape * way_m, per_change));
   }
 
-  // min(limit, dividend / divisor); divisor may be 0.
-  static float MinQuotient(float limit, float dividend, float divisor) {
-    return limit * divisor > dividend ? dividend / divisor : limit;
-  }
-
-  float per_gamma_m;
   float min_mps;
-  float span_mps;
-  float lateral_mps2;
-  float yaw2_rad2ps2;
-  float wheel2_m2ps2;
-  float half_baseline_m;
-  float curvature_rate_per_ms;
+  float max_mps;
+  float fall_m2ps;
+  float per_lateral_s2pm;
+  float per_yaw_s;
+  float per_wheel_spm;
+  float turn_per_wheel_s;
+  float per_rate_s2;
 };
 
 bool IsSpeed(float value_mps) {
@@ -67,12 +66,25 @@ Status CheckCaps(const ActuatorPath& path, std::span<const float> cap_mps) {
   if (cap_mps.size() != static_cast<size_t>(path.steps.size()) + 1u) {
     return Status::kInvalidArgument;
   }
+  uint32_t not_finite = 0;
+  uint32_t negative = 0;
   HP_LOOP_BOUND(kMaxPathPoints)
   for (const float cap : cap_mps) {
-    if (!IsFinite(cap)) return Status::kNotFinite;
-    if (cap < 0.0f) return Status::kInvalidArgument;
+    not_finite |= IsFinite(cap) ? 0u : 1u;
+    negative |= cap < 0.0f ? 1u : 0u;
   }
-  return Status::kOk;
+  if (not_finite != 0u) return Status::kNotFinite;
+  return negative != 0u ? Status::kInvalidArgument : Status::kOk;
+}
+
+bool HasFiniteSteps(const ActuatorPath& path) {
+  uint32_t not_finite = 0;
+  HP_LOOP_BOUND(kMaxPathPoints - 1)
+  for (const ActuatorStep& step : path.steps) {
+    not_finite |= IsFinite(step.phi_rad) ? 0u : 1u;
+    not_finite |= IsFinite(step.dr_m) ? 0u : 1u;
+  }
+  return not_finite == 0u;
 }
 
 Status CheckInput(const ActuatorPath& path, const SpeedRequest& request) {
@@ -81,10 +93,7 @@ Status CheckInput(const ActuatorPath& path, const SpeedRequest& request) {
       !IsFinite(request.goal_speed_mps)) {
     return Status::kNotFinite;
   }
-  HP_LOOP_BOUND(kMaxPathPoints - 1)
-  for (const ActuatorStep& step : path.steps) {
-    if (!IsFinite(step.phi_rad) || !IsFinite(step.dr_m)) return Status::kNotFinite;
-  }
+  if (!HasFiniteSteps(path)) return Status::kNotFinite;
   if (!IsSpeed(request.start_speed_mps) || !IsSpeed(request.goal_speed_mps) ||
       request.slow_points < 0) {
     return Status::kInvalidArgument;
@@ -95,51 +104,101 @@ Status CheckInput(const ActuatorPath& path, const SpeedRequest& request) {
 // True where the vehicle must stand between two steps: at both ends of a turn on the spot, and
 // between driving forward and driving in reverse.
 bool MustStand(const ActuatorStep& before, const ActuatorStep& after) {
-  return !HasLength(before.dr_m) || !HasLength(after.dr_m) ||
-         (before.dr_m < 0.0f) != (after.dr_m < 0.0f);
+  const float forward_m = Min(before.dr_m, after.dr_m);
+  const float reverse_m = -Max(before.dr_m, after.dr_m);
+  return Max(forward_m, reverse_m) < kLeastChord_m;
 }
 
-// Squared limit of every point but the first, which is given.
-void LimitPoints(const ShapeLimits& limits, const ActuatorPath& path, const SpeedRequest& request,
-                 float everywhere_mps, float slow_mps, SpeedProfile& squared) {
+// Way of path that belongs to the point between two steps [m]: the mean of both chords, and at
+// least that of the shortest ones, so that it can be divided by where the vehicle stands as well.
+float WayOf(const ActuatorStep& before, const ActuatorStep& after) {
+  return Max(Abs(0.5f * before.dr_m + 0.5f * after.dr_m), kLeastChord_m);
+}
+
+// Curvature at a point; 0 where the vehicle stands, which may leave in any direction.
+float CurvatureAt(const ActuatorStep& before, const ActuatorStep& after) {
+  const float curvature_per_m = ClampCurvature(before.phi_rad / WayOf(before, after));
+  return MustStand(before, after) ? 0.0f : curvature_per_m;
+}
+
+// Squared limit of a point from its shape, curvature_before_per_m being that of the point before.
+float LimitAt(const ShapeLimits& limits, const ActuatorStep& before, const ActuatorStep& after,
+              float curvature_before_per_m, float curvature_per_m) {
+  const float limit_m2ps2 = limits.Squared_m2ps2(
+      curvature_per_m, curvature_per_m - curvature_before_per_m, WayOf(before, after));
+  return MustStand(before, after) ? 0.0f : limit_m2ps2;
+}
+
+// Squared limit of every point but the first, which is given. The curvatures are put down first, in
+// the place where the limit of the point behind will stand, so that each is computed once.
+void LimitPoints(ShapeLimits limits, const ActuatorPath& path, const SpeedRequest& request,
+                 SpeedProfile& squared) {
   const int last = path.steps.size();
   const ActuatorStep* steps = path.steps.begin();
+  const ActuatorStep& end = path.steps.back();
   float* limit2 = squared.begin();
-  float kappa_before = ClampCurvature(request.start_curvature_per_m);
-  HP_LOOP_BOUND(kMaxPathPoints - 1)
-  for (int k = 1; k <= last; ++k) {
-    const ActuatorStep& before = steps[k - 1];
-    const ActuatorStep& after = steps[k < last ? k : k - 1];
-    float kappa = 0.0f;  // A standing vehicle may leave in any direction.
-    limit2[k] = 0.0f;
-    if (!MustStand(before, after)) {
-      const float per_m = 1.0f / MeanChord(Abs(before.dr_m), Abs(after.dr_m));
-      kappa = ClampCurvature(before.phi_rad * per_m);
-      const float rate = (kappa - kappa_before) * per_m;
-      const float cap_mps = k < request.slow_points ? slow_mps : everywhere_mps;
-      limit2[k] = Min(limits.Squared_m2ps2(kappa, rate), Squared(cap_mps));
-    }
-    kappa_before = kappa;
+  limit2[1] = ClampCurvature(request.start_curvature_per_m);
+  HP_LOOP_BOUND(kMaxPathPoints - 2)
+  for (int k = 1; k < last; ++k) limit2[k + 1] = CurvatureAt(steps[k - 1], steps[k]);
+  HP_LOOP_BOUND(kMaxPathPoints - 2)
+  for (int k = 1; k < last; ++k) {
+    limit2[k] = LimitAt(limits, steps[k - 1], steps[k], limit2[k], limit2[k + 1]);
   }
-  limit2[last] = Min(limit2[last], Squared(request.goal_speed_mps));
+  limit2[last] = Min(LimitAt(limits, end, end, limit2[last], CurvatureAt(end, end)),
+                     Squared(request.goal_speed_mps));
+}
+
+// The first `count` points (all, if there are fewer) at limit_mps at most; point 0 is given.
+void LimitFirst(int count, float limit_mps, SpeedProfile& squared) {
+  const int limited = count < squared.size() ? count : squared.size();
+  const float limit_m2ps2 = Squared(limit_mps);
+  float* limit2 = squared.begin();
+  HP_LOOP_BOUND(kMaxPathPoints - 1)
+  for (int k = 1; k < limited; ++k) limit2[k] = Min(limit2[k], limit_m2ps2);
 }
 
 void LimitByCaps(std::span<const float> cap_mps, SpeedProfile& squared) {
   if (cap_mps.empty()) return;
+  const float* cap = cap_mps.data();
+  float* limit2 = squared.begin();
+  const int points = squared.size();
   HP_LOOP_BOUND(kMaxPathPoints - 1)
-  for (int k = 1; k < squared.size(); ++k) {
-    squared[k] = Min(squared[k], Squared(cap_mps[static_cast<size_t>(k)]));
-  }
+  for (int k = 1; k < points; ++k) limit2[k] = Min(limit2[k], Squared(cap[k]));
 }
 
-// v_k^2 <= v_{k+1}^2 + 2 a |dr_k|, from the end.
-void LimitDeceleration(const ActuatorPath& path, float deceleration_mps2, SpeedProfile& squared) {
-  const float loss_per_m = 2.0f * deceleration_mps2;
-  float behind = squared.back();
-  HP_LOOP_BOUND(kMaxPathPoints - 2)
-  for (int k = squared.size() - 2; k >= 1; --k) {
-    behind = Min(squared[k], behind + loss_per_m * Abs(path.steps[k].dr_m));
-    squared[k] = behind;
+// One pass over `count` points i = 0, 1, ... in kDirection along the path (1: forward, -1: from the
+// end), where `step` leads to the first of them, `squared`, from the point before, which is final:
+//   v_i^2 = min(limit_i^2, v_{i-1}^2 + 2 a |dr_i|)
+// Each point waits for the one before. So that it need not wait long, four are taken at once: what
+// their own limits leave of them is known early, and only the sum of the gains since the four
+// before comes in last. It is the same but for the rounding of that sum.
+template <int kDirection>
+void LimitChange(float acceleration_mps2, const ActuatorStep* step, float* squared, int count) {
+  const float gain_per_m = 2.0f * acceleration_mps2;
+  const auto gain = [=](int i) { return gain_per_m * Abs(step[kDirection * i].dr_m); };
+  const auto point = [=](int i) -> float& { return squared[kDirection * i]; };
+  float before = point(-1);
+  int i = 0;
+  HP_LOOP_BOUND((kMaxPathPoints - 1) / 4)
+  for (; i + 4 <= count; i += 4) {
+    const float gain_1 = gain(i);
+    const float gain_2 = gain_1 + gain(i + 1);
+    const float gain_3 = gain_2 + gain(i + 2);
+    const float gain_4 = gain_3 + gain(i + 3);
+    const float own_1 = point(i);
+    const float own_2 = Min(point(i + 1), own_1 + gain(i + 1));
+    const float own_3 = Min(point(i + 2), own_2 + gain(i + 2));
+    const float own_4 = Min(point(i + 3), own_3 + gain(i + 3));
+    point(i) = Min(own_1, before + gain_1);
+    point(i + 1) = Min(own_2, before + gain_2);
+    point(i + 2) = Min(own_3, before + gain_3);
+    before = Min(own_4, before + gain_4);
+    point(i + 3) = before;
+  }
+  HP_LOOP_BOUND(3)
+  for (; i < count; ++i) {
+    before = Min(point(i), before + gain(i));
+    point(i) = before;
   }
 }
 
@@ -158,18 +217,6 @@ int BrakeFromStart(const ActuatorPath& path, float deceleration_mps2, SpeedProfi
   return k;
 }
 
-// v_k^2 <= v_{k-1}^2 + 2 a |dr_{k-1}|, from a point whose predecessor is final.
-void LimitAcceleration(const ActuatorPath& path, float acceleration_mps2, int from,
-                       SpeedProfile& squared) {
-  const float gain_per_m = 2.0f * acceleration_mps2;
-  float before = squared[from - 1];
-  HP_LOOP_BOUND(kMaxPathPoints - 1)
-  for (int k = from; k < squared.size(); ++k) {
-    before = Min(squared[k], before + gain_per_m * Abs(path.steps[k - 1].dr_m));
-    squared[k] = before;
-  }
-}
-
 }  // namespace
 
 float CurvatureBetween(float turn_rad, float chord_before_m, float chord_after_m) {
@@ -180,7 +227,7 @@ float CurvatureBetween(float turn_rad, float chord_before_m, float chord_after_m
 float CurvatureSpeedLimit(const SpeedParams& params, const VehicleParams& vehicle,
                           float curvature_per_m, float curvature_rate_per_m2) {
   const ShapeLimits limits(params, vehicle);
-  return Sqrt(limits.Squared_m2ps2(curvature_per_m, curvature_rate_per_m2));
+  return Sqrt(limits.Squared_m2ps2(curvature_per_m, curvature_rate_per_m2, 1.0f));
 }
 
 float StoppingDistance(const SpeedParams& params, float speed_mps) {
@@ -219,15 +266,19 @@ Status PlanSpeed(const SpeedParams& params, const VehicleParams& vehicle, const 
   const Status status = CheckInput(path, request);
   if (!IsUsable(status)) return status;
   // Until the last pass, `speed` holds squared speeds [m^2/s^2].
-  speed.Resize(path.steps.size() + 1);
-  const float everywhere_mps = request.narrow ? params.min_speed_mps : params.max_speed_mps;
-  const float slow_mps = Min(everywhere_mps, params.obstacle_start_speed_mps);
-  LimitPoints(ShapeLimits(params, vehicle), path, request, everywhere_mps, slow_mps, speed);
+  const int last = path.steps.size();
+  speed.Resize(last + 1);
+  LimitPoints(ShapeLimits(params, vehicle), path, request, speed);
+  if (request.narrow) LimitFirst(last + 1, params.min_speed_mps, speed);
+  LimitFirst(request.slow_points, params.obstacle_start_speed_mps, speed);
   LimitByCaps(request.cap_mps, speed);
-  LimitDeceleration(path, params.max_deceleration_mps2, speed);
+  const ActuatorStep* steps = path.steps.begin();
+  float* squared = speed.begin();
+  LimitChange<-1>(params.max_deceleration_mps2, steps + (last - 1), squared + (last - 1), last - 1);
   speed[0] = Squared(request.start_speed_mps);
   const int within = BrakeFromStart(path, params.max_deceleration_mps2, speed);
-  LimitAcceleration(path, params.max_acceleration_mps2, within, speed);
+  LimitChange<1>(params.max_acceleration_mps2, steps + (within - 1), squared + within,
+                 last + 1 - within);
   HP_LOOP_BOUND(kMaxPathPoints)
   for (float& value : speed) value = Sqrt(value);
   speed[0] = request.start_speed_mps;

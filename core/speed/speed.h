@@ -87,7 +87,7 @@ struct SpeedRequest {
 // change of direction it is 0 all the same, since neither can be driven through.
 // kPathTooShort: no steps; kNotFinite; kInvalidArgument: negative or above kMaxRequestSpeed_mps,
 // negative slow_points, or cap_mps of another length or negative. On failure `speed` is empty.
-// Cost: five passes over at most kMaxPathPoints points.
+// Cost: at most eleven passes over at most kMaxPathPoints points, two of them from point to point.
 Status PlanSpeed(const SpeedParams& params, const VehicleParams& vehicle, const ActuatorPath& path,
                  const SpeedRequest& request, SpeedProfile& speed);
 

@@ -160,6 +160,26 @@ TEST(SpeedPlanner, StandsWhereTheDirectionChanges) {
   for (int k = 1; k < 20; ++k) EXPECT_EQ(speed[k] == 0.0f, k == 10) << k;
 }
 
+// Every pair of a long, a just long enough, a just too short and no chord, forward and in reverse.
+TEST(SpeedPlanner, StandsBetweenTwoStepsThatItCannotDriveInOneGo) {
+  const float too_short = std::nextafter(kLeastChord_m, 0.0f);
+  for (const float before :
+       {0.25f, kLeastChord_m, too_short, 0.0f, -0.0f, -too_short, -kLeastChord_m, -0.25f}) {
+    for (const float after :
+         {0.25f, kLeastChord_m, too_short, 0.0f, -0.0f, -too_short, -kLeastChord_m, -0.25f}) {
+      ActuatorPath path = Straight(9, before);
+      for (int i = 4; i < 9; ++i) path.steps[i].dr_m = after;
+      SpeedProfile speed;
+      SpeedRequest request;
+      request.goal_speed_mps = 1.0f;
+      ASSERT_EQ(Plan(path, request, speed), Status::kOk);
+      const bool drives =
+          HasLength(before) && HasLength(after) && (before < 0.0f) == (after < 0.0f);
+      EXPECT_EQ(speed[4] > 0.0f, drives) << before << " m, then " << after << " m";
+    }
+  }
+}
+
 TEST(SpeedPlanner, DrivesInReverseAsFastAsForward) {
   ActuatorPath forward = Straight(60, 0.25f);
   for (int i = 10; i < 30; ++i) forward.steps[i].phi_rad = 0.05f;
@@ -247,6 +267,30 @@ TEST(SpeedPlanner, RefusesBadInput) {
   const std::vector<float> negative(11, -1.0f);
   request.cap_mps = negative;
   EXPECT_EQ(Plan(good, request, speed), Status::kInvalidArgument);
+}
+
+TEST(SpeedPlanner, SeesANumberThatIsNotFiniteWhereverItStands) {
+  for (int steps = 1; steps <= 20; ++steps) {
+    const ActuatorPath good = Straight(steps, 0.25f);
+    SpeedProfile speed;
+    for (int k = 0; k < steps; ++k) {
+      ActuatorPath path = good;
+      path.steps[k].phi_rad = kNan;
+      EXPECT_EQ(Plan(path, {}, speed), Status::kNotFinite) << k << " of " << steps;
+      path = good;
+      path.steps[k].dr_m = kInf;
+      EXPECT_EQ(Plan(path, {}, speed), Status::kNotFinite) << k << " of " << steps;
+    }
+    for (size_t k = 0; k <= static_cast<size_t>(steps); ++k) {
+      std::vector<float> caps(static_cast<size_t>(steps) + 1, 1.0f);
+      SpeedRequest request;
+      request.cap_mps = caps;
+      caps[k] = -1.0f;
+      EXPECT_EQ(Plan(good, request, speed), Status::kInvalidArgument) << k << " of " << steps;
+      caps[k] = kNan;
+      EXPECT_EQ(Plan(good, request, speed), Status::kNotFinite) << k << " of " << steps;
+    }
+  }
 }
 
 TEST(SpeedPlanner, GivesFiniteSpeedsForExtremeNumbers) {
@@ -365,6 +409,44 @@ void CheckProfile(const Scene& scene, const SpeedProfile& speed, uint32_t seed) 
     const bool must_brake = v2 >= next2 + down * next_way - tolerance;
     ASSERT_TRUE(braking || at_limit || gains_fully || must_brake)
         << "seed " << seed << " point " << k << " is slower than it need be";
+  }
+}
+
+// The two passes one point after the other, in double, on the limits of PointLimit: what the order
+// in which the gains are added may change is in the last bits.
+std::vector<double> PlanPointByPoint(const Scene& scene) {
+  const auto& steps = scene.path.steps;
+  const int last = steps.size();
+  std::vector<double> squared{std::pow(double{scene.request.start_speed_mps}, 2.0)};
+  for (int k = 1; k <= last; ++k) squared.push_back(std::pow(PointLimit(scene, k), 2.0));
+  const auto at = [&](int k) -> double& { return squared[static_cast<size_t>(k)]; };
+  const auto way = [&](int k) { return std::abs(double{steps[k].dr_m}); };
+  const double down = 2.0 * double{scene.params.max_deceleration_mps2};
+  const double up = 2.0 * double{scene.params.max_acceleration_mps2};
+  for (int k = last - 1; k >= 1; --k) at(k) = std::min(at(k), at(k + 1) + down * way(k));
+  bool within = false;
+  for (int k = 1; k <= last; ++k) {
+    const double braked = at(k - 1) - down * way(k - 1);
+    within = within || braked <= at(k);
+    const bool stand = k < last ? PointLimit(scene, k) == 0.0 : way(k - 1) == 0.0;
+    at(k) = within ? std::min(at(k), at(k - 1) + up * way(k - 1)) : stand ? 0.0 : braked;
+  }
+  return squared;
+}
+
+TEST(SpeedPlanner, AgreesWithThePassesPointByPointForEveryNumberOfPoints) {
+  for (uint32_t seed = 0; seed < 2000; ++seed) {
+    Scene scene = RandomScene(seed);
+    scene.path.steps.Resize(std::min(scene.path.steps.size(), 1 + static_cast<int>(seed % 255)));
+    scene.caps.resize(scene.caps.empty() ? 0 : static_cast<size_t>(scene.path.steps.size()) + 1);
+    scene.request.cap_mps = scene.caps;
+    SpeedProfile speed;
+    ASSERT_EQ(Plan(scene.path, scene.request, speed, scene.params), Status::kOk);
+    const std::vector<double> squared = PlanPointByPoint(scene);
+    for (int k = 0; k < speed.size(); ++k) {
+      ASSERT_NEAR(double{speed[k]} * double{speed[k]}, squared[static_cast<size_t>(k)], 2e-5)
+          << "seed " << seed << " point " << k << " of " << speed.size();
+    }
   }
 }
 
