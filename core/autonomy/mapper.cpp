@@ -5,19 +5,14 @@
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/saturate.h"
+#include "core/base/units.h"
 #include "core/base/wide_int.h"
 
 namespace hardpack {
 namespace {
 
-constexpr float kCentimetersPerMeter = 100.0f;
-constexpr float kMillimetersPerMeter = 1000.0f;
 constexpr float kMillisecondsPerSecond = 1000.0f;
 constexpr float kSecondsPerNanosecond = 1.0e-9f;
-
-int32_t InCentimeters(float height_m) {
-  return RoundToInt(height_m * kCentimetersPerMeter);
-}
 
 float SecondsBetween(uint64_t earlier_ns, uint64_t later_ns) {
   return ToFloat(later_ns - earlier_ns) * kSecondsPerNanosecond;
@@ -215,7 +210,7 @@ void Mapper::MarkSelf(const LidarColumn& column) {
   HP_LOOP_BOUND(kMaxBeams)
   for (int row = 0; row < model_.beams; ++row) {
     const uint32_t range_mm = NearestRange(column, row);
-    const float range_m = static_cast<float>(range_mm) / kMillimetersPerMeter;
+    const float range_m = FromMillimeters(range_mm);
     bool self = range_m < mount.min_range_m || range_m > mount.max_range_m;
     if (!self && range_m <= self_reach_m_) {
       const Vec3 point = PointInSensor(model_, encoder, row, range_mm);
@@ -352,7 +347,7 @@ void Mapper::LookWithBeam(int beam, int own_id, const Transform3& pose, Directio
   if (beam == model_.beams / 2) direction.fan.direction_odom = {dx_m / level_m, dy_m / level_m};
   direction.nothing[beam] = held && packed.range_mm() == 0;
   view_.seen[beam] = seen;
-  view_.range_m[beam] = static_cast<float>(packed.range_mm()) / kMillimetersPerMeter;
+  view_.range_m[beam] = FromMillimeters(packed.range_mm());
 }
 
 // The segmenter's result: classes and heights into the ring, observed ground and what the beams saw

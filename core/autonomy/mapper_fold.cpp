@@ -3,19 +3,10 @@
 #include "core/autonomy/mapper.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
-#include "core/base/saturate.h"
+#include "core/base/units.h"
 #include "core/base/wide_int.h"
 
 namespace hardpack {
-namespace {
-
-constexpr float kCentimetersPerMeter = 100.0f;
-
-int32_t InCentimeters(float height_m) {
-  return RoundToInt(height_m * kCentimetersPerMeter);
-}
-
-}  // namespace
 
 Status Mapper::AddLabels(const ColumnLabels& labels) {
   if (!configured_) return Status::kNotStarted;
@@ -29,8 +20,7 @@ Status Mapper::AddLabels(const ColumnLabels& labels) {
     PackedReturn packed = ring_.at(slot, row);
     if (packed.range_mm() == 0) continue;
     const bool known = packed.height_known();
-    const float height_m =
-        known ? static_cast<float>(packed.height_cm()) / kCentimetersPerMeter : 0.0f;
+    const float height_m = known ? FromCentimeters(packed.height_cm()) : 0.0f;
     const ReturnClass said = table_.class_of[labels.label[row]];
     packed.SetClass(CheckedLabel(said, height_m, known, obstacle_height_m_), true);
     ring_.Set(slot, row, packed);

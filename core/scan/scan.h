@@ -12,6 +12,7 @@
 #include "core/base/result.h"
 #include "core/base/saturate.h"
 #include "core/base/status.h"
+#include "core/base/units.h"
 #include "core/base/wide_int.h"
 #include "core/measurements/measurements.h"
 
@@ -45,9 +46,7 @@ inline SinCosPair EncoderSinCos(const BeamModel& model, int measurement_id) {
 // Inline: every return goes through it twice.
 inline Vec3 PointInSensor(const BeamModel& model, SinCosPair encoder, int row, uint32_t range_mm) {
   HP_ASSERT(row >= 0 && row < model.beams);
-  constexpr float kMillimetersPerMeter = 1000.0f;
-  const float range_m = static_cast<float>(range_mm) / kMillimetersPerMeter;
-  const float beam_m = range_m - model.origin_to_beam_m;
+  const float beam_m = FromMillimeters(range_mm) - model.origin_to_beam_m;
   const float level_m = beam_m * model.cos_altitude[row];
   const float cos_beam =
       encoder.cos * model.cos_azimuth[row] - encoder.sin * model.sin_azimuth[row];

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/saturate.h"
+
+// Between metres and the integer units in which the sensor gives ranges and the map keeps heights.
+
+namespace hardpack {
+
+inline constexpr float kCentimetersPerMeter = 100.0f;
+inline constexpr float kMillimetersPerMeter = 1000.0f;
+
+// To the nearest centimetre, halves away from zero; saturates, and NaN gives 0.
+constexpr int32_t InCentimeters(float length_m) {
+  return RoundToInt(length_m * kCentimetersPerMeter);
+}
+
+constexpr float FromCentimeters(int32_t length_cm) {
+  return static_cast<float>(length_cm) / kCentimetersPerMeter;
+}
+
+constexpr float FromMillimeters(uint32_t length_mm) {
+  return static_cast<float>(length_mm) / kMillimetersPerMeter;
+}
+
+}  // namespace hardpack
