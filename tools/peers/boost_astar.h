@@ -9,10 +9,13 @@
 #include "core/costmap/costmap.h"
 
 // Boost.Graph's A*, beside core/astar: the same cells, steps, integer costs and octile heuristic.
-// The grid is an implicit graph (its edges are found from the map as the search asks for them), the
-// property maps are vectors that stay from query to query, and a visitor leaves the search at the
-// goal by an exception, as Boost's documentation does it. The start lies outside lethal cells: the
-// way out of an obstacle is not searched here.
+// Its best fair use: the grid is an implicit graph (its edges are found from the map as the search
+// asks for them), the property maps are arrays that stay from query to query, and a visitor leaves
+// the search at the goal by an exception, as Boost's documentation does it. astar_search_no_init is
+// called with the costs and the colours filled beforehand: astar_search would write two maps more,
+// cell by cell, which is slower; maps that are reset as cells are met were tried, and are faster
+// only for short searches. Boost allocates its heap anew in each query. The start lies outside
+// lethal cells: the way out of an obstacle is not searched here.
 
 namespace hardpack::peers {
 
