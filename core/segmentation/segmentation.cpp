@@ -9,17 +9,15 @@
 namespace hardpack {
 namespace {
 
-// Between rings that lie close together the noise of their heights must not look like a slope.
 // A stretch where ground was looked for and not seen: more than what a lost return or a tuft leaves
 // out, and wide enough for a wheel to drop into.
 constexpr float kGapShare = 2.0f;
 constexpr float kLeastGap_m = 1.0f;
+// Between rings that lie close together the noise of their heights must not look like a slope.
 constexpr float kHeightNoise_m = 0.05f;
 constexpr float kTallStep_m = 1.0f;
 // What was tall stays so for as many directions: a crown has gaps.
 constexpr uint8_t kTallMemory = 8;
-// A neighbour within this in range is part of the same thing.
-constexpr float kSameThing_m = 1.0f;
 
 }  // namespace
 
@@ -193,8 +191,9 @@ void Segmenter::FileStretch(const Direction& direction, int point) {
   if (!is_gap) return;
   const float middle_m = line_.level_m(point) - 0.5f * run_m;
   // A ditch is there for the directions before, too; between tufts of grass it is a matter of luck.
-  if (gaps_before_[0].Hold(middle_m) && gaps_before_[1].Hold(middle_m))
+  if (gaps_before_[0].Hold(middle_m) && gaps_before_[1].Hold(middle_m)) {
     result_.gap_from[beam] = static_cast<int16_t>(near_beam);
+  }
   gaps_.Add(line_.level_m(point - 1), line_.level_m(point));
 }
 

@@ -7,8 +7,6 @@
 namespace hardpack {
 namespace {
 
-// A neighbour within this is part of the same thing; one further behind was seen past it.
-constexpr float kSameThing_m = 1.0f;
 // Surely a surface: so many neighbours on it, and nearly all of those of the same thing.
 constexpr uint32_t kSmoothNeighbours = 12;
 constexpr uint32_t kSmoothShare_percent = 75;

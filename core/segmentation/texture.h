@@ -13,6 +13,9 @@
 
 namespace hardpack {
 
+// A neighbour within this in range is part of the same thing; one further behind was seen past it.
+inline constexpr float kSameThing_m = 1.0f;
+
 // The ranges of one direction, with room around them for neighbours that do not exist.
 struct RangeColumn {
   static constexpr int kReach_beams = 2;
