@@ -84,6 +84,17 @@ Status Planner::BeginCells(const GridWindow& window, const PlannerParams& params
   return Started(status, PlanStage::kCostmap);
 }
 
+Status Planner::BeginOnMap(const PlanRequest& request) {
+  if (stage_ != PlanStage::kDone) return Status::kNotStarted;
+  const bool narrow = plan_.narrow;
+  const Status status = Prepare(params_, request);
+  if (!IsUsable(status)) return Started(status, PlanStage::kIdle);
+  plan_.narrow = narrow;
+  keeps_map_ = true;
+  BeginSearch();
+  return Status::kOk;
+}
+
 Status Planner::Started(Status status, PlanStage first) {
   if (IsUsable(status)) {
     stage_ = first;
@@ -101,6 +112,7 @@ Status Planner::Prepare(const PlannerParams& params, const PlanRequest& request)
   params_ = params;
   request_ = request;
   request_.start.pose.theta_rad = WrapAngle(request.start.pose.theta_rad);
+  keeps_map_ = false;
   keeps_end_heading_ = false;
   has_goal_heading_ = false;
   return Status::kOk;
@@ -206,7 +218,7 @@ void Planner::BeginNarrow() {
 bool Planner::MayTryNarrow() const {
   const bool closed =
       plan_.base_status == Status::kNoPath || plan_.base_status == Status::kStartEnclosed;
-  return closed && !plan_.narrow &&
+  return closed && !plan_.narrow && !keeps_map_ &&
          NarrowRadius(params_.vehicle) < params_.costmap.planning_radius_m;
 }
 
@@ -388,7 +400,8 @@ void Planner::StepSpeed(int units) {
   SpeedRequest request;
   request.start_speed_mps = request_.start.speed_mps;
   request.start_curvature_per_m = request_.start.curvature_per_m;
-  request.slow_points = SlowPoints();
+  plan_.slow_points = SlowPoints();
+  request.slow_points = plan_.slow_points;
   request.narrow = plan_.narrow;
   request.cap_mps = caps_.cap_mps();
   const Status status =

@@ -71,6 +71,7 @@ struct Plan {
   PathCost cost_before;  // of the base path, joined to the start's heading
   PathCost cost_after;   // of path, before turns on the spot were added or it was made to end short
   PathCheckResult check;
+  int32_t slow_points = 0;  // first points of path that are driven slowly, out of an obstacle
   AstarResult search;
 };
 
@@ -103,6 +104,12 @@ class Planner {
   // costmap_builder().SetCell.
   Status BeginCells(const GridWindow& window, const PlannerParams& params,
                     const PlanRequest& request);
+
+  // Once more on the map of the plan that is done, as it is: another start or another goal, and the
+  // bare footprint where that plan is narrow. A map that is closed is not tried narrower, so that
+  // both plans' costs are those of one map. kNotStarted: no plan is done; and those of the request,
+  // as above. Then StepCells; any Step does, as no cells are read.
+  Status BeginOnMap(const PlanRequest& request);
 
   // The same kind of Step as of Begin: the others assert it. At most `units`
   // units of the stages' (see there; of pending columns a slot of the ring). They are handed on in
@@ -171,6 +178,7 @@ class Planner {
   PlanStage stage_ = PlanStage::kIdle;
   uint32_t folded_before_ = 0;  // columns, when this plan began
   int32_t pending_slot_ = 0;    // next
+  bool keeps_map_ = false;      // the map was made for another plan: no narrow try
   bool keeps_end_heading_ = false;
   bool has_goal_heading_ = false;  // and the path ends at the goal
   PlannerParams params_;

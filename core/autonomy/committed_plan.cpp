@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/autonomy/committed_plan.h"
+
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
+
+namespace hardpack {
+namespace {
+
+Vec2 ChordBehind(const WorldPath& path, int point) {
+  return {path[point + 1].x_m - path[point].x_m, path[point + 1].y_m - path[point].y_m};
+}
+
+float Length(Vec2 v) {
+  return Sqrt(v.x_m * v.x_m + v.y_m * v.y_m);
+}
+
+// Nearer than what was best so far, or not.
+void TryChord(const WorldPath& path, int point, float along_m, Vec2 position, PathPlace& best) {
+  const Vec2 chord = ChordBehind(path, point);
+  const float length_m = Length(chord);
+  const Vec2 arm = {position.x_m - path[point].x_m, position.y_m - path[point].y_m};
+  const float share =
+      Clamp((arm.x_m * chord.x_m + arm.y_m * chord.y_m) / (length_m * length_m), 0.0f, 1.0f);
+  const float off_m = Length({arm.x_m - share * chord.x_m, arm.y_m - share * chord.y_m});
+  if (off_m < best.cross_track_m) best = {point, share, along_m + share * length_m, off_m};
+}
+
+}  // namespace
+
+bool TurnsOnTheSpotAt(const WorldPath& path, int point) {
+  return point + 1 < path.size() && !HasLength(Length(ChordBehind(path, point)));
+}
+
+int StandingPoint(const WorldPath& path, int point) {
+  int standing = point;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  while (standing + 1 < path.size() && !TurnsOnTheSpotAt(path, standing)) ++standing;
+  return standing;
+}
+
+float WayTo(const WorldPath& path, int point) {
+  float way_m = 0.0f;
+  HP_LOOP_BOUND(kMaxPathPoints - 1)
+  for (int k = 0; k < point; ++k) way_m += Length(ChordBehind(path, k));
+  return way_m;
+}
+
+float TurnAt(const WorldPath& path, int point, float at_start_rad) {
+  if (point <= 0) return at_start_rad;
+  if (point + 1 >= path.size()) return 0.0f;
+  const Vec2 before = ChordBehind(path, point - 1);
+  const Vec2 behind = ChordBehind(path, point);
+  if (!HasLength(Length(before)) || !HasLength(Length(behind))) return 0.0f;
+  return PlanarModel::TurnBetween(before, behind);
+}
+
+float CurvatureAt(const WorldPath& path, int point, float at_start_per_m) {
+  if (point <= 0) return at_start_per_m;
+  if (point + 1 >= path.size()) return 0.0f;
+  return CurvatureBetween(TurnAt(path, point, 0.0f), Length(ChordBehind(path, point - 1)),
+                          Length(ChordBehind(path, point)));
+}
+
+PathPlace Project(const WorldPath& path, const Pose2& pose, bool stands, float search_m) {
+  const auto turned = [&](int point) {
+    return Abs(WrapAngle(pose.theta_rad - path[point + 1].theta_rad)) <= kTurnDone_rad;
+  };
+  const Vec2 position = {pose.x_m, pose.y_m};
+  // A turn at the very end stays: nothing is behind it.
+  const int last = path.size() - 2;
+  const bool begins_behind_turn = TurnsOnTheSpotAt(path, 0) && last > 0 && turned(0);
+  int point = begins_behind_turn ? 1 : 0;
+  PathPlace best = {point, 0.0f, 0.0f,
+                    Length({position.x_m - path[point].x_m, position.y_m - path[point].y_m})};
+  float along_m = 0.0f;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (; point <= last && along_m <= search_m; ++point) {
+    if (TurnsOnTheSpotAt(path, point)) break;
+    TryChord(path, point, along_m, position, best);
+    along_m += Length(ChordBehind(path, point));
+  }
+  const bool at_turn = point <= last && point > best.point && TurnsOnTheSpotAt(path, point) &&
+                       along_m - best.along_m <= kAtPoint_m;
+  if (!at_turn || !stands) return best;
+  const int behind = turned(point) && point < last ? point + 1 : point;
+  return {behind, 0.0f, along_m, best.cross_track_m};
+}
+
+PathState StateAt(const CommittedPlan& plan, float along_m) {
+  PathState state;
+  const WorldPath& path = plan.path;
+  if (path.size() < 2) return state;
+  int point = 0;
+  float before_m = 0.0f;
+  float length_m = Length(ChordBehind(path, 0));
+  HP_LOOP_BOUND(kMaxPathPoints)
+  while (point + 2 < path.size() && before_m + length_m <= along_m) {
+    before_m += length_m;
+    ++point;
+    length_m = Length(ChordBehind(path, point));
+  }
+  const bool has_length = HasLength(length_m);
+  const float share = has_length ? Clamp((along_m - before_m) / length_m, 0.0f, 1.0f) : 0.0f;
+  const Vec2 chord = ChordBehind(path, point);
+  const float turn_rad = TurnAt(path, point, plan.start_turn_rad);
+  const float next_turn_rad = TurnAt(path, point + 1, 0.0f);
+  const float bend_rad = share < 0.5f ? -(0.5f - share) * turn_rad : (share - 0.5f) * next_turn_rad;
+  const float heading_rad = has_length ? HeadingOf(chord) : path[point].theta_rad;
+  state.pose = {path[point].x_m + share * chord.x_m, path[point].y_m + share * chord.y_m,
+                WrapAngle(heading_rad + bend_rad)};
+  const float curvature = CurvatureAt(path, point, plan.start_curvature_per_m);
+  const float next_curvature = CurvatureAt(path, point + 1, 0.0f);
+  state.curvature_per_m = curvature + share * (next_curvature - curvature);
+
+  // The first speed holds where the vehicle was, not at the first point.
+  const float from = point == 0 && has_length ? Min(plan.start_along_m / length_m, 1.0f) : 0.0f;
+  const float speed_share = share > from && from < 1.0f ? (share - from) / (1.0f - from) : 0.0f;
+  const float speed2 = plan.speed[point] * plan.speed[point];
+  const float next2 = plan.speed[point + 1] * plan.speed[point + 1];
+  state.speed_mps = Sqrt(speed2 + speed_share * (next2 - speed2));
+  return state;
+}
+
+}  // namespace hardpack

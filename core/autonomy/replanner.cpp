@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/autonomy/replanner.h"
+
+#include "config/validate.h"
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
+#include "core/base/wide_int.h"
+
+namespace hardpack {
+namespace {
+
+// How much longer a round may take than the longest of the last ones.
+constexpr float kLatencyMargin = 1.5f;
+// What is kept of the longest round from one to the next: half after eleven.
+constexpr float kLatencyFade = 0.9375f;
+// Beside what the vehicle drives from tick to tick.
+constexpr float kSearchAhead_m = 3.0f;
+constexpr float kNanosecond_s = 1.0e-9f;
+// A search's cost of one metre at cost 0.
+constexpr float kWayCostPerMeter = kStraightLength * kCellsPerMeter;
+
+// Copied from, since a temporary would not fit on the stack.
+constexpr CommittedPlan kNothingCommitted;
+
+Status CheckUpdate(const VehicleState& state, const PlanGoal& goal) {
+  const bool finite = IsFinite(state.pose) && IsFinite(state.curvature_per_m) &&
+                      IsFinite(state.speed_mps) && IsFinite(goal.position_odom.x_m) &&
+                      IsFinite(goal.position_odom.y_m) &&
+                      (!goal.has_heading || IsFinite(goal.heading_rad));
+  if (!finite) return Status::kNotFinite;
+  const bool fits = state.speed_mps >= -Replanner::kStanding_mps &&
+                    state.speed_mps <= kMaxRequestSpeed_mps &&
+                    Abs(state.curvature_per_m) <= kCurvatureCeiling_per_m &&
+                    Max(Abs(state.pose.x_m), Abs(state.pose.y_m)) <= kMaxRequestPosition_m &&
+                    Abs(state.pose.theta_rad) <= kSinCosMaxAngle_rad &&
+                    (!goal.has_heading || Abs(goal.heading_rad) <= kSinCosMaxAngle_rad);
+  return fits ? Status::kOk : Status::kInvalidArgument;
+}
+
+}  // namespace
+
+// Exact for the arc: its chord has the mean of both headings and sin(turn / 2) / (turn / 2) of its
+// length.
+VehicleState PredictAhead(const VehicleState& state, float ahead_s) {
+  const float way_m = state.speed_mps * ahead_s;
+  const float half_turn_rad = 0.5f * way_m * state.curvature_per_m;
+  const float shortened = Abs(half_turn_rad) < 1.0e-3f ? 1.0f : Sin(half_turn_rad) / half_turn_rad;
+  const SinCosPair chord = SinCos(state.pose.theta_rad + half_turn_rad);
+  VehicleState ahead = state;
+  ahead.pose = {state.pose.x_m + way_m * shortened * chord.cos,
+                state.pose.y_m + way_m * shortened * chord.sin,
+                WrapAngle(state.pose.theta_rad + 2.0f * half_turn_rad)};
+  return ahead;
+}
+
+Status Replanner::Configure(const PlannerParams& params) {
+  if (FirstInvalidParameter(params) != nullptr) return Status::kParameterOutOfRange;
+  const Status status = CheckCostmapParams(params.costmap);
+  if (!IsUsable(status)) return status;
+  params_ = params;
+  configured_ = true;
+  latency_s_ = params.replan.min_latency_s;
+  longest_s_ = 0.0f;
+  Forget();
+  return Status::kOk;
+}
+
+void Replanner::Forget() {
+  committed_ = kNothingCommitted;
+  phase_ = Phase::kIdle;
+  outcome_ = ReplanOutcome{};
+  place_ = PathPlace{};
+  off_path_ = false;
+}
+
+Status Replanner::Update(uint64_t now_ns, const VehicleState& state, const PlanGoal& goal) {
+  Status status = CheckUpdate(state, goal);
+  if (IsUsable(status) && has_state_ && now_ns < now_ns_) status = Status::kInvalidArgument;
+  if (!IsUsable(status)) {
+    ++counters_.refused;
+    return status;
+  }
+  const float since_s = has_state_ ? ToFloat(now_ns - now_ns_) * kNanosecond_s : 0.0f;
+  has_state_ = true;
+  now_ns_ = now_ns;
+  state_ = state;
+  state_.pose.theta_rad = WrapAngle(state.pose.theta_rad);
+  state_.speed_mps = Max(state.speed_mps, 0.0f);
+  goal_ = goal;
+  Locate(since_s);
+  return Status::kOk;
+}
+
+// Where the newest state is on the committed path, and whether it is on it at all.
+void Replanner::Locate(float since_s) {
+  off_path_ = false;
+  if (committed_.number == 0) return;
+  const WorldPath& path = committed_.path;
+  const float search_m = place_.along_m + state_.speed_mps * since_s + kSearchAhead_m;
+  place_ = Project(path, state_.pose, Stands(), search_m);
+  const float heading_rad = StateAt(committed_, place_.along_m).pose.theta_rad;
+  const bool looks_away =
+      Abs(WrapAngle(state_.pose.theta_rad - heading_rad)) > params_.path.max_join_heading_rad;
+  off_path_ = place_.cross_track_m > params_.replan.max_cross_track_m ||
+              (looks_away && !TurnsOnTheSpotAt(path, place_.point));
+}
+
+Progress Replanner::Step(const Mapper& mapper, int units) {
+  if (phase_ == Phase::kIdle && units > 0 && MayBegin()) {
+    Begun(planner_.Begin(mapper, params_, request_));
+  }
+  return Run([&](int portion) { return planner_.Step(mapper, portion); }, units);
+}
+
+Progress Replanner::Step(const HeightGrid& heights, int units) {
+  if (phase_ == Phase::kIdle && units > 0 && MayBegin()) {
+    Begun(planner_.Begin(heights, params_, request_));
+  }
+  return Run([&](int portion) { return planner_.Step(heights, portion); }, units);
+}
+
+Status Replanner::BeginCells(const GridWindow& window) {
+  phase_ = Phase::kIdle;
+  if (!MayBegin()) return Status::kNotStarted;
+  const Status status = planner_.BeginCells(window, params_, request_);
+  Begun(status);
+  return status;
+}
+
+Progress Replanner::StepCells(int units) {
+  return Run([&](int portion) { return planner_.StepCells(portion); }, units);
+}
+
+template <typename StepPlanner>
+Progress Replanner::Run(StepPlanner&& step_planner, int units) {
+  if (units <= 0) return Progress::kBusy;
+  HP_LOOP_BOUND(kMaxUnits)
+  for (int left = units; left > 0 && phase_ != Phase::kIdle; left -= Planner::kPortion_units) {
+    const int portion = left < Planner::kPortion_units ? left : Planner::kPortion_units;
+    if (phase_ != Phase::kPlan) {
+      StepOwn(portion);
+    } else if (step_planner(portion) == Progress::kDone) {
+      EndPlan();
+    }
+  }
+  return phase_ == Phase::kIdle ? Progress::kDone : Progress::kBusy;
+}
+
+void Replanner::StepOwn(int units) {
+  switch (phase_) {
+    case Phase::kCheck:
+      return StepCheck(units);
+    case Phase::kExtend:
+      if (planner_.StepCells(units) == Progress::kDone) Decide();
+      return;
+    case Phase::kSpeed:
+      if (caps_.Step(planner_.costmap(), params_.speed, params_.vehicle, candidate_.path, units) ==
+          Progress::kDone) {
+        Publish();
+      }
+      return;
+    case Phase::kIdle:
+    case Phase::kPlan:
+      return;
+  }
+}
+
+bool Replanner::MayBegin() {
+  if (!configured_ || !has_state_) {
+    outcome_ = ReplanOutcome{};
+    return false;
+  }
+  round_ = ReplanOutcome{};
+  round_goal_ = goal_;
+  begun_ns_ = now_ns_;
+  rest_.Clear();
+  free_until_ = -1;
+  extension_point_ = -1;
+  ends_short_ = false;
+  late_ = false;
+  ChooseAnchor();
+  return true;
+}
+
+// The plan could not begin: there is no map to check anything on.
+void Replanner::Begun(Status status) {
+  if (IsUsable(status)) {
+    phase_ = Phase::kPlan;
+    return;
+  }
+  round_.decision = committed_.number != 0 ? ReplanDecision::kStop : ReplanDecision::kNone;
+  round_.status = status;
+  round_.plan_status = status;
+  outcome_ = round_;
+}
+
+PlanRequest Replanner::RequestFrom(const PathStart& start) const {
+  PlanRequest request;
+  request.start = start;
+  request.goal_odom = round_goal_.position_odom;
+  request.has_goal_heading = round_goal_.has_heading;
+  request.goal_heading_rad = round_goal_.heading_rad;
+  return request;
+}
+
+void Replanner::ChooseAnchor() {
+  anchored_ = false;
+  anchor_ = 0;
+  left_path_ = off_path_;
+  const float speed_mps = Stands() ? 0.0f : state_.speed_mps;
+  request_ = RequestFrom({state_.pose, state_.curvature_per_m, speed_mps});
+  if (committed_.number == 0) return;
+  if (off_path_) {
+    ++counters_.reanchored;
+    return;
+  }
+  const WorldPath& path = committed_.path;
+  const int standing = StandingPoint(path, place_.point);
+  if (Stands() && WayTo(path, standing) - place_.along_m <= kAtPoint_m) return;
+  anchored_ = true;
+  anchor_ = PointBehindStretch(standing);
+  PathStart start{path[anchor_], 0.0f, 0.0f};
+  if (anchor_ != standing) {
+    start.curvature_per_m = CurvatureAt(path, anchor_, committed_.start_curvature_per_m);
+    start.speed_mps = committed_.speed[anchor_];
+  }
+  request_ = RequestFrom(start);
+}
+
+// The first point that is not reached while the round lasts, neither at the committed speeds nor at
+// the present one.
+int Replanner::PointBehindStretch(int standing) const {
+  const float least_along_m = place_.along_m + state_.speed_mps * latency_s_;
+  float along_m = place_.along_m;
+  float next_along_m = WayTo(committed_.path, place_.point);
+  float time_s = 0.0f;
+  float speed_mps = state_.speed_mps;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int point = place_.point + 1; point < standing; ++point) {
+    next_along_m += committed_.actuator.steps[point - 1].dr_m;
+    const float sum_mps = speed_mps + committed_.speed[point];
+    // Where both are 0 the vehicle does not get on.
+    if (!(sum_mps > 0.0f)) return point;
+    time_s += 2.0f * (next_along_m - along_m) / sum_mps;
+    if (time_s >= latency_s_ && next_along_m >= least_along_m) return point;
+    along_m = next_along_m;
+    speed_mps = committed_.speed[point];
+  }
+  return standing;
+}
+
+void Replanner::EndPlan() {
+  KeepFresh();
+  if (committed_.number == 0) return Decide();
+  BeginCheck();
+}
+
+void Replanner::KeepFresh() {
+  const Plan& plan = planner_.result();
+  fresh_.status = plan.status;
+  fresh_.path.Clear();
+  round_.plan_status = plan.status;
+  if (!IsUsable(plan.status)) return;
+  fresh_.path = plan.path;
+  fresh_.narrow = plan.narrow;
+  fresh_.slow_points = plan.slow_points;
+  fresh_.search_end = plan.search.end;
+  const bool in_end_cell = CellAt(request_.goal_odom) == plan.search.end;
+  fresh_.end_odom = in_end_cell ? request_.goal_odom : CellCenter(plan.search.end);
+  fresh_.way_cost = ToFloat(static_cast<uint64_t>(plan.search.cost)) / kWayCostPerMeter;
+}
+
+// From the projection of this moment on: the rest as the vehicle will drive it.
+void Replanner::BeginCheck() {
+  const WorldPath& path = committed_.path;
+  dropped_ = place_.point;
+  rest_.Clear();
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int point = dropped_; point < path.size(); ++point) {
+    rest_.Resize(rest_.size() + 1);
+    rest_.back() = path[point];
+  }
+  if (TurnsOnTheSpotAt(rest_, 0)) rest_[0].theta_rad = state_.pose.theta_rad;
+  rest_curvature_per_m_ = CurvatureAt(path, dropped_, committed_.start_curvature_per_m);
+  rest_turn_rad_ = TurnAt(path, dropped_, committed_.start_turn_rad);
+  late_ = anchored_ && place_.along_m > WayTo(path, anchor_);
+  const Status status =
+      check_.Begin(params_.vehicle, params_.optimizer, rest_, rest_curvature_per_m_);
+  if (!IsUsable(status)) return Decide();
+  phase_ = Phase::kCheck;
+}
+
+void Replanner::StepCheck(int units) {
+  if (check_.Step(planner_.costmap(), rest_, units) == Progress::kBusy) return;
+  // The pose at which it collides is not free, the chord that leads there is driven up to it.
+  free_until_ = IsUsable(check_.result().status)
+                    ? rest_.size() - 1
+                    : ClampInt(check_.result().collision_point - 1, -1, rest_.size() - 1);
+  extension_point_ = ExtensionPoint();
+  if (extension_point_ < 0) return Decide();
+  BeginExtension();
+}
+
+void Replanner::BeginExtension() {
+  PathStart start{rest_[extension_point_], 0.0f, 0.0f};
+  start.curvature_per_m = CurvatureAt(rest_, extension_point_, rest_curvature_per_m_);
+  start.speed_mps = committed_.speed[dropped_ + extension_point_];
+  if (IsUsable(planner_.BeginOnMap(RequestFrom(start)))) {
+    phase_ = Phase::kExtend;
+  } else {
+    extension_point_ = -1;
+    Decide();
+  }
+}
+
+// How far along a path that it was on when the round began the vehicle may be by now.
+float Replanner::ReachOfRound() const {
+  const float took_s = ToFloat(now_ns_ - begun_ns_) * kNanosecond_s;
+  return kSearchAhead_m + took_s * Max(state_.speed_mps, params_.speed.max_speed_mps);
+}
+
+void Replanner::EndRound() {
+  phase_ = Phase::kIdle;
+  round_.anchored = anchored_;
+  round_.late = late_;
+  outcome_ = round_;
+  ++counters_.plans;
+  if (late_) ++counters_.late;
+  if (!IsUsable(outcome_.plan_status)) ++counters_.failed;
+  switch (outcome_.decision) {
+    case ReplanDecision::kKept:
+      ++counters_.kept;
+      break;
+    case ReplanDecision::kExtended:
+      ++counters_.extended;
+      break;
+    case ReplanDecision::kStop:
+      ++counters_.stopped;
+      break;
+    case ReplanDecision::kReplaced:
+      ++counters_.replaced[static_cast<int>(outcome_.reason)];
+      break;
+    case ReplanDecision::kNone:
+      break;
+  }
+  const float took_s = ToFloat(now_ns_ - begun_ns_) * kNanosecond_s;
+  longest_s_ = Max(took_s, kLatencyFade * longest_s_);
+  latency_s_ = Max(params_.replan.min_latency_s, kLatencyMargin * longest_s_);
+}
+
+}  // namespace hardpack

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "config/parameters.h"
+#include "core/autonomy/committed_plan.h"
+#include "core/autonomy/planner.h"
+#include "core/autonomy/speed_caps.h"
+#include "core/base/decision_hash.h"
+#include "core/base/progress.h"
+#include "core/base/status.h"
+#include "core/safety/path_check.h"
+
+// When to plan again, and which plan to drive: owns a Planner and the committed plan. It reads no
+// clock, measures nothing and commands nothing; time comes in with Update. Ours; the paper only
+// says that it replans at 4 to 10 Hz ([OS] Experiments). docs/algorithm.md sections 3, 6 and 8.
+//
+//        v vehicle (predicted)     A anchor                            E end
+//   -----o------------------------>o---------------------------------->o     committed path
+//        |---- kept stretch ------> \____                          __/
+//                                        \___ new plan ___________/
+//
+// One round, begun as soon as the one before was judged:
+// 1. Anchor. The predicted pose is projected onto the committed path. The new plan starts on that
+//    path, with its pose, curvature and speed, at the first point behind the stretch that is driven
+//    while the round lasts: min_latency_s, or 1.5 times the longest of the last rounds (their
+//    length in the owner's time, so the same in replay). What it leads to is
+//    kept stretch + new plan. It starts from the predicted pose itself if there is no committed
+//    plan, if the vehicle is more than max_cross_track_m beside it (or turned away from it by more
+//    than max_join_heading_rad), or stands at its end or at a turn on the spot.
+// 2. The new plan, on the map of this moment.
+// 3. The rest of the committed path, from the vehicle's projection on, is checked on that map.
+// 4. Where the ends differ, no cost can be compared. So the committed path is carried on: its rest
+//    up to a point B, and a second plan from B to the goal on the same map.
+//    - Its rest is free and ends short of the goal (which is off the map, or further than a path is
+//      long), and the new plan gets extend_m nearer: B is kTail_m before its end, since the last
+//      stretch was bent towards an end that is none.
+//    - Its rest is blocked more than kFarBlock_m behind the anchor: B is half way to the block.
+//    What
+//      is far away does not change the side on which the next obstacle is passed.
+//    - In its last kTail_m it is not carried on: the new plan itself is the extension.
+// 5. Judgement, on that one map, from the anchor on. F is the optimizer's cost (CostOf). If both
+//    end at the same place (kSameEnd_m), the new plan is clearly cheaper where
+//      F(committed) - F(new) > max(cheaper_share F(committed), cheaper_floor).
+//    If they do not, because one is cut at the capacity of a path, the same is asked of the way to
+//    the search's end: length + F_map of the committed stretch + cost of the search from B,
+//    against the cost of the new plan's search. If there is no common end at all, it is not
+//    cheaper.
+//      no committed plan, or the vehicle is off it, or the goal has changed, or the committed plan
+//      was a stop, or its rest is blocked or too short and cannot be carried on, or the new plan is
+//      clearly cheaper                               the new plan replaces it
+//      its rest is free or was carried on            it is kept, with what was carried on
+//      neither can be                                it is cut to come to rest as soon as it can,
+//                                                    within what was checked free, and the
+//                                                    outcome says kStop: the owner stops
+// 6. Speeds. Whatever is driven from now on gets its speeds anew on this map, from the state of the
+//    moment of publication. A kept plan stays narrow while the map closes its way for the planning
+//    radius.
+// A new plan that comes after the vehicle has passed its anchor is not used (counted as late), and
+// the next one has its anchor further ahead. One that could not come to rest within its length from
+// the present speed is not used either.
+
+namespace hardpack {
+
+// Where the vehicle will be, dead time and all, when a command that is given now takes effect.
+struct VehicleState {
+  Pose2 pose;  // odom
+  float curvature_per_m = 0.0f;
+  // Forward. With lagging drives the speed that it has been told to have then: a plan that starts
+  // from the speed it lags at would never let it accelerate.
+  float speed_mps = 0.0f;
+};
+
+// For an owner without a history of commands: the state after ahead_s at constant speed and
+// curvature.
+VehicleState PredictAhead(const VehicleState& state, float ahead_s);
+
+enum class ReplanDecision : uint8_t {
+  kNone,      // nothing is committed: there is no plan
+  kKept,      // the committed path goes on, with new speeds
+  kExtended,  // the same, and carried on
+  kReplaced,
+  kStop,  // the committed path is blocked, obsolete or left, and there is no other: stop
+};
+
+enum class ReplanReason : uint8_t {
+  kNone,
+  kFirst,        // nothing was committed
+  kOffPath,      // the vehicle is too far from it
+  kGoalChanged,  // it leads to another goal
+  kAfterStop,    // it had been cut to a stop
+  kBlocked,      // what is blocked was replaced, far behind the vehicle or all of it
+  kEnds,         // it ends short of the goal and cannot be carried on
+  kCheaper,      // the new one is clearly cheaper
+};
+inline constexpr int kReplanReasons = 8;
+
+// What the last round came to.
+struct ReplanOutcome {
+  ReplanDecision decision = ReplanDecision::kNone;
+  ReplanReason reason = ReplanReason::kNone;
+  // Usable: drive the committed plan; it says what to mind. kCollision: its way is blocked, and no
+  // plan leads around; else why there is no plan (the new plan's status).
+  Status status = Status::kNotStarted;
+  Status plan_status = Status::kNotStarted;  // of the new plan, used or not
+  bool anchored = false;                     // the new plan started on the committed path ...
+  bool late = false;                         // ... and came too late to be used
+  float committed_cost = 0.0f;               // as they were compared; 0 where they were not
+  float new_cost = 0.0f;
+};
+
+struct ReplanCounters {
+  uint32_t plans = 0;  // rounds that were judged
+  uint32_t kept = 0;
+  uint32_t extended = 0;
+  uint32_t replaced[kReplanReasons] = {};  // by reason; kBlocked counts paths carried on, too
+  uint32_t stopped = 0;
+  uint32_t failed = 0;      // new plans that were not usable
+  uint32_t reanchored = 0;  // rounds that found the vehicle off the path
+  uint32_t late = 0;
+  uint32_t refused = 0;  // Updates
+};
+
+class Replanner {
+ public:
+  // Drops what there is. kParameterOutOfRange: nothing changes.
+  Status Configure(const PlannerParams& params);
+
+  // Drops the committed plan and the round under way: after a jump of the odometry, say.
+  void Forget();
+
+  // Every tick. kInvalidArgument: the time runs backwards, a speed is below -kStanding_mps or above
+  // kMaxRequestSpeed_mps, or a number is beyond what PlanRequest may have; kNotFinite. Then nothing
+  // changes but counters().refused. Cost: one pass over the committed path.
+  Status Update(uint64_t now_ns, const VehicleState& state, const PlanGoal& goal);
+
+  // At most `units` units of the stages', as Planner::Step, and ends with the round, so that the
+  // owner sees each. Begins a round where none is under way. kDone: a round has been judged, or
+  // none could begin, and outcome() is new. kMaxUnits steps of one unit end any round. Any split of
+  // the units gives the same outcome while map and state stay as they are.
+  Progress Step(const Mapper& mapper, int units);
+  Progress Step(const HeightGrid& heights, int units);
+
+  // The same on given cells: BeginCells begins the round (kNotStarted: no state has come), then
+  // SetCell on costmap_builder(), then StepCells until it is done. Failures of Begin are outcomes.
+  Status BeginCells(const GridWindow& window);
+  Progress StepCells(int units);
+  CostmapBuilder& costmap_builder() { return planner_.costmap_builder(); }
+
+  const CommittedPlan& committed() const { return committed_; }
+  const ReplanOutcome& outcome() const { return outcome_; }
+  const ReplanCounters& counters() const { return counters_; }
+  // Of the newest state on the committed path.
+  const PathPlace& place() const { return place_; }
+  bool busy() const { return phase_ != Phase::kIdle; }
+  float latency_s() const { return latency_s_; }  // that the next round is taken to need
+  // Of the plan made last, and its map.
+  const Planner& planner() const { return planner_; }
+
+  static constexpr float kStanding_mps = 0.05f;
+  static constexpr float kSameEnd_m = 0.3f;  // a cell's diagonal
+  static constexpr float kTail_m = 5.0f;
+  static constexpr float kFarBlock_m = 10.0f;
+  static constexpr float kNearerEnd_m = 0.5f;
+  static constexpr int kMaxUnits = 2 * Planner::kMaxUnits + PathCheck::kMaxUnits +
+                                   2 * SpeedCaps::kMaxUnits + 4 * Planner::kPortion_units;
+
+ private:
+  enum class Phase : uint8_t { kIdle, kPlan, kCheck, kExtend, kSpeed };
+
+  // A usable plan, as far as it is needed once the planner makes another.
+  struct Fresh {
+    Status status = Status::kNotStarted;
+    WorldPath path;
+    bool narrow = false;
+    int32_t slow_points = 0;
+    Cell search_end;
+    Vec2 end_odom;          // of the search: where the path ends unless it was cut
+    float way_cost = 0.0f;  // of the search, in metres at cost 0
+  };
+
+  // What is to be driven from now on, before its speeds.
+  struct Candidate {
+    ReplanDecision decision = ReplanDecision::kNone;
+    ReplanReason reason = ReplanReason::kNone;
+    Status status = Status::kNotStarted;
+    WorldPath path;
+    float start_curvature_per_m = 0.0f;
+    float start_turn_rad = 0.0f;
+    int32_t slow_points = 0;
+    bool narrow = false;
+    int32_t joint = -1;  // point of rest_ where it leaves the committed path; -1: it has no joint
+  };
+
+  template <typename StepPlanner>
+  Progress Run(StepPlanner&& step_planner, int units);
+  // core/autonomy/replanner.cpp: the course of a round.
+  bool Stands() const { return state_.speed_mps <= kStanding_mps; }
+  bool MayBegin();
+  void ChooseAnchor();
+  int PointBehindStretch(int standing) const;
+  PlanRequest RequestFrom(const PathStart& start) const;
+  void Begun(Status status);
+  void StepOwn(int units);
+  void EndPlan();
+  void KeepFresh();
+  void BeginCheck();
+  void StepCheck(int units);
+  void BeginExtension();
+  float ReachOfRound() const;
+  void EndRound();
+  void Locate(float since_s);
+
+  // core/autonomy/replanner_judge.cpp: what it comes to.
+  int AnchorOfRest() const;
+  int ExtensionPoint();
+  bool EndCouldBeNearer(int anchor) const;
+  void Decide();
+  void CompareCosts();
+  bool ExtensionIsUsable() const;
+  bool FreshIsUsable() const;
+  bool RestIsFree() const { return free_until_ + 1 >= rest_.size(); }
+  bool GoalHasChanged() const;
+  ReplanDecision Choose(ReplanReason& reason) const;
+  ReplanDecision ChooseOnPath(ReplanReason& reason) const;
+  void MakeCandidate(ReplanDecision decision, ReplanReason reason);
+  void TakeFresh();
+  void Join(int first, int last, const WorldPath* tail);
+  int StopPoint() const;
+  bool ComesToRest() const;
+  bool IsNarrow() const;
+
+  // core/autonomy/replanner_publish.cpp: what is driven from now on.
+  void Publish();
+  void DropAll();
+  Status StopStatus() const;
+  bool HasPassedJoint() const;
+  void Commit(const PathPlace& place);
+  Status TimeFrom(const PathPlace& place);
+
+  PlannerParams params_;
+  bool configured_ = false;
+  bool has_state_ = false;
+  uint64_t now_ns_ = 0;
+  VehicleState state_;
+  PlanGoal goal_;
+  float latency_s_ = 0.0f;
+  float longest_s_ = 0.0f;  // round, fading
+
+  CommittedPlan committed_;
+  uint32_t last_number_ = 0;  // of a committed plan
+  PathPlace place_;
+  bool off_path_ = false;  // the newest state
+
+  // The round.
+  Phase phase_ = Phase::kIdle;
+  ReplanOutcome round_;  // what it comes to
+  uint64_t begun_ns_ = 0;
+  PlanGoal round_goal_;
+  bool anchored_ = false;
+  bool left_path_ = false;  // the vehicle was off the path when it began
+  bool late_ = false;
+  PlanRequest request_;
+  int32_t anchor_ = 0;   // point of the committed path; where anchored
+  int32_t dropped_ = 0;  // points of the committed path before rest_
+  WorldPath rest_;       // of the committed path: empty without one
+  float rest_curvature_per_m_ = 0.0f;
+  float rest_turn_rad_ = 0.0f;
+  int32_t free_until_ = -1;  // last point of rest_ that was checked free
+  Fresh fresh_;
+  int32_t extension_point_ = -1;  // B, of rest_; -1: none was planned
+  bool ends_short_ = false;       // the committed path should be carried on, if it can be
+  bool is_cheaper_ = false;       // the new plan, clearly
+  Candidate candidate_;
+  ActuatorPath timed_;  // as driven from the vehicle's place on
+
+  Planner planner_;
+  PathCheck check_;
+  SpeedCaps caps_;
+  ReplanOutcome outcome_;
+  ReplanCounters counters_;
+};
+static_assert(std::is_trivially_copyable_v<Replanner>);
+static_assert(sizeof(Replanner) - sizeof(Planner) <= 40 * 1024);
+static_assert(sizeof(Replanner) + sizeof(HeightGrid) <= kPlanningBudget_bytes);
+
+// Adds the committed plan, the outcome and the counters.
+void AddToHash(const Replanner& replanner, DecisionHash& hash);
+
+}  // namespace hardpack

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/autonomy/replanner.h"
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
+#include "core/base/wide_int.h"
+
+namespace hardpack {
+namespace {
+
+constexpr float kWayCostPerMeter = kStraightLength * kCellsPerMeter;
+// Headings of goals that differ by less are the same.
+constexpr float kGoalTurn_rad = 0.1f;
+
+float Distance(Vec2 a, Vec2 b) {
+  const Vec2 arm = {a.x_m - b.x_m, a.y_m - b.y_m};
+  return Sqrt(arm.x_m * arm.x_m + arm.y_m * arm.y_m);
+}
+
+Vec2 PlaceOf(const Pose2& pose) {
+  return {pose.x_m, pose.y_m};
+}
+
+bool AreSame(Vec2 a, Vec2 b) {
+  return Distance(a, b) <= Replanner::kSameEnd_m;
+}
+
+Status Graver(Status a, Status b) {
+  return a < b ? b : a;
+}
+
+}  // namespace
+
+bool Replanner::GoalHasChanged() const {
+  const PlanGoal& old = committed_.goal;
+  if (Distance(old.position_odom, round_goal_.position_odom) > params_.replan.goal_change_m) {
+    return true;
+  }
+  if (old.has_heading != round_goal_.has_heading) return true;
+  return old.has_heading &&
+         Abs(WrapAngle(old.heading_rad - round_goal_.heading_rad)) > kGoalTurn_rad;
+}
+
+// The anchor as a point of rest_. The vehicle may have passed it: then nothing joins there, and
+// costs are taken from where it is.
+int Replanner::AnchorOfRest() const {
+  return anchored_ && anchor_ > dropped_ ? anchor_ - dropped_ : 0;
+}
+
+// Whether the new plan ends nearer to the goal by so much that the committed path has to be carried
+// on: where the new one was cut, by how much longer it is than what is left.
+bool Replanner::EndCouldBeNearer(int anchor) const {
+  if (!IsUsable(fresh_.status)) return false;
+  const Vec2 end = PlaceOf(rest_.back());
+  const Vec2 fresh_end = PlaceOf(fresh_.path.back());
+  if (AreSame(end, fresh_end) || AreSame(end, fresh_.end_odom)) return false;
+  const float left_m = WayTo(rest_, rest_.size() - 1) - WayTo(rest_, anchor);
+  const Vec2 goal = round_goal_.position_odom;
+  const float nearer_m = Distance(end, goal) - Distance(fresh_end, goal);
+  if (nearer_m > (left_m < kTail_m ? kNearerEnd_m : params_.replan.extend_m)) return true;
+  return !AreSame(fresh_end, fresh_.end_odom) &&
+         LengthOf(fresh_.path) > left_m + params_.replan.extend_m;
+}
+
+// B, or -1. Says in ends_short_ whether the committed path leads too little far.
+int Replanner::ExtensionPoint() {
+  if (left_path_ || committed_.is_stop || GoalHasChanged()) return -1;
+  const int anchor = AnchorOfRest();
+  const float anchor_m = WayTo(rest_, anchor);
+  float last_m = 0.0f;
+  if (RestIsFree()) {
+    ends_short_ = EndCouldBeNearer(anchor);
+    if (!ends_short_) return -1;
+    last_m = WayTo(rest_, rest_.size() - 1) - kTail_m;
+  } else {
+    if (free_until_ <= anchor) return -1;
+    const float free_m = WayTo(rest_, free_until_) - anchor_m;
+    if (free_m <= kFarBlock_m) return -1;
+    last_m = anchor_m + 0.5f * free_m;
+  }
+  int point = -1;
+  float along_m = 0.0f;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 0; k < rest_.size() && along_m <= last_m; ++k) {
+    // A turn on the spot is left out of it: a path ends before one or leads on behind it.
+    if (k > anchor && !TurnsOnTheSpotAt(rest_, k)) point = k;
+    if (k + 1 < rest_.size()) along_m += Distance(PlaceOf(rest_[k]), PlaceOf(rest_[k + 1]));
+  }
+  return point;
+}
+
+bool Replanner::ExtensionIsUsable() const {
+  return extension_point_ >= 0 && IsUsable(planner_.result().status);
+}
+
+bool Replanner::FreshIsUsable() const {
+  if (!IsUsable(fresh_.status)) return false;
+  if (!anchored_) return true;
+  return !late_ && free_until_ >= AnchorOfRest();
+}
+
+// Both from the anchor on; see the header, 5.
+void Replanner::CompareCosts() {
+  is_cheaper_ = false;
+  if (rest_.empty() || left_path_ || committed_.is_stop || GoalHasChanged()) return;
+  if (!FreshIsUsable() || !(RestIsFree() || ExtensionIsUsable())) return;
+  const Plan& extension = planner_.result();
+  const int anchor = AnchorOfRest();
+  const int last = ExtensionIsUsable() ? extension_point_ : rest_.size() - 1;
+  const Costmap& map = planner_.costmap();
+  const float kappa = request_.start.curvature_per_m;
+  Join(anchor, last, ExtensionIsUsable() ? &extension.path : nullptr);
+  if (AreSame(PlaceOf(candidate_.path.back()), PlaceOf(fresh_.path.back()))) {
+    round_.committed_cost = CostOf(map, params_.optimizer, candidate_.path, kappa).total();
+    round_.new_cost = CostOf(map, params_.optimizer, fresh_.path, kappa).total();
+  } else {
+    const bool common_end = ExtensionIsUsable() ? extension.search.end == fresh_.search_end
+                                                : AreSame(PlaceOf(rest_.back()), fresh_.end_odom);
+    if (!common_end) return;
+    Join(anchor, last, nullptr);
+    round_.committed_cost =
+        LengthOf(candidate_.path) + CostOf(map, params_.optimizer, candidate_.path, kappa).map;
+    if (ExtensionIsUsable()) {
+      round_.committed_cost +=
+          ToFloat(static_cast<uint64_t>(extension.search.cost)) / kWayCostPerMeter;
+    }
+    round_.new_cost = fresh_.way_cost;
+  }
+  const float least =
+      Max(params_.replan.cheaper_share * round_.committed_cost, params_.replan.cheaper_floor);
+  is_cheaper_ = round_.committed_cost - round_.new_cost > least;
+}
+
+ReplanDecision Replanner::Choose(ReplanReason& reason) const {
+  const bool fresh = FreshIsUsable();
+  const bool has_committed = committed_.number != 0;
+  if (!has_committed) {
+    reason = ReplanReason::kFirst;
+    return fresh ? ReplanDecision::kReplaced : ReplanDecision::kNone;
+  }
+  if (!left_path_ && !committed_.is_stop && !GoalHasChanged()) return ChooseOnPath(reason);
+  reason = left_path_
+               ? ReplanReason::kOffPath
+               : (committed_.is_stop ? ReplanReason::kAfterStop : ReplanReason::kGoalChanged);
+  return fresh ? ReplanDecision::kReplaced : ReplanDecision::kStop;
+}
+
+ReplanDecision Replanner::ChooseOnPath(ReplanReason& reason) const {
+  const bool fresh = FreshIsUsable();
+  const bool is_free = RestIsFree();
+  reason = is_cheaper_ ? ReplanReason::kCheaper
+                       : (is_free ? ReplanReason::kEnds : ReplanReason::kBlocked);
+  if (is_cheaper_) return ReplanDecision::kReplaced;
+  if (ExtensionIsUsable()) return ReplanDecision::kExtended;
+  if (fresh && (!is_free || ends_short_)) return ReplanDecision::kReplaced;
+  if (!is_free) return ReplanDecision::kStop;
+  reason = ReplanReason::kNone;
+  return ReplanDecision::kKept;
+}
+
+void Replanner::Decide() {
+  CompareCosts();
+  ReplanReason reason = ReplanReason::kNone;
+  ReplanDecision decision = Choose(reason);
+  MakeCandidate(decision, reason);
+  const bool is_new =
+      decision == ReplanDecision::kReplaced || decision == ReplanDecision::kExtended;
+  if (is_new && !ComesToRest()) {
+    const bool may_keep = RestIsFree() && !rest_.empty() && !left_path_ && !GoalHasChanged();
+    decision = may_keep ? ReplanDecision::kKept
+                        : (rest_.empty() ? ReplanDecision::kNone : ReplanDecision::kStop);
+    MakeCandidate(decision, ReplanReason::kNone);
+  }
+  if (candidate_.path.size() < 2) return DropAll();
+  caps_.Begin(planner_.costmap().window, params_.speed, params_.vehicle, candidate_.path);
+  phase_ = Phase::kSpeed;
+}
+
+// Points first .. last of the rest, and `tail` (which begins at the last of them) behind it, as far
+// as there is room.
+void Replanner::Join(int first, int last, const WorldPath* tail) {
+  WorldPath& path = candidate_.path;
+  path.Clear();
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = first; k <= last; ++k) {
+    path.Resize(path.size() + 1);
+    path.back() = rest_[k];
+  }
+  if (tail == nullptr) return;
+  if (!path.empty()) path.Resize(path.size() - 1);
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 0; k < tail->size() && !path.full(); ++k) {
+    path.Resize(path.size() + 1);
+    path.back() = (*tail)[k];
+  }
+}
+
+void Replanner::MakeCandidate(ReplanDecision decision, ReplanReason reason) {
+  candidate_.decision = decision;
+  candidate_.reason = reason;
+  candidate_.start_curvature_per_m = rest_curvature_per_m_;
+  candidate_.start_turn_rad = rest_turn_rad_;
+  candidate_.joint = -1;
+  candidate_.status = committed_.status;
+  const int slow_rest = committed_.slow_points - dropped_;
+  const int overlap = rest_.empty() ? 0 : check_.result().overlap_points;
+  candidate_.slow_points = slow_rest > overlap ? slow_rest : overlap;
+  switch (decision) {
+    case ReplanDecision::kNone:
+      candidate_.path.Clear();
+      break;
+    case ReplanDecision::kKept:
+      Join(0, rest_.size() - 1, nullptr);
+      break;
+    case ReplanDecision::kExtended:
+      Join(0, extension_point_, &planner_.result().path);
+      candidate_.joint = extension_point_;
+      candidate_.status = planner_.result().status;
+      break;
+    case ReplanDecision::kStop:
+      Join(0, StopPoint(), nullptr);
+      break;
+    case ReplanDecision::kReplaced:
+      TakeFresh();
+      break;
+  }
+  candidate_.slow_points = ClampInt(candidate_.slow_points, 0, candidate_.path.size());
+  candidate_.narrow = IsNarrow();
+  const bool was_narrow = candidate_.status == Status::kNarrowGap;
+  if (candidate_.narrow) candidate_.status = Graver(candidate_.status, Status::kNarrowGap);
+  if (!candidate_.narrow && was_narrow) candidate_.status = Status::kOk;
+}
+
+void Replanner::TakeFresh() {
+  candidate_.status = fresh_.status;
+  if (anchored_) {
+    const int anchor = AnchorOfRest();
+    Join(0, anchor, &fresh_.path);
+    candidate_.joint = anchor;
+    if (fresh_.slow_points > 0) candidate_.slow_points = anchor + fresh_.slow_points;
+    return;
+  }
+  candidate_.path = fresh_.path;
+  candidate_.start_curvature_per_m = request_.start.curvature_per_m;
+  candidate_.start_turn_rad = 0.0f;
+  candidate_.slow_points = fresh_.slow_points;
+}
+
+// The first point at which the vehicle can be at rest, within what was checked free; -1: none. A
+// stop that is free stays where it is.
+int Replanner::StopPoint() const {
+  const int last = free_until_;
+  if (committed_.is_stop && RestIsFree()) return last;
+  const float speed_mps = state_.speed_mps;
+  const PathPlace place = Project(rest_, state_.pose, Stands(), ReachOfRound());
+  const float least_m =
+      place.along_m + speed_mps * speed_mps / (2.0f * params_.speed.max_deceleration_mps2);
+  int point = 0;
+  float along_m = 0.0f;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (; point < last && (along_m < least_m || point < 1); ++point) {
+    along_m += Distance(PlaceOf(rest_[point]), PlaceOf(rest_[point + 1]));
+  }
+  return last < 1 ? -1 : point;
+}
+
+// From the present speed, before the candidate's end or its first turn on the spot.
+bool Replanner::ComesToRest() const {
+  const WorldPath& path = candidate_.path;
+  if (path.size() < 2) return false;
+  const float speed_mps = state_.speed_mps;
+  if (Stands()) return true;
+  const PathPlace place = Project(path, state_.pose, Stands(), ReachOfRound());
+  const float way_m = WayTo(path, StandingPoint(path, place.point)) - place.along_m;
+  return speed_mps * speed_mps <= 2.0f * params_.speed.max_deceleration_mps2 * way_m;
+}
+
+// The map closes the way for the planning radius, or the path was planned where it did, and is not
+// through yet.
+bool Replanner::IsNarrow() const {
+  if (planner_.result().narrow) return true;
+  if (!committed_.narrow || candidate_.decision == ReplanDecision::kNone) return false;
+  if (candidate_.decision == ReplanDecision::kReplaced && !anchored_) return fresh_.narrow;
+  const Costmap& map = planner_.costmap();
+  bool is_narrow = false;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (const Pose2& pose : candidate_.path) {
+    const Cell cell = CellAt(PlaceOf(pose));
+    is_narrow = is_narrow || (map.window.Contains(cell) && map.Lethal(map.window.Index(cell)));
+  }
+  return is_narrow;
+}
+
+}  // namespace hardpack

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/autonomy/replanner.h"
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
+
+namespace hardpack {
+
+// Nothing can be driven: neither a new plan, nor a stretch to come to rest on.
+void Replanner::DropAll() {
+  committed_.number = 0;
+  committed_.path.Clear();
+  committed_.actuator.steps.Clear();
+  committed_.speed.Clear();
+  round_.decision = candidate_.decision;
+  round_.status = StopStatus();
+  EndRound();
+}
+
+Status Replanner::StopStatus() const {
+  if (!rest_.empty() && !RestIsFree()) return Status::kCollision;
+  if (!IsUsable(fresh_.status)) return fresh_.status;
+  return late_ ? Status::kLate : Status::kPathTooShort;
+}
+
+// Whether the vehicle is already behind the point where the candidate leaves the committed path.
+bool Replanner::HasPassedJoint() const {
+  if (candidate_.joint < 0) return false;
+  return place_.along_m > WayTo(committed_.path, dropped_ + candidate_.joint);
+}
+
+// With the state of this moment, in one unit: so that neither place nor speed has moved on.
+void Replanner::Publish() {
+  if (HasPassedJoint()) {
+    // Neither may be chosen again, so this happens once.
+    late_ = true;
+    extension_point_ = -1;
+    return Decide();
+  }
+  Commit(Project(candidate_.path, state_.pose, Stands(), ReachOfRound()));
+  EndRound();
+  place_ = PathPlace{};
+  Locate(0.0f);
+}
+
+void Replanner::Commit(const PathPlace& place) {
+  const WorldPath& path = candidate_.path;
+  CommittedPlan& plan = committed_;
+  plan.start_curvature_per_m = CurvatureAt(path, place.point, candidate_.start_curvature_per_m);
+  plan.start_turn_rad = TurnAt(path, place.point, candidate_.start_turn_rad);
+  plan.path.Clear();
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = place.point; k < path.size(); ++k) {
+    plan.path.Resize(plan.path.size() + 1);
+    plan.path.back() = path[k];
+  }
+  if (TurnsOnTheSpotAt(plan.path, 0)) plan.path[0].theta_rad = state_.pose.theta_rad;
+  const int slow_points = candidate_.slow_points - place.point;
+  plan.slow_points = slow_points < 0 ? 0 : slow_points;
+  plan.narrow = candidate_.narrow;
+  plan.status = candidate_.status;
+  plan.is_stop = candidate_.decision == ReplanDecision::kStop;
+  if (candidate_.decision != ReplanDecision::kKept) {
+    plan.number = ++last_number_;
+    if (!plan.is_stop) plan.goal = round_goal_;
+  }
+  const Pose2& end = plan.path.back();
+  const float dx_m = end.x_m - plan.goal.position_odom.x_m;
+  const float dy_m = end.y_m - plan.goal.position_odom.y_m;
+  plan.reaches_goal = !plan.is_stop && dx_m * dx_m + dy_m * dy_m <= kSameEnd_m * kSameEnd_m;
+  plan.checked_ns = begun_ns_;
+  const Status timed = TimeFrom(place);
+  round_.decision = candidate_.decision;
+  round_.reason = candidate_.reason;
+  round_.status = plan.is_stop ? StopStatus() : (IsUsable(timed) ? plan.status : timed);
+}
+
+// Speeds from the vehicle's place on. Its first chord is what is left of the one it is on, with the
+// same curvature at its end: the turn there shrinks with the mean of the chords that meet.
+Status Replanner::TimeFrom(const PathPlace& place) {
+  CommittedPlan& plan = committed_;
+  const Status status = ToActuator<PlanarModel>(plan.path, plan.actuator);
+  if (!IsUsable(status)) return status;
+  timed_ = plan.actuator;
+  const float chord_m = plan.actuator.steps[0].dr_m;
+  plan.start_along_m = 0.0f;
+  SpeedRequest request;
+  request.start_curvature_per_m = plan.start_curvature_per_m;
+  if (HasLength(chord_m)) {
+    plan.start_along_m = place.share * chord_m;
+    const float left_m = Max((1.0f - place.share) * chord_m, 2.0f * kLeastChord_m);
+    const float next_m = timed_.steps.size() > 1 ? timed_.steps[1].dr_m : chord_m;
+    timed_.steps[0].dr_m = left_m;
+    timed_.steps[0].phi_rad *= MeanChord(left_m, next_m) / MeanChord(chord_m, next_m);
+    const float behind = CurvatureAt(plan.path, 1, 0.0f);
+    request.start_curvature_per_m += place.share * (behind - request.start_curvature_per_m);
+  }
+  request.start_speed_mps = state_.speed_mps;
+  request.slow_points = plan.slow_points;
+  request.narrow = plan.narrow;
+  request.cap_mps = caps_.cap_mps().subspan(static_cast<size_t>(place.point));
+  return PlanSpeed(params_.speed, params_.vehicle, timed_, request, plan.speed);
+}
+
+}  // namespace hardpack
