@@ -10,7 +10,9 @@ Installs what is missing (Debian packages, tools/packages.txt), builds the relea
 its tests, the static checks among them: at most 15 minutes on two cores.
 
   --all         the slow ones too: Debug, clang and sanitizer builds and their tests, aarch64 and
-                Cortex-M7 under QEMU, the tests labelled slow: at most 60 minutes
+                Cortex-M7 under QEMU, the tests labelled slow: at most 60 minutes. It installs what
+                the comparisons of `hardpack bench` need as well (ten seconds), so that what uses
+                other libraries is compiled and tested
   --deps        only install; with --all, what --all needs as well
   --deps-bench  only install what the comparisons of `hardpack bench` need
   --help        this text
@@ -28,7 +30,7 @@ only_deps=false
 sections=(check)
 for argument; do
   case $argument in
-    --all) all=true; sections+=(all) ;;
+    --all) all=true; sections+=(all bench) ;;
     --deps) only_deps=true ;;
     --deps-bench) only_deps=true; sections+=(bench) ;;
     --help | -h) usage; exit 0 ;;
