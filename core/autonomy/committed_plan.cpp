@@ -39,6 +39,11 @@ int StandingPoint(const WorldPath& path, int point) {
   return standing;
 }
 
+int FirstKept(const WorldPath& path, int point) {
+  const bool has_before = point > 0 && !TurnsOnTheSpotAt(path, point);
+  return has_before && !TurnsOnTheSpotAt(path, point - 1) ? point - 1 : point;
+}
+
 float WayTo(const WorldPath& path, int point) {
   float way_m = 0.0f;
   HP_LOOP_BOUND(kMaxPathPoints - 1)
@@ -114,7 +119,8 @@ PathState StateAt(const CommittedPlan& plan, float along_m) {
   state.curvature_per_m = curvature + share * (next_curvature - curvature);
 
   // The first speed holds where the vehicle was, not at the first point.
-  const float from = point == 0 && has_length ? Min(plan.start_along_m / length_m, 1.0f) : 0.0f;
+  const float from =
+      has_length ? Clamp((plan.start_along_m - before_m) / length_m, 0.0f, 1.0f) : 0.0f;
   const float speed_share = share > from && from < 1.0f ? (share - from) / (1.0f - from) : 0.0f;
   const float speed2 = plan.speed[point] * plan.speed[point];
   const float next2 = plan.speed[point + 1] * plan.speed[point + 1];

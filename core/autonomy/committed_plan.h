@@ -38,7 +38,7 @@ struct PathState {
   float speed_mps = 0.0f;
 };
 
-// It begins at most one chord behind the place where the vehicle was when it was published, and
+// It begins at most two chords behind the place where the vehicle was when it was published, and
 // ends at rest inside ground that was checked. Forward steps, and turns on the spot.
 struct CommittedPlan {
   uint32_t number = 0;                  // of the path: a new one has the next; 0: there is no plan
@@ -64,6 +64,10 @@ bool TurnsOnTheSpotAt(const WorldPath& path, int point);
 // The first point from `point` on where the vehicle has to stand: a turn on the spot or the end.
 // Precondition: 0 <= point < size. Cost: one pass.
 int StandingPoint(const WorldPath& path, int point);
+
+// The first point that is still needed by a vehicle on the chord behind `point`: one more, as a
+// pose may be found a little further back the next time, but none before a turn on the spot.
+int FirstKept(const WorldPath& path, int point);
 
 // Way along the path from its first point to a point [m]. Cost: one pass.
 float WayTo(const WorldPath& path, int point);

@@ -273,7 +273,7 @@ void Replanner::KeepFresh() {
 // From the projection of this moment on: the rest as the vehicle will drive it.
 void Replanner::BeginCheck() {
   const WorldPath& path = committed_.path;
-  dropped_ = place_.point;
+  dropped_ = FirstKept(path, place_.point);
   rest_.Clear();
   HP_LOOP_BOUND(kMaxPathPoints)
   for (int point = dropped_; point < path.size(); ++point) {

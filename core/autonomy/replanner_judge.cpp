@@ -52,12 +52,14 @@ bool Replanner::EndCouldBeNearer(int anchor) const {
   if (!IsUsable(fresh_.status)) return false;
   const Vec2 end = PlaceOf(rest_.back());
   const Vec2 fresh_end = PlaceOf(fresh_.path.back());
-  if (AreSame(end, fresh_end) || AreSame(end, fresh_.end_odom)) return false;
   const float left_m = WayTo(rest_, rest_.size() - 1) - WayTo(rest_, anchor);
   const Vec2 goal = round_goal_.position_odom;
   const float nearer_m = Distance(end, goal) - Distance(fresh_end, goal);
-  if (nearer_m > (left_m < kTail_m ? kNearerEnd_m : params_.replan.extend_m)) return true;
-  return !AreSame(fresh_end, fresh_.end_odom) &&
+  // The goal itself is worth a new end; of two ends beside it the committed one.
+  const float worth_m = Distance(fresh_end, goal) <= kAtGoal_m ? kAtGoal_m : kNearerEnd_m;
+  if (nearer_m > (left_m < kTail_m ? worth_m : params_.replan.extend_m)) return true;
+  const bool is_cut = !AreSame(fresh_end, fresh_.end_odom);
+  return is_cut && !AreSame(end, fresh_.end_odom) &&
          LengthOf(fresh_.path) > left_m + params_.replan.extend_m;
 }
 
@@ -202,7 +204,9 @@ void Replanner::MakeCandidate(ReplanDecision decision, ReplanReason reason) {
   candidate_.joint = -1;
   candidate_.status = committed_.status;
   const int slow_rest = committed_.slow_points - dropped_;
-  const int overlap = rest_.empty() ? 0 : check_.result().overlap_points;
+  // Where it collides, the overlap is what it collides with.
+  const bool passed = !rest_.empty() && IsUsable(check_.result().status);
+  const int overlap = passed ? check_.result().overlap_points : 0;
   candidate_.slow_points = slow_rest > overlap ? slow_rest : overlap;
   switch (decision) {
     case ReplanDecision::kNone:

@@ -45,16 +45,17 @@ void Replanner::Publish() {
 void Replanner::Commit(const PathPlace& place) {
   const WorldPath& path = candidate_.path;
   CommittedPlan& plan = committed_;
-  plan.start_curvature_per_m = CurvatureAt(path, place.point, candidate_.start_curvature_per_m);
-  plan.start_turn_rad = TurnAt(path, place.point, candidate_.start_turn_rad);
+  const int first = FirstKept(path, place.point);
+  plan.start_curvature_per_m = CurvatureAt(path, first, candidate_.start_curvature_per_m);
+  plan.start_turn_rad = TurnAt(path, first, candidate_.start_turn_rad);
   plan.path.Clear();
   HP_LOOP_BOUND(kMaxPathPoints)
-  for (int k = place.point; k < path.size(); ++k) {
+  for (int k = first; k < path.size(); ++k) {
     plan.path.Resize(plan.path.size() + 1);
     plan.path.back() = path[k];
   }
   if (TurnsOnTheSpotAt(plan.path, 0)) plan.path[0].theta_rad = state_.pose.theta_rad;
-  const int slow_points = candidate_.slow_points - place.point;
+  const int slow_points = candidate_.slow_points - first;
   plan.slow_points = slow_points < 0 ? 0 : slow_points;
   plan.narrow = candidate_.narrow;
   plan.status = candidate_.status;
@@ -74,31 +75,44 @@ void Replanner::Commit(const PathPlace& place) {
   round_.status = plan.is_stop ? StopStatus() : (IsUsable(timed) ? plan.status : timed);
 }
 
-// Speeds from the vehicle's place on. Its first chord is what is left of the one it is on, with the
-// same curvature at its end: the turn there shrinks with the mean of the chords that meet.
+// Speeds from the vehicle's place on. The first chord is what is left of the one it is on, with the
+// same curvature at its end: the turn there shrinks with the mean of the chords that meet. What
+// lies behind the vehicle has its speed.
 Status Replanner::TimeFrom(const PathPlace& place) {
   CommittedPlan& plan = committed_;
   const Status status = ToActuator<PlanarModel>(plan.path, plan.actuator);
   if (!IsUsable(status)) return status;
-  timed_ = plan.actuator;
-  const float chord_m = plan.actuator.steps[0].dr_m;
-  plan.start_along_m = 0.0f;
+  const int behind = place.point - FirstKept(candidate_.path, place.point);
+  timed_.start = plan.path[behind];
+  timed_.steps.Clear();
+  HP_LOOP_BOUND(kMaxPathPoints - 1)
+  for (int k = behind; k < plan.actuator.steps.size(); ++k) {
+    timed_.steps.Resize(timed_.steps.size() + 1);
+    timed_.steps.back() = plan.actuator.steps[k];
+  }
   SpeedRequest request;
-  request.start_curvature_per_m = plan.start_curvature_per_m;
+  request.start_curvature_per_m = CurvatureAt(plan.path, behind, plan.start_curvature_per_m);
+  plan.start_along_m = WayTo(plan.path, behind);
+  const float chord_m = timed_.steps[0].dr_m;
   if (HasLength(chord_m)) {
-    plan.start_along_m = place.share * chord_m;
+    plan.start_along_m += place.share * chord_m;
     const float left_m = Max((1.0f - place.share) * chord_m, 2.0f * kLeastChord_m);
     const float next_m = timed_.steps.size() > 1 ? timed_.steps[1].dr_m : chord_m;
     timed_.steps[0].dr_m = left_m;
     timed_.steps[0].phi_rad *= MeanChord(left_m, next_m) / MeanChord(chord_m, next_m);
-    const float behind = CurvatureAt(plan.path, 1, 0.0f);
-    request.start_curvature_per_m += place.share * (behind - request.start_curvature_per_m);
+    const float next = CurvatureAt(plan.path, behind + 1, 0.0f);
+    request.start_curvature_per_m += place.share * (next - request.start_curvature_per_m);
   }
   request.start_speed_mps = state_.speed_mps;
-  request.slow_points = plan.slow_points;
+  request.slow_points = plan.slow_points - behind < 0 ? 0 : plan.slow_points - behind;
   request.narrow = plan.narrow;
   request.cap_mps = caps_.cap_mps().subspan(static_cast<size_t>(place.point));
-  return PlanSpeed(params_.speed, params_.vehicle, timed_, request, plan.speed);
+  const Status timed = PlanSpeed(params_.speed, params_.vehicle, timed_, request, plan.speed);
+  if (!IsUsable(timed) || behind == 0) return timed;
+  plan.speed.Resize(plan.path.size());
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = plan.path.size() - 1; k > 0; --k) plan.speed[k] = plan.speed[k - 1];
+  return timed;
 }
 
 }  // namespace hardpack
