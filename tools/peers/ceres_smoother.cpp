@@ -222,7 +222,7 @@ class WholeCost : public ceres::FirstOrderFunction {
     return rounding.Of(term.value);
   }
   void AddSlope(const Term& term, int k, double factor) const {
-    double* const by = by_.data() + 2 * k;
+    double* const by = by_.data() + 2 * (k - 1);
     for (int i = 0; i < 8; ++i) by[i] += factor * term.by[i];
   }
 
@@ -230,7 +230,7 @@ class WholeCost : public ceres::FirstOrderFunction {
   MovedPath& path_;
   mutable RoundedCost cost_;
   Roundings roundings_;
-  mutable std::vector<double> by_;  // [2 + points x 2], from point -2 on
+  mutable std::vector<double> by_;  // [points + 2, x 2], of points -1 to points
 };
 
 bool WholeCost::Evaluate(const double* offsets, double* value, double* gradient) const {
@@ -252,7 +252,7 @@ bool WholeCost::Evaluate(const double* offsets, double* value, double* gradient)
   *value = sum;
   if (gradient == nullptr) return true;
   for (int k = kFirstFree; k < path_.free_end(); ++k) {
-    const double* const by = by_.data() + 2 * (k + 2);
+    const double* const by = by_.data() + 2 * (k + 1);
     const double* const normal = path_.normals() + 2 * k;
     gradient[k - kFirstFree] = by[0] * normal[0] + by[1] * normal[1];
   }
