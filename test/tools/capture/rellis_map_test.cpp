@@ -3,163 +3,29 @@
 // labelled (RELLIS-3D). The truth comes from the labelled points alone, without mapper and grid.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <functional>
 #include <map>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <tuple>
-#include <utility>
-#include <vector>
 
 #include "core/base/grid.h"
 #include "core/costmap/costmap.h"
-#include "core/segmentation/label_table.h"
+#include "test/rellis/truth.h"
 #include "tools/capture/scan_loader.h"
 
 namespace hardpack::capture {
 namespace {
 
-using PlaneCell = std::pair<int32_t, int32_t>;
-using Cells = std::vector<Cell>;
+using rellis::Cells;
+using rellis::LabelFile;
+using rellis::ShareFlagged;
+using rellis::Truth;
 
-struct LabelledPoint {
-  Vec3 point;
-  ReturnClass return_class;
-};
-
-std::string DataFile(const std::string& name) {
-  const char* folder = std::getenv("HARDPACK_DATA");
-  return (folder == nullptr ? "" : std::string(folder) + "/rellis/") + "rellis_000104_" + name;
-}
-std::string LabelFile() {
-  return DataFile("labelled.csv");
-}
 std::string SensorFile(const std::string& ending) {
-  return DataFile("os1-64_2048x10_legacy_reencoded") + ending;
+  return rellis::RecordingFile("os1-64_2048x10_legacy_reencoded" + ending);
 }
-
-PlaneCell CellOf(const Vec3& point) {
-  const Cell cell = CellAt({point.x_m, point.y_m});
-  return {cell.x, cell.y};
-}
-
-bool IsHard(ReturnClass return_class) {
-  return return_class == ReturnClass::kHard || return_class == ReturnClass::kPerson;
-}
-
-// The sensor's frame lies parallel to the vehicle's, so its height over ground drops out. Void, the
-// label of the vehicle itself, is left out. The ground of a return is the lowest return labelled as
-// ground within 1.5 m; where there is none, nobody can tell.
-class Truth {
- public:
-  explicit Truth(const std::string& path) {
-    constexpr LabelTable kTable = RellisLabelTable();
-    std::ifstream file(path);
-    std::string line;
-    std::getline(file, line);  // the header
-    while (std::getline(file, line)) {
-      std::istringstream fields(line);
-      Vec3 point;
-      char comma = 0;
-      fields >> point.x_m >> comma >> point.y_m >> comma >> point.z_m;
-      const int label = std::stoi(line.substr(line.rfind(',') + 1));
-      const ReturnClass return_class = kTable.class_of[label];
-      if (return_class == ReturnClass::kIgnored) continue;
-      points_.push_back({point, return_class});
-      if (return_class == ReturnClass::kGround) ground_[CellOf(point)].push_back(point);
-    }
-  }
-
-  // Cells that hold a hard or person return between 0.5 and 2 m above the ground.
-  Cells Obstacles() const {
-    std::map<PlaneCell, bool> found;
-    for (const LabelledPoint& item : points_) {
-      if (!IsHard(item.return_class)) continue;
-      const float height_m = item.point.z_m - GroundAt(item.point);
-      if (height_m > 0.5f && height_m < 2.0f) found[CellOf(item.point)] = true;
-    }
-    return ThoseThatAre(found);
-  }
-
-  // Cells of the returns from persons more than 0.5 m above the ground.
-  Cells Persons() const {
-    std::map<PlaneCell, bool> found;
-    for (const LabelledPoint& item : points_) {
-      if (item.return_class != ReturnClass::kPerson) continue;
-      if (item.point.z_m - GroundAt(item.point) > 0.5f) found[CellOf(item.point)] = true;
-    }
-    return ThoseThatAre(found);
-  }
-
-  // Cells that hold ground and nothing else.
-  Cells OnlyGround() const {
-    return CellsWithoutA(
-        [](const LabelledPoint& item) { return item.return_class != ReturnClass::kGround; });
-  }
-
-  // Cells that hold ground and nothing more than 0.4 m above it: with the paper's threshold of
-  // 0.5 m the way is free there, whatever the labels of the low returns.
-  Cells DrivableGround() const {
-    return CellsWithoutA([this](const LabelledPoint& item) {
-      return item.point.z_m - LowestOf(ground_.at(CellOf(item.point))) > 0.4f;
-    });
-  }
-
- private:
-  static Cells ThoseThatAre(const std::map<PlaneCell, bool>& cells) {
-    Cells list;
-    for (const auto& [cell, is] : cells) {
-      if (is) list.push_back({cell.first, cell.second});
-    }
-    return list;
-  }
-
-  static float LowestOf(const std::vector<Vec3>& hits) {
-    return std::min_element(hits.begin(), hits.end(),
-                            [](const Vec3& a, const Vec3& b) { return a.z_m < b.z_m; })
-        ->z_m;
-  }
-
-  // Of the cells that hold ground.
-  Cells CellsWithoutA(const std::function<bool(const LabelledPoint&)>& spoils) const {
-    std::map<PlaneCell, bool> without;
-    for (const LabelledPoint& item : points_) {
-      const PlaneCell cell = CellOf(item.point);
-      if (ground_.count(cell) == 0) continue;
-      const bool good = !spoils(item);
-      without[cell] = without.emplace(cell, true).first->second && good;
-    }
-    return ThoseThatAre(without);
-  }
-
-  float GroundAt(const Vec3& point) const {
-    constexpr float kAround_m = 1.5f;
-    constexpr int kAround_cells = 8;
-    const PlaneCell cell = CellOf(point);
-    float lowest_m = 1.0e9f;
-    for (int32_t y = cell.second - kAround_cells; y <= cell.second + kAround_cells; ++y) {
-      for (int32_t x = cell.first - kAround_cells; x <= cell.first + kAround_cells; ++x) {
-        const auto here = ground_.find({x, y});
-        if (here == ground_.end()) continue;
-        for (const Vec3& hit : here->second) {
-          const float dx = hit.x_m - point.x_m;
-          const float dy = hit.y_m - point.y_m;
-          if (dx * dx + dy * dy <= kAround_m * kAround_m) lowest_m = std::min(lowest_m, hit.z_m);
-        }
-      }
-    }
-    return lowest_m;
-  }
-
-  std::vector<LabelledPoint> points_;
-  std::map<PlaneCell, std::vector<Vec3>> ground_;
-};
 
 struct Variant {
   bool labels = true;
@@ -207,18 +73,6 @@ std::unique_ptr<CostmapBuilder> BuildMap(const Variant& variant) {
   return builder;
 }
 
-double ShareFlagged(const Costmap& map, const Cells& cells, int flags) {
-  int inside = 0;
-  int flagged = 0;
-  for (const Cell cell : cells) {
-    if (!map.window.Contains(cell)) continue;
-    ++inside;
-    flagged += (map.flags[map.window.Index(cell)] & flags) != 0;
-  }
-  EXPECT_GE(inside, 20);
-  return static_cast<double>(flagged) / inside;
-}
-
 bool IsHardAround(const Costmap& map, Cell cell) {
   for (int32_t y = cell.y - 1; y <= cell.y + 1; ++y) {
     for (int32_t x = cell.x - 1; x <= cell.x + 1; ++x) {
@@ -252,7 +106,7 @@ class RellisMap : public testing::Test {
     if (!std::filesystem::exists(LabelFile()) || !std::filesystem::exists(SensorFile(".pcap"))) {
       GTEST_SKIP() << "HARDPACK_DATA holds no rellis/rellis_000104_*";
     }
-    if (truth_ == nullptr) truth_ = std::make_unique<Truth>(LabelFile());
+    if (truth_ == nullptr) truth_ = std::make_unique<Truth>(rellis::LoadPoints());
   }
 
   static void TearDownTestSuite() {
