@@ -56,6 +56,15 @@ picture::QualityCurve CurveOf(const SolverName& solver, const QualityRun& run) {
               Text("%.3f", double{measures.angle_per_m}), Text("%.2f", run.median_us / 1000.0)}};
 }
 
+std::string TitleOf(const QualityProblem& problem, int points) {
+  std::string title = "Problem " + std::to_string(problem.number) + ": " + problem.kind + ", " +
+                      std::to_string(points) + " points";
+  if (problem.start.curvature_per_m != 0.0f) {
+    title += Text(", start curvature %.2f 1/m", double{problem.start.curvature_per_m});
+  }
+  return title;
+}
+
 // The problem once more, with the paths that the solvers found on it.
 void WritePicture(const QualityOptions& options, const PlannerParams& params,
                   const QualityResult& result, SeedMaker& maker) {
@@ -65,7 +74,8 @@ void WritePicture(const QualityOptions& options, const PlannerParams& params,
   picture.params = &params;
   picture.start = problem.start;
   picture.goal_odom = problem.goal_odom;
-  picture.title = "Problem " + std::to_string(result.number) + ": " + result.kind;
+  picture.title = TitleOf(problem, maker.result().seed.size());
+  if (problem.has_goal_heading) picture.goal_heading_rad = problem.goal_heading_rad;
   for (size_t i = 0; i < result.runs.size(); ++i) {
     picture.curves.push_back(CurveOf(Solvers()[i], result.runs[i]));
   }

@@ -9,7 +9,6 @@ namespace {
 
 constexpr int kAllUnits = 1'000'000;
 constexpr int kMostDraws = 200;
-constexpr float kRoom_m = 3.0f;  // free around start and goal
 
 template <typename StepAll>
 void ToEnd(StepAll&& step_all) {
@@ -47,8 +46,6 @@ QualityProblem DrawProblem(Draw& random, int number) {
   const TerrainKind& kind = TerrainKinds()[static_cast<size_t>((number - 1) % kinds)];
   Terrain terrain(DrawWay(random, number));
   const Vec2 goal = kind.draw(random, terrain);
-  terrain.Disc({}, kRoom_m, 0);
-  terrain.Disc(goal, kRoom_m, 0);
 
   QualityProblem problem;
   problem.number = number;
@@ -57,11 +54,13 @@ QualityProblem DrawProblem(Draw& random, int number) {
   const Way& way = terrain.way();
   const float heading_rad = way.direction_rad + random.Uniform(-kMostOff_rad, kMostOff_rad);
   problem.start.pose = {way.start_odom.x_m, way.start_odom.y_m, WrapAngle(heading_rad)};
-  if (random.OneIn(4)) {
+  // A whole turn of the kinds later it is another kind's turn.
+  const int turn = number + number / kinds;
+  if (turn % 4 == 0) {
     problem.start.curvature_per_m = random.Uniform(-kMostBend_per_m, kMostBend_per_m);
   }
   problem.goal_odom = way.ToOdom(goal);
-  problem.has_goal_heading = random.OneIn(5);
+  problem.has_goal_heading = turn % 5 == 2;
   problem.goal_heading_rad =
       WrapAngle(way.direction_rad + random.Uniform(-kMostOff_rad, kMostOff_rad));
   return problem;

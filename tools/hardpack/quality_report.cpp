@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "tools/hardpack/allocation_counter.h"
-#include "tools/hardpack/arguments.h"
 
 namespace hardpack::command {
 namespace {

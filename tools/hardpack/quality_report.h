@@ -8,7 +8,7 @@
 #include "nlohmann/json.hpp"
 #include "tools/hardpack/quality_solvers.h"
 
-// What comes out of the quality benchmark: a table of all solvers, and the default optimizer held
+// What comes out of the quality benchmark: a table of all solvers, and our optimizer held
 // against the others problem by problem.
 
 namespace hardpack::command {
@@ -22,7 +22,7 @@ struct QualityResult {
   const QualityRun& of(SolverId id) const;
 };
 
-// The default optimizer beside another solver.
+// Our optimizer beside another solver.
 struct HeadToHead {
   SolverId other = SolverId::kPaper;
   int no_worse = 0;                // F equal or lower, on so many
@@ -38,7 +38,7 @@ struct HeadToHead {
 
 HeadToHead Compare(const std::vector<QualityResult>& results, SolverId other);
 
-// Problems to look at, from the largest win of the default optimizer over `other` by F to its
+// Problems to look at, from the largest win of our optimizer over `other` by F to its
 // largest loss: a third wins, a third around the median, a third losses. Indices into `results`,
 // none twice.
 std::vector<size_t> MostTelling(const std::vector<QualityResult>& results, SolverId other,

@@ -15,8 +15,18 @@ namespace {
 
 constexpr int kAllUnits = 1'000'000;
 
+OptimizerParams WithMethod(const PlannerParams& params, int32_t method) {
+  OptimizerParams optimizer = params.optimizer;
+  optimizer.method = method;
+  return optimizer;
+}
+
 OptimizerParams PaperParams(const PlannerParams& params) {
-  return params.optimizer;
+  return WithMethod(params, OptimizerParams::kPaperDescent);
+}
+
+OptimizerParams OurParams(const PlannerParams& params) {
+  return WithMethod(params, OptimizerParams::kLateralNewton);
 }
 
 // Until a sweep gains less than rounding makes of a sum, or the descent has no more sweeps.
@@ -131,7 +141,7 @@ bool QualityBench::Run(SolverId id, const QualityProblem& problem, SeedMaker& ma
     case SolverId::kPaperConverged:
       return Optimize(ConvergedPaperParams(params_), problem, maker, path);
     case SolverId::kOurs:
-      return Optimize(params_.optimizer, problem, maker, path);
+      return Optimize(OurParams(params_), problem, maker, path);
 #ifdef HARDPACK_HAS_CERES
     case SolverId::kCeresSquares:
       return RunCeres(peers::CeresMethod::kTrustRegion, params_.optimizer, problem, maker, path);

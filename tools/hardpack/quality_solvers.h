@@ -20,7 +20,7 @@ enum class SolverId : uint8_t {
   kAstar,           // the base path as it is: what the optimizers are there for
   kPaper,           // the paper's solver, default parameters
   kPaperConverged,  // the same, until a sweep gains next to nothing
-  kOurs,            // the default optimizer
+  kOurs,            // the lateral Newton descent, default parameters
   kCeresSquares,    // Ceres as least squares, and ...
   kCeresLines,      // ... by line search: only where it is installed
 };

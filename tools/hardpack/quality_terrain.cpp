@@ -55,27 +55,36 @@ Vec2 StraightAhead(const Terrain& terrain) {
   return {terrain.way().length_m, 0.0f};
 }
 
+// The same where obstacles were scattered: room for the vehicle at both ends.
+Vec2 StraightAheadBetweenFreeEnds(Terrain& terrain) {
+  constexpr float kRoom_m = 3.0f;
+  const Vec2 goal = StraightAhead(terrain);
+  terrain.Disc({}, kRoom_m, 0);
+  terrain.Disc(goal, kRoom_m, 0);
+  return goal;
+}
+
 Vec2 DrawSparseForest(Draw& random, Terrain& terrain) {
   Bushes(random, terrain, 80.0f);
   Trunks(random, terrain, 80.0f);
-  return StraightAhead(terrain);
+  return StraightAheadBetweenFreeEnds(terrain);
 }
 
 Vec2 DrawForest(Draw& random, Terrain& terrain) {
   Bushes(random, terrain, 80.0f);
   Trunks(random, terrain, 40.0f);
-  return StraightAhead(terrain);
+  return StraightAheadBetweenFreeEnds(terrain);
 }
 
 Vec2 DrawDenseForest(Draw& random, Terrain& terrain) {
   Bushes(random, terrain, 60.0f);
   Trunks(random, terrain, 24.0f);
-  return StraightAhead(terrain);
+  return StraightAheadBetweenFreeEnds(terrain);
 }
 
 Vec2 DrawBoxes(Draw& random, Terrain& terrain) {
   Boxes(random, terrain, 90.0f);
-  return StraightAhead(terrain);
+  return StraightAheadBetweenFreeEnds(terrain);
 }
 
 // Walls across the way, each with one opening.
@@ -133,12 +142,12 @@ Vec2 DrawCorridor(Draw& random, Terrain& terrain) {
 
 Vec2 DrawHills(Draw& random, Terrain& terrain) {
   Hills(random, terrain, 70.0f);
-  return StraightAhead(terrain);
+  return StraightAheadBetweenFreeEnds(terrain);
 }
 
 Vec2 DrawMeadow(Draw& random, Terrain& terrain) {
   Bushes(random, terrain, 16.0f);
-  return StraightAhead(terrain);
+  return StraightAheadBetweenFreeEnds(terrain);
 }
 
 // Some of everything, and places that nothing is known of.
@@ -148,7 +157,7 @@ Vec2 DrawMixed(Draw& random, Terrain& terrain) {
   Boxes(random, terrain, 250.0f);
   Scatter(random, terrain, 250.0f,
           [&](Vec2 place) { terrain.Unobserved(place, random.Uniform(1.5f, 4.0f)); });
-  return StraightAhead(terrain);
+  return StraightAheadBetweenFreeEnds(terrain);
 }
 
 }  // namespace

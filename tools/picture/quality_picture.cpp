@@ -61,6 +61,18 @@ std::vector<DataPoint> CurvaturesOf(const WorldPath& path, double most_per_m) {
   return points;
 }
 
+void DrawGoal(Canvas& canvas, const Axes& axes, const QualityPicture& picture) {
+  const double x_px = axes.X(double{picture.goal_odom.x_m});
+  const double y_px = axes.Y(double{picture.goal_odom.y_m});
+  if (picture.goal_heading_rad) {
+    constexpr double kArrow_px = 30.0;
+    const double heading_rad = double{*picture.goal_heading_rad};
+    canvas.Line(x_px, y_px, x_px + kArrow_px * std::cos(heading_rad),
+                y_px - kArrow_px * std::sin(heading_rad), kGoal, 5.0);
+  }
+  canvas.Disc(x_px, y_px, 8.0, kGoal);
+}
+
 void DrawMap(Canvas& canvas, const QualityPicture& picture) {
   Range x = {double{picture.goal_odom.x_m}, double{picture.goal_odom.x_m}};
   Range y = {double{picture.goal_odom.y_m}, double{picture.goal_odom.y_m}};
@@ -76,8 +88,7 @@ void DrawMap(Canvas& canvas, const QualityPicture& picture) {
   for (size_t i = 0; i < CurvesOf(picture); ++i) {
     axes.Line(PointsOf(picture.curves[i].path), kStyles[i]);
   }
-  canvas.Disc(axes.X(double{picture.goal_odom.x_m}), axes.Y(double{picture.goal_odom.y_m}), 8.0,
-              kGoal);
+  DrawGoal(canvas, axes, picture);
   DrawVehicle(canvas, axes, picture.params->vehicle, picture.start.pose, {1.0, 1.0, 1.0, 0.6},
               kVehicle);
   axes.ClipEnd();
@@ -136,7 +147,7 @@ void DrawLegend(Canvas& canvas, const QualityPicture& picture) {
     label(patch.text);
   }
   canvas.Disc(kMargin_px + 17.0, y_px, 8.0, kGoal);
-  label("goal");
+  label("goal, with its heading where one is asked for");
   canvas.Outline({kMargin_px + 6.0, y_px - 8.0, 22.0, 16.0}, kVehicle, 2.0);
   canvas.Line(kMargin_px + 17.0, y_px, kMargin_px + 28.0, y_px, kVehicle, 2.0);
   label("start: outline and front of the vehicle");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct QualityPicture {
   const PlannerParams* params = nullptr;
   PathStart start;
   Vec2 goal_odom;
+  std::optional<float> goal_heading_rad;
   std::string title;
   std::vector<QualityCurve> curves;  // at most 6; the first one is the base path
 };
