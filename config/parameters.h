@@ -58,7 +58,7 @@ struct PathParams {
 struct OptimizerParams {
   static constexpr int32_t kPaperDescent = 0;   // Algorithm 1 of the paper
   static constexpr int32_t kLateralNewton = 1;  // ours
-  int32_t method = kPaperDescent;
+  int32_t method = kLateralNewton;
   float max_curvature_per_m = 0.5f;
   float max_curvature_rate_per_m2 = 0.5f;
   float curvature_alpha = 1.0f;        // in-bounds weight of |curvature|
@@ -71,7 +71,7 @@ struct OptimizerParams {
   int32_t window_steps = 25;           // N, the damping length
   int32_t max_sweeps = 60;
   float min_relative_decrease = 0.01f;  // a sweep that lowers F by less ends the descent
-  int32_t max_newton_steps = 12;
+  int32_t max_newton_steps = 20;
 };
 
 // [OS] Speed Control; values below the blank line are ours.

@@ -15,8 +15,8 @@ namespace {
 // The kinks' widths, as shares of the limits: from the first to the last, each step this much of
 // the one before. A kink of |u| is narrower than one at a limit by kZeroShare.
 constexpr float kFirstWidth = 0.4f;
-constexpr float kLastWidth = 0.01f;
-constexpr float kNarrowing = 0.45f;
+constexpr float kLastWidth = 0.005f;
+constexpr float kNarrowing = 0.6f;
 // The limit of the rounded terms lies before the real one, so that what is rounded off does not
 // exceed it.
 constexpr float kLimitShare = 0.99f;
@@ -29,15 +29,16 @@ constexpr float kShorterShare = 0.4f;
 constexpr float kLeastCaution = 0.1f;
 constexpr float kCautionRise = 3.0f;
 constexpr float kCautionFall = 0.3f;
-constexpr float kLongestMove_m = 2.0f;
+constexpr float kLongestMove_m = 1.0f;
 
 // Half a cell to either side of a point the map is sampled for its derivatives.
 constexpr float kSample_m = 0.5f * kCellSize_m;
 
-// Steps between spreading, and the step behind the last kink's narrowing that gains no more than
-// this share of F is the last.
-constexpr int kSpreadEvery = 4;
-constexpr float kLeastGain = 1.0e-3f;
+// Points are spread where the lengths of the chords differ by more than this share.
+constexpr float kEvenShare = 0.05f;
+
+// The step behind the last kink's narrowing that gains no more than this share of F is the last.
+constexpr float kLeastGain = 3.0e-4f;
 
 // Vectorised, unlike Sqrt, which asks first whether there is a root to take.
 float Root(float not_negative) {
@@ -128,10 +129,6 @@ void LateralNewton::DoUnit(const Costmap& map) {
       return Solve();
     case Phase::kTry:
       return TryStep(map);
-    case Phase::kSpread:
-      return Spread();
-    case Phase::kTrySpread:
-      return TrySpread(map);
     case Phase::kFinish:
       return Finish(map);
   }
@@ -328,7 +325,7 @@ void LateralNewton::Assemble() {
     const float before = line.map_cost[k - 1] + line.path_cost[k - 1];
     const float here = line.map_cost[k] + line.path_cost[k];
     const float behind = line.map_cost[k + 1] + line.path_cost[k + 1];
-    gradient_[k] =
+    step_m_[k] =
         line.ds_m[k] * map_slope_[k] - 0.5f * line.half_cross[k] * (before + 2.0f * here + behind);
     band_[0][k] = line.ds_m[k] * map_bend_[k];
   }
@@ -337,7 +334,7 @@ void LateralNewton::Assemble() {
   for (int k = 2; k <= last; ++k) {
     const float before = bend_[k - 1] * j[2][k - 1];
     const float here = bend_[k] * j[1][k];
-    gradient_[k] += slope_[k - 1] * j[2][k - 1] + slope_[k] * j[1][k] + slope_[k + 1] * j[0][k + 1];
+    step_m_[k] += slope_[k - 1] * j[2][k - 1] + slope_[k] * j[1][k] + slope_[k + 1] * j[0][k + 1];
     band_[0][k] += before * j[2][k - 1] + here * j[1][k] + bend_[k + 1] * j[0][k + 1] * j[0][k + 1];
     band_[1][k] = before * j[1][k - 1] + here * j[0][k];
     band_[2][k] = before * j[0][k - 1];
@@ -348,8 +345,8 @@ void LateralNewton::Assemble() {
     const float before = rate_bend_[k - 1] * q[3][k - 1];
     const float here = rate_bend_[k] * q[2][k];
     const float behind = rate_bend_[k + 1] * q[1][k + 1];
-    gradient_[k] += rate_slope_[k - 1] * q[3][k - 1] + rate_slope_[k] * q[2][k] +
-                    rate_slope_[k + 1] * q[1][k + 1] + rate_slope_[k + 2] * q[0][k + 2];
+    step_m_[k] += rate_slope_[k - 1] * q[3][k - 1] + rate_slope_[k] * q[2][k] +
+                  rate_slope_[k + 1] * q[1][k + 1] + rate_slope_[k + 2] * q[0][k + 2];
     band_[0][k] += before * q[3][k - 1] + here * q[2][k] + behind * q[1][k + 1] +
                    rate_bend_[k + 2] * q[0][k + 2] * q[0][k + 2];
     band_[1][k] += before * q[2][k - 1] + here * q[1][k] + behind * q[0][k + 1];
@@ -368,6 +365,7 @@ void LateralNewton::Solve() {
   for (int k = 2; k <= last; ++k) longest_m = Max(longest_m, Abs(step_m_[k]));
   share_ = longest_m > kLongestMove_m ? kLongestMove_m / longest_m : 1.0f;
   shares_ = 0;
+  spreads_ = solves_ == 1 && Uneven();
   phase_ = Phase::kTry;
 }
 
@@ -406,7 +404,7 @@ bool LateralNewton::Factor() {
     lower_[0][k] = l1;
     lower_[1][k] = l2;
     lower_[2][k] = l3;
-    step_m_[k] = -gradient_[k] - l1 * step_m_[k - 1] - l2 * step_m_[k - 2] - l3 * step_3_m;
+    step_m_[k] = -step_m_[k] - l1 * step_m_[k - 1] - l2 * step_m_[k - 2] - l3 * step_3_m;
     inverse_3 = inverse_pivot_[k - 2];
     step_3_m = step_m_[k - 2];
   }
@@ -460,48 +458,51 @@ void LateralNewton::MovePoints() {
 
 void LateralNewton::TryStep(const Costmap& map) {
   MovePoints();
+  if (spreads_) SpreadTrial();
   const float cost = CostOfLine(map, trial());
-  ++shares_;
-  if (cost < cost_) {
-    at_ = 1 - at_;
-    cost_ = cost;
-    moved_ = true;
-    ++result_.perturbations_kept;
-    if (shares_ == 1) {
-      damping_ = Max(kDampingFall * damping_, kLeastDamping);
-      caution_ *= kCautionFall;
-    }
-    return EndStep();
+  if (cost < cost_) return KeepTrial(cost);
+  if (spreads_) {
+    spreads_ = false;
+    return;
   }
   share_ *= kShorterShare;
-  if (shares_ == kMaxShares) Damp();
+  if (++shares_ == kMaxShares) Damp();
+}
+
+void LateralNewton::KeepTrial(float cost) {
+  at_ = 1 - at_;
+  cost_ = cost;
+  moved_ = true;
+  ++result_.perturbations_kept;
+  if (spreads_) ++result_.spreads_kept;
+  if (shares_ == 0) {
+    damping_ = Max(kDampingFall * damping_, kLeastDamping);
+    caution_ *= kCautionFall;
+  }
+  EndStep();
 }
 
 void LateralNewton::EndStep() {
   ++result_.sweeps;
-  if (result_.sweeps % kSpreadEvery == kSpreadEvery - 1 && BeginSpread()) return;
   NextStep();
 }
 
 void LateralNewton::NextStep() {
   phase_ = Phase::kDerive;
   solves_ = 0;
-  if (result_.sweeps == 0) {
-    cost_before_ = cost_;
-    if (last_free() < 2 || params_.max_newton_steps == 0) phase_ = Phase::kFinish;
-    return;
-  }
-  const bool narrow = width_share_ <= kLastWidth;
   const float gain = cost_before_ - cost_;
-  if (narrow && gain <= kLeastGain * cost_before_) phase_ = Phase::kFinish;
-  if (result_.sweeps >= params_.max_newton_steps) phase_ = Phase::kFinish;
-  width_share_ = Max(kNarrowing * width_share_, kLastWidth);
+  const bool any = result_.sweeps > 0;
+  const bool narrow = width_share_ <= kLastWidth;
+  settled_ = last_free() < 2 || (any && gain <= params_.min_relative_decrease * cost_before_);
+  if (last_free() < 2 || result_.sweeps >= params_.max_newton_steps ||
+      (any && narrow && gain <= kLeastGain * cost_before_)) {
+    phase_ = Phase::kFinish;
+  }
+  if (any) width_share_ = Max(kNarrowing * width_share_, kLastWidth);
   cost_before_ = cost_;
 }
 
-// False: the points are even enough.
-bool LateralNewton::BeginSpread() {
-  constexpr float kEvenShare = 0.05f;
+bool LateralNewton::Uneven() const {
   const Line& line = this->line();
   const int end = line.points - end_points_;
   float shortest_m = line.length_m[1];
@@ -511,61 +512,50 @@ bool LateralNewton::BeginSpread() {
     shortest_m = Min(shortest_m, line.length_m[k]);
     longest_m = Max(longest_m, line.length_m[k]);
   }
-  if (longest_m - shortest_m <= kEvenShare * wanted_step_m_) return false;
-  phase_ = Phase::kSpread;
-  return true;
+  return longest_m - shortest_m > kEvenShare * wanted_step_m_;
 }
 
-// As BasicOptimizer does it: new points on the cubics through the four old ones around.
-void LateralNewton::Spread() {
-  const Line& from = line();
-  Line& to = trial();
-  const int end = from.points - end_points_;
+// As BasicOptimizer spreads a line: new points on the cubics through the four old ones around.
+void LateralNewton::SpreadTrial() {
+  Line& line = trial();
+  MeasureChords(line);
+  const int end = line.points - end_points_;
   float length_m = 0.0f;
   HP_LOOP_BOUND(kMaxPathPoints)
-  for (int k = 1; k < end; ++k) length_m += from.length_m[k];
+  for (int k = 1; k < end; ++k) length_m += line.length_m[k];
   const int steps =
       ClampInt(RoundToInt(length_m / wanted_step_m_), 2, kMaxPathPoints - 1 - end_points_);
   const float step_m = length_m / static_cast<float>(steps);
-  to.points = steps + 1 + end_points_;
-  const int kept_behind = to.points - end_points_;
   int chord = 1;
   float along_m = 0.0f;
   HP_LOOP_BOUND(kMaxPathPoints)
-  for (int k = 2; k < kept_behind; ++k) {
+  for (int k = 2; k <= steps; ++k) {
     along_m += step_m;
     HP_LOOP_BOUND(kMaxPathPoints)
-    while (chord + 1 < end && along_m >= from.length_m[chord]) along_m -= from.length_m[chord++];
-    const int first = ClampInt(chord - 1, 0, from.points - 4);
+    while (chord + 1 < end && along_m >= line.length_m[chord]) along_m -= line.length_m[chord++];
+    const int first = ClampInt(chord - 1, 0, line.points - 4);
     Vec2 around[4];
     HP_LOOP_BOUND(4)
-    for (int i = 0; i < 4; ++i) around[i] = {from.x_m[first + i], from.y_m[first + i]};
+    for (int i = 0; i < 4; ++i) around[i] = {line.x_m[first + i], line.y_m[first + i]};
     const Vec2 point = perturbation::CubicThrough(around, chord - first, along_m);
-    to.x_m[k] = point.x_m;
-    to.y_m[k] = point.y_m;
+    spread_x_m_[k] = point.x_m;
+    spread_y_m_[k] = point.y_m;
+  }
+  // The last points first: they may come to lie where others were.
+  Vec2 kept[2];
+  HP_LOOP_BOUND(2)
+  for (int i = 0; i < end_points_; ++i) kept[i] = {line.x_m[end + i], line.y_m[end + i]};
+  line.points = steps + 1 + end_points_;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 2; k <= steps; ++k) {
+    line.x_m[k] = spread_x_m_[k];
+    line.y_m[k] = spread_y_m_[k];
   }
   HP_LOOP_BOUND(2)
-  for (int k = 0; k < 2; ++k) {
-    to.x_m[k] = from.x_m[k];
-    to.y_m[k] = from.y_m[k];
+  for (int i = 0; i < end_points_; ++i) {
+    line.x_m[steps + 1 + i] = kept[i].x_m;
+    line.y_m[steps + 1 + i] = kept[i].y_m;
   }
-  HP_LOOP_BOUND(2)
-  for (int k = kept_behind; k < to.points; ++k) {
-    to.x_m[k] = from.x_m[k + from.points - to.points];
-    to.y_m[k] = from.y_m[k + from.points - to.points];
-  }
-  phase_ = Phase::kTrySpread;
-}
-
-void LateralNewton::TrySpread(const Costmap& map) {
-  const float cost = CostOfLine(map, trial());
-  if (cost <= cost_) {
-    at_ = 1 - at_;
-    cost_ = cost;
-    moved_ = true;
-    ++result_.spreads_kept;
-  }
-  NextStep();
 }
 
 // F as CostOf has it. It has been told from its rounding above the seed's only where next to
@@ -578,8 +568,7 @@ void LateralNewton::Finish(const Costmap& map) {
     SetHeadingsFromChords(path_);
     result_.after = result_.before;
   }
-  const bool settled = cost_before_ - cost_ <= params_.min_relative_decrease * cost_before_;
-  End(settled ? Status::kOk : Status::kIterationLimit);
+  End(settled_ ? Status::kOk : Status::kIterationLimit);
 }
 
 void LateralNewton::Publish() {

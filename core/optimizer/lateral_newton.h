@@ -23,7 +23,8 @@
 // - Curvature terms are linearised in the points' offsets, and the map is sampled to both sides of
 //   each point; where it is concave it gives no second derivative. So the matrix stays positive
 //   definite but for rounding, and where rounding breaks it, damping mends it.
-// - Every few steps the points are spread evenly along the path again, where F does not rise.
+// - Where their distances have become uneven, a step's points are spread along its path again, if F
+//   is lowered so too.
 //
 // It finds a local minimum near its seed, does not judge it, and stays on the seed's side of an
 // obstacle. It is made for PlanarModel: it knows how chords turn.
@@ -33,16 +34,17 @@ namespace hardpack {
 class LateralNewton {
  public:
   static constexpr int kMaxSteps = 200;
-  // A step: its derivatives, at most kMaxSolves solutions with kMaxShares lengths each, spreading.
+  // A step: at most kMaxSolves times its derivatives, a solution and kMaxShares lengths of it, and
+  // once with its points spread.
   static constexpr int kMaxSolves = 4;
   static constexpr int kMaxShares = 3;
-  static constexpr int kMaxUnits = kMaxSteps * (1 + kMaxSolves * (1 + kMaxShares) + 2) + 1;
+  static constexpr int kMaxUnits = kMaxSteps * (kMaxSolves * (2 + kMaxShares) + 1) + 1;
 
   // As BasicOptimizer::Begin.
   Status Begin(const Costmap& map, const OptimizerParams& params, const PathParams& path_params,
                const WorldPath& seed, float start_curvature_per_m, bool keep_end_heading);
 
-  // A unit is one pass over the points: derivatives, a solution, the cost of a step, spreading.
+  // A unit is one pass over the points: derivatives, a solution, the cost of a step.
   Progress Step(const Costmap& map, int units);
 
   // Valid once Step has returned kDone (before: once Begin has returned kOk).
@@ -54,7 +56,7 @@ class LateralNewton {
 
  private:
   // Derive: derivatives of line_. Solve: the step. Try: line_ moved, into the other line.
-  enum class Phase : uint8_t { kIdle, kDerive, kSolve, kTry, kSpread, kTrySpread, kFinish };
+  enum class Phase : uint8_t { kIdle, kDerive, kSolve, kTry, kFinish };
 
   static constexpr int kRoom = kMaxPathPoints + 8;  // what lies behind the last point is read
 
@@ -106,13 +108,13 @@ class LateralNewton {
   void Substitute();
   void Damp();
   void MovePoints();
+  bool Uneven() const;
+  void SpreadTrial();
   void TryStep(const Costmap& map);
+  void KeepTrial(float cost);
   void EndStep();
   void NextStep();
 
-  bool BeginSpread();
-  void Spread();
-  void TrySpread(const Costmap& map);
   void Finish(const Costmap& map);
   void Publish();
 
@@ -138,9 +140,11 @@ class LateralNewton {
   float width_share_ = 0.0f;  // of the kinks, of their limits
   float damping_ = 0.0f;
   float caution_ = 0.0f;
-  float share_ = 0.0f;  // of the step that is tried
-  int32_t shares_ = 0;  // tried of this solution
-  int32_t solves_ = 0;  // of this step
+  float share_ = 0.0f;    // of the step that is tried
+  int32_t shares_ = 0;    // tried of this solution
+  int32_t solves_ = 0;    // of this step
+  bool spreads_ = false;  // the points are spread when the step is tried
+  bool settled_ = false;  // the last step gained next to nothing
 
   // Of the map's term along the normals: first and second derivative.
   float map_slope_[kRoom] = {};
@@ -154,15 +158,17 @@ class LateralNewton {
   float bend_[kRoom] = {};
   float rate_slope_[kRoom] = {};
   float rate_bend_[kRoom] = {};
-  // Of F: gradient, and the band of second derivatives [distance from the diagonal].
-  float gradient_[kRoom] = {};
+  // Of F: the band of second derivatives [distance from the diagonal].
   float band_[4][kRoom] = {};
-  // L's rows (by distance from the diagonal), 1 / D, and the step.
-  float lower_[4][kRoom] = {};
+  // L's rows (by distance from the diagonal) and 1 / D.
+  float lower_[3][kRoom] = {};
   float inverse_pivot_[kRoom] = {};
+  // F's gradient by the offsets, and what becomes of it in solving for the step.
   float step_m_[kRoom] = {};
+  float spread_x_m_[kRoom] = {};
+  float spread_y_m_[kRoom] = {};
 };
 static_assert(std::is_trivially_copyable_v<LateralNewton>);
-static_assert(sizeof(LateralNewton) <= 64 * 1024);
+static_assert(sizeof(LateralNewton) <= 60 * 1024);
 
 }  // namespace hardpack

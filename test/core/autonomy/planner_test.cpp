@@ -311,6 +311,8 @@ TEST(Planner, GivesAMovingVehicleNoTurnOnTheSpot) {
 //   o---------------'
 TEST(Planner, SlowsForAPersonOnEachPassage) {
   Scene scene = SceneTo({0.1f, 7.1f});
+  // Its way out passes close enough to be slow; the other solver's swings out further.
+  scene.params.optimizer.method = OptimizerParams::kPaperDescent;
   scene.Add(-80, 12, 60, 12);
   scene.Add(35, 20, 36, 21, Costmap::kPerson | Costmap::kHard);
   const Plan& plan = PlanIn(scene);

@@ -17,6 +17,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // Weights of these tests, so that they do not hang on the vehicle's defaults.
 OptimizerParams TestParams() {
   OptimizerParams params;
+  params.method = OptimizerParams::kPaperDescent;
   params.max_curvature_per_m = 0.5f;
   params.max_curvature_rate_per_m2 = 0.5f;
   params.curvature_alpha = 1.0f;
@@ -32,6 +33,7 @@ OptimizerParams TestParams() {
   return params;
 }
 
+// The paper's descent; the other one is in lateral_newton_test.cpp.
 class OptimizerTest : public testing::Test {
  protected:
   Status Begin(const WorldPath& seed) {
@@ -392,6 +394,16 @@ TEST_F(OptimizerTest, RefusesParametersOutOfRange) {
   params_ = good;
   params_.max_sweeps = -1;
   EXPECT_EQ(Begin(seed), Status::kParameterOutOfRange);
+  for (const int method : {-1, 2, INT32_MAX, INT32_MIN}) {
+    params_ = good;
+    params_.method = method;
+    EXPECT_EQ(Begin(seed), Status::kParameterOutOfRange) << method;
+  }
+  for (const int steps : {-1, LateralNewton::kMaxSteps + 1, INT32_MAX, INT32_MIN}) {
+    params_ = good;
+    params_.max_newton_steps = steps;
+    EXPECT_EQ(Begin(seed), Status::kParameterOutOfRange) << steps;
+  }
   params_ = good;
   path_params_.step_m = kNaN;
   EXPECT_EQ(Begin(seed), Status::kParameterOutOfRange);
