@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "tools/hardpack/arguments.h"
 #include "tools/hardpack/command.h"
@@ -24,6 +25,7 @@ struct QualityOptions {
   std::string out;
   bool json = false;
   int problems = 100;
+  std::vector<int> only;
   uint32_t seed = 1;
 };
 
@@ -89,7 +91,11 @@ void RunQuality(const QualityOptions& options) {
   SeedMaker maker(params);
   QualityBench bench(params, kRounds);
   std::vector<QualityResult> results;
-  for (int number = 1; number <= options.problems; ++number) {
+  std::vector<int> numbers = options.only;
+  for (int number = 1; options.only.empty() && number <= options.problems; ++number) {
+    numbers.push_back(number);
+  }
+  for (const int number : numbers) {
     const QualityProblem problem = MakeProblem(options.seed, number, maker);
     results.push_back({number, problem.kind, bench.Solve(problem, maker)});
   }
@@ -118,6 +124,8 @@ void AddQualityCommand(CLI::App& bench) {
   quality->add_option("--out", options->out, "Folder for pictures of a dozen problems");
   quality->add_flag("--json", options->json, "Print one JSON object on stdout");
   quality->add_option("--problems", options->problems, "How many (default 100)")
+      ->check(CLI::Range(1, 999));
+  quality->add_option("--problem", options->only, "Only this one; may be given more than once")
       ->check(CLI::Range(1, 999));
   quality->add_option("--seed", options->seed, "Of the problems (default 1)");
   quality->callback([options] { RunQuality(*options); });

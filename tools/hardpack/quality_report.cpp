@@ -189,16 +189,20 @@ HeadToHead Compare(const std::vector<QualityResult>& results, SolverId other) {
 
 std::vector<size_t> MostTelling(const std::vector<QualityResult>& results, SolverId other,
                                 size_t wanted) {
-  std::vector<size_t> order(results.size());
-  std::iota(order.begin(), order.end(), size_t{0});
+  const std::vector<int> lost = Compare(results, SolverId::kPaper).limits_lost;
+  std::vector<size_t> chosen;
+  std::vector<size_t> order;
+  for (size_t i = 0; i < results.size(); ++i) {
+    const bool is_lost = std::find(lost.begin(), lost.end(), results[i].number) != lost.end();
+    (is_lost && chosen.size() < wanted / 4 ? chosen : order).push_back(i);
+  }
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
     return CostShare(results[a], other) < CostShare(results[b], other);
   });
-  if (order.size() <= wanted) return order;
-  const size_t third = wanted / 3;
-  const size_t typical = wanted - 2 * third;
+  const size_t rest = std::min(wanted - chosen.size(), order.size());
+  const size_t third = rest / 3;
+  const size_t typical = rest - 2 * third;
   const size_t typical_first = (order.size() - typical) / 2;
-  std::vector<size_t> chosen;
   for (size_t rank = 0; rank < order.size(); ++rank) {
     const bool wins = rank < third;
     const bool loses = rank >= order.size() - third;

@@ -38,9 +38,9 @@ struct HeadToHead {
 
 HeadToHead Compare(const std::vector<QualityResult>& results, SolverId other);
 
-// Problems to look at, from the largest win of our optimizer over `other` by F to its
-// largest loss: a third wins, a third around the median, a third losses. Indices into `results`,
-// none twice.
+// Problems to look at: up to a quarter of them those where the paper's optimizer keeps the limits
+// and ours does not; of the rest, by F beside `other`, a third our largest wins, a third around the
+// median, a third our largest losses. Indices into `results`, none twice.
 std::vector<size_t> MostTelling(const std::vector<QualityResult>& results, SolverId other,
                                 size_t wanted);
 

@@ -13,23 +13,24 @@ namespace hardpack::picture {
 namespace {
 
 constexpr int kWidth_px = 1640;
-constexpr int kHeight_px = 1390;
-constexpr Rectangle kMapArea = {78.0, 62.0, 900.0, 740.0};
-constexpr Rectangle kUpperArea = {78.0, 888.0, 1530.0, 180.0};
-constexpr Rectangle kLowerArea = {78.0, 1146.0, 1530.0, 180.0};
+constexpr int kHeight_px = 1520;
+constexpr Rectangle kMapArea = {78.0, 62.0, 900.0, 690.0};
+// The three plots beneath the map: their tops, and what they have in common.
+constexpr std::array<double, 3> kPlotTops_px = {838.0, 1072.0, 1306.0};
+constexpr Rectangle kPlotArea = {78.0, 0.0, 1530.0, 152.0};
 constexpr double kMargin_px = 1016.0;  // left edge of what stands beside the map
 constexpr double kAround_m = 3.5;
-constexpr double kShownLimits = 2.0;  // curvature is shown up to so many times its limit
+constexpr double kShownLimits = 2.0;  // what is beyond so many times its limit lies on the edge
 
 // One for each curve, in their order: chosen to differ on grey, green and orange.
 constexpr std::array<LineStyle, 6> kStyles = {{{.colour = kBasePath, .line_px = 1.8},
                                                {.colour = {0.80, 0.00, 0.70}, .line_px = 2.2},
                                                {.colour = {0.42, 0.05, 0.50}, .line_px = 2.2},
-                                               {.colour = kOptimizedPath, .line_px = 3.4},
-                                               {.colour = kInk, .line_px = 2.0},
-                                               {.colour = {0.00, 0.62, 0.72}, .line_px = 2.0}}};
-// The curves of the upper plot; the others are the lower one's.
-constexpr size_t kInUpperPlot = 3;
+                                               {.colour = kOptimizedPath, .line_px = 4.4},
+                                               {.colour = kInk, .line_px = 1.7},
+                                               {.colour = {0.00, 0.62, 0.72}, .line_px = 1.7}}};
+// The curves of the first plot; the others are the second one's.
+constexpr size_t kInFirstPlot = 3;
 
 constexpr std::array<const char*, 10> kFigureNames = {
     "F",      "of the map", "of the path",   "largest |κ| [1/m]",    "largest |κ′| [1/m²]",
@@ -45,20 +46,29 @@ std::vector<DataPoint> PointsOf(const WorldPath& path) {
   return points;
 }
 
-// Over the distance along the path, and no further than what is shown.
-std::vector<DataPoint> CurvaturesOf(const WorldPath& path, double most_per_m) {
-  std::vector<DataPoint> points;
+// What changes along a path, over the distance.
+struct Courses {
+  std::vector<DataPoint> curvature_per_m;
+  std::vector<DataPoint> rate_per_m2;
+};
+
+Courses CoursesOf(const WorldPath& path, double start_curvature_per_m) {
+  Courses courses;
   ActuatorPath actuator;
-  if (!IsUsable(ToActuator<PlanarModel>(path, actuator))) return points;
+  if (!IsUsable(ToActuator<PlanarModel>(path, actuator))) return courses;
   double along_m = 0.0;
+  double before_per_m = start_curvature_per_m;
   for (int i = 0; i + 1 < actuator.steps.size(); ++i) {
     const double here_m = std::abs(double{actuator.steps[i].dr_m});
     const double next_m = std::abs(double{actuator.steps[i + 1].dr_m});
-    const double curvature_per_m = double{actuator.steps[i].phi_rad} / ((here_m + next_m) / 2.0);
+    const double mean_m = (here_m + next_m) / 2.0;
+    const double curvature_per_m = double{actuator.steps[i].phi_rad} / mean_m;
     along_m += here_m;
-    points.push_back({along_m, std::clamp(curvature_per_m, -most_per_m, most_per_m)});
+    courses.curvature_per_m.push_back({along_m, curvature_per_m});
+    courses.rate_per_m2.push_back({along_m, (curvature_per_m - before_per_m) / mean_m});
+    before_per_m = curvature_per_m;
   }
-  return points;
+  return courses;
 }
 
 void DrawGoal(Canvas& canvas, const Axes& axes, const QualityPicture& picture) {
@@ -154,22 +164,35 @@ void DrawLegend(Canvas& canvas, const QualityPicture& picture) {
   DrawTable(canvas, picture, y_px + 20.0);
 }
 
-// Curves first .. end - 1, between lines at the limits.
-void DrawCurvatures(Canvas& canvas, const QualityPicture& picture, const Rectangle& area,
-                    size_t first, size_t end, const std::string& title) {
-  const double limit_per_m = double{picture.params->optimizer.max_curvature_per_m};
-  const double shown_per_m = kShownLimits * limit_per_m;
+struct Plot {
+  double top_px;
+  size_t first;  // curves first .. end - 1
+  size_t end;
+  std::vector<DataPoint> Courses::*course;
+  double limit;
+  std::string title;
+  std::string y_label;
+};
+
+// The curves between lines at the limits.
+void DrawPlot(Canvas& canvas, const QualityPicture& picture, const Plot& plot) {
+  const double shown = kShownLimits * plot.limit;
   Range along = {0.0, 1.0};
   for (const QualityCurve& curve : picture.curves) along.Include(double{LengthOf(curve.path)});
-  Axes axes(canvas, area, along, {-shown_per_m, shown_per_m});
+  Rectangle area = kPlotArea;
+  area.top_px = plot.top_px;
+  Axes axes(canvas, area, along, {-shown, shown});
   axes.Grid(kGridLine);
-  for (const double limit : {-limit_per_m, limit_per_m}) {
+  for (const double limit : {-plot.limit, plot.limit}) {
     axes.HorizontalLine(limit, {.colour = kBasePath, .line_px = 1.4, .dashed = true});
   }
-  for (size_t i = first; i < std::min(end, CurvesOf(picture)); ++i) {
-    axes.Line(CurvaturesOf(picture.curves[i].path, shown_per_m), kStyles[i]);
+  for (size_t i = plot.first; i < std::min(plot.end, CurvesOf(picture)); ++i) {
+    const double start_per_m = double{picture.start.curvature_per_m};
+    std::vector<DataPoint> points = CoursesOf(picture.curves[i].path, start_per_m).*plot.course;
+    for (DataPoint& point : points) point.y = std::clamp(point.y, -shown, shown);
+    axes.Line(points, kStyles[i]);
   }
-  axes.Frame(title, "distance along the path [m]", "κ [1/m]");
+  axes.Frame(plot.title, "distance along the path [m]", plot.y_label);
 }
 
 }  // namespace
@@ -179,11 +202,21 @@ Canvas DrawQuality(const QualityPicture& picture) {
   canvas.Text(kMapArea.left_px, 36.0, picture.title, {.size_px = 21.0, .bold = true});
   DrawMap(canvas, picture);
   DrawLegend(canvas, picture);
-  DrawCurvatures(canvas, picture, kUpperArea, 0, kInUpperPlot,
-                 "Curvature: A* alone and the paper's optimizer (limits dashed; what is beyond the "
-                 "frame lies on its edge)");
-  DrawCurvatures(canvas, picture, kLowerArea, kInUpperPlot, kStyles.size(),
-                 "Curvature: hardpack and Ceres");
+  const OptimizerParams& limits = picture.params->optimizer;
+  const double curvature_per_m = double{limits.max_curvature_per_m};
+  DrawPlot(canvas, picture,
+           {kPlotTops_px[0], 0, kInFirstPlot, &Courses::curvature_per_m, curvature_per_m,
+            "Curvature: A* alone and the paper's optimizer (limits dashed; what is beyond the "
+            "frame lies on its edge)",
+            "κ [1/m]"});
+  DrawPlot(canvas, picture,
+           {kPlotTops_px[1], kInFirstPlot, kStyles.size(), &Courses::curvature_per_m,
+            curvature_per_m, "Curvature: hardpack and Ceres", "κ [1/m]"});
+  DrawPlot(
+      canvas, picture,
+      {kPlotTops_px[2], kInFirstPlot - 1, kStyles.size() - 1, &Courses::rate_per_m2,
+       double{limits.max_curvature_rate_per_m2},
+       "Change of curvature: the paper's optimizer, converged, hardpack and Ceres", "κ′ [1/m²]"});
   return canvas;
 }
 

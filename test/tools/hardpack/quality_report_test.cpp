@@ -122,6 +122,19 @@ TEST(MostTelling, TakesWinsTypicalOnesAndLosses) {
   EXPECT_EQ(costs, (std::set<float>{1.0f, 2.0f, 15.0f, 16.0f, 29.0f, 30.0f}));
 }
 
+TEST(MostTelling, TakesLostLimitsFirst) {
+  std::vector<QualityResult> results;
+  for (int i = 0; i < 30; ++i) results.push_back(Result(i, 1.0f, static_cast<float>(i + 1)));
+  for (const size_t broken : {size_t{7}, size_t{22}}) {
+    RunOf(results[broken], SolverId::kOurs).measures.keeps_limits = false;
+  }
+  const std::vector<size_t> chosen = MostTelling(results, SolverId::kPaper, 8);
+  EXPECT_EQ(chosen.size(), 8u);
+  EXPECT_EQ(std::set<size_t>(chosen.begin(), chosen.end()).size(), 8u);
+  EXPECT_EQ(chosen[0], 7u);
+  EXPECT_EQ(chosen[1], 22u);
+}
+
 TEST(MostTelling, TakesAllWhereThereAreFew) {
   const std::vector<QualityResult> results = {Result(1, 2.0f, 1.0f), Result(2, 1.0f, 1.0f)};
   EXPECT_EQ(MostTelling(results, SolverId::kPaper, 12), (std::vector<size_t>{1, 0}));

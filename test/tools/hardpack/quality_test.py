@@ -53,6 +53,10 @@ class Quality(CommandTest):
         for name in names:
             self.assertGreater(min(png_size(self.out / name)), 1000)
 
+    def test_takes_single_problems(self):
+        result = json.loads(self.expect_done(("bench", "quality", "--problem", "42", "--json")))
+        self.assertEqual([problem["number"] for problem in result["problems"]], [42])
+
     def test_bad_usage(self):
         self.expect_bad_input(("bench", "quality", "--problems", "0"), "--problems")
         self.expect_bad_input(("bench", "quality", "--seed", "x"), "--seed")
