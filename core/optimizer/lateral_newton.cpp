@@ -35,7 +35,12 @@ constexpr float kLongestMove_m = 1.0f;
 constexpr float kSample_m = 0.5f * kCellSize_m;
 
 // Points are spread where the lengths of the chords differ by more than this share.
+// Where by more than the second, they are spread even if F rises meanwhile.
 constexpr float kEvenShare = 0.05f;
+constexpr float kFarUnevenShare = 0.3f;
+constexpr float kSpreadWidth = 0.05f;
+constexpr int kMaxForcedSpreads = 3;
+constexpr int kStepsAfterSpread = 5;
 
 // The step behind the last kink's narrowing that gains no more than this share of F is the last.
 constexpr float kLeastGain = 3.0e-4f;
@@ -100,6 +105,8 @@ Status LateralNewton::Begin(const Costmap& map, const OptimizerParams& params,
     line().y_m[k] = seed[k].y_m;
   }
   cost_ = CostOfLine(map, line());
+  best_cost_ = cost_;
+  forced_spreads_ = 0;
   width_share_ = kFirstWidth;
   damping_ = kFirstDamping;
   caution_ = 0.0f;
@@ -129,6 +136,8 @@ void LateralNewton::DoUnit(const Costmap& map) {
       return Solve();
     case Phase::kTry:
       return TryStep(map);
+    case Phase::kSpread:
+      return SpreadLine(map);
     case Phase::kFinish:
       return Finish(map);
   }
@@ -365,7 +374,7 @@ void LateralNewton::Solve() {
   for (int k = 2; k <= last; ++k) longest_m = Max(longest_m, Abs(step_m_[k]));
   share_ = longest_m > kLongestMove_m ? kLongestMove_m / longest_m : 1.0f;
   shares_ = 0;
-  spreads_ = solves_ == 1 && Uneven();
+  spreads_ = solves_ == 1 && Uneven(kEvenShare);
   phase_ = Phase::kTry;
 }
 
@@ -472,7 +481,10 @@ void LateralNewton::TryStep(const Costmap& map) {
 void LateralNewton::KeepTrial(float cost) {
   at_ = 1 - at_;
   cost_ = cost;
-  moved_ = true;
+  if (cost < best_cost_) {
+    best_cost_ = cost;
+    moved_ = true;
+  }
   ++result_.perturbations_kept;
   if (spreads_) ++result_.spreads_kept;
   if (shares_ == 0) {
@@ -482,9 +494,34 @@ void LateralNewton::KeepTrial(float cost) {
   EndStep();
 }
 
+// A step that could not be spread may leave the points very uneven.
 void LateralNewton::EndStep() {
   ++result_.sweeps;
+  const bool soon_over = result_.sweeps + kStepsAfterSpread > params_.max_newton_steps;
+  if (!spreads_ && !soon_over && forced_spreads_ < kMaxForcedSpreads && Uneven(kFarUnevenShare)) {
+    phase_ = Phase::kSpread;
+    return;
+  }
   NextStep();
+}
+
+// Spreads the line whatever it costs: the steps behind will bring the cost down again, or the path
+// published before is the result.
+void LateralNewton::SpreadLine(const Costmap& map) {
+  Publish();
+  share_ = 0.0f;
+  MovePoints();
+  SpreadTrial();
+  const float cost = CostOfLine(map, trial());
+  ++forced_spreads_;
+  if (!IsFinite(cost)) return NextStep();
+  at_ = 1 - at_;
+  cost_ = cost;
+  width_share_ = Max(width_share_, kSpreadWidth);
+  caution_ = 0.0f;
+  cost_before_ = cost_;
+  solves_ = 0;
+  phase_ = Phase::kDerive;
 }
 
 void LateralNewton::NextStep() {
@@ -502,7 +539,7 @@ void LateralNewton::NextStep() {
   cost_before_ = cost_;
 }
 
-bool LateralNewton::Uneven() const {
+bool LateralNewton::Uneven(float share) const {
   const Line& line = this->line();
   const int end = line.points - end_points_;
   float shortest_m = line.length_m[1];
@@ -512,7 +549,7 @@ bool LateralNewton::Uneven() const {
     shortest_m = Min(shortest_m, line.length_m[k]);
     longest_m = Max(longest_m, line.length_m[k]);
   }
-  return longest_m - shortest_m > kEvenShare * wanted_step_m_;
+  return longest_m - shortest_m > share * wanted_step_m_;
 }
 
 // As BasicOptimizer spreads a line: new points on the cubics through the four old ones around.

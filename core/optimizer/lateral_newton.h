@@ -38,7 +38,7 @@ class LateralNewton {
   // once with its points spread.
   static constexpr int kMaxSolves = 4;
   static constexpr int kMaxShares = 3;
-  static constexpr int kMaxUnits = kMaxSteps * (kMaxSolves * (2 + kMaxShares) + 1) + 1;
+  static constexpr int kMaxUnits = kMaxSteps * (kMaxSolves * (2 + kMaxShares) + 2) + 1;
 
   // As BasicOptimizer::Begin.
   Status Begin(const Costmap& map, const OptimizerParams& params, const PathParams& path_params,
@@ -56,7 +56,7 @@ class LateralNewton {
 
  private:
   // Derive: derivatives of line_. Solve: the step. Try: line_ moved, into the other line.
-  enum class Phase : uint8_t { kIdle, kDerive, kSolve, kTry, kFinish };
+  enum class Phase : uint8_t { kIdle, kDerive, kSolve, kTry, kSpread, kFinish };
 
   static constexpr int kRoom = kMaxPathPoints + 8;  // what lies behind the last point is read
 
@@ -108,11 +108,12 @@ class LateralNewton {
   void Substitute();
   void Damp();
   void MovePoints();
-  bool Uneven() const;
+  bool Uneven(float share) const;
   void SpreadTrial();
   void TryStep(const Costmap& map);
   void KeepTrial(float cost);
   void EndStep();
+  void SpreadLine(const Costmap& map);
   void NextStep();
 
   void Finish(const Costmap& map);
@@ -135,7 +136,9 @@ class LateralNewton {
 
   int32_t at_ = 0;  // which of the lines is the path; the other is tried
   Line lines_[2];
-  float cost_ = 0.0f;         // of line(), F but for the rounding
+  float cost_ = 0.0f;       // of line(), F but for the rounding
+  float best_cost_ = 0.0f;  // of the path that is published, or is to be
+  int32_t forced_spreads_ = 0;
   float cost_before_ = 0.0f;  // the same before this step
   float width_share_ = 0.0f;  // of the kinks, of their limits
   float damping_ = 0.0f;
