@@ -10,6 +10,7 @@
 #include "core/base/saturate.h"
 #include "core/base/status.h"
 #include "core/costmap/height_grid.h"
+#include "core/costmap/padded_row.h"
 
 // From heights to costs ([OS] Cost Map Creation; docs/algorithm.md section 1): obstacle rule, then
 // for the hard and for the soft layer alike dilation by the planning radius, a cost that grows with
@@ -92,13 +93,17 @@ Status CheckCostmapParams(const CostmapParams& params);
 // unit does not depend on the data either. Step with any split of the units gives the same map.
 class CostmapBuilder {
  public:
-  // Ground and classification; then for each of two layers the distances to the obstacle cells and
-  // to the edge of the region dilated from them, two sweeps each.
-  static constexpr int kHeightPasses = 2;
-  static constexpr int kPasses = kHeightPasses + 2 * 2 * 2;
-  static constexpr int kUnits = kPasses * kMapSize_cells;
-  static constexpr int kHeightUnits = kHeightPasses * kMapSize_cells;
-  static constexpr int kCellUnits = (kPasses - kHeightPasses) * kMapSize_cells;
+  // From heights, a row is classed when the rows that its ground may come from have been loaded.
+  static constexpr int kLag_cells = kMaxGroundWindow_cells / 2;
+  static constexpr int kHeightUnits = kMapSize_cells + kLag_cells;
+  // Then three sweeps: upwards, back, and upwards again.
+  static constexpr int kSweeps = 3;
+  static constexpr int kCellUnits = kSweeps * kMapSize_cells;
+  static constexpr int kUnits = kHeightUnits + kCellUnits;
+
+  // So many rows around the one that is classed are kept.
+  static constexpr int kRingRows = 32;
+  static_assert(kRingRows > 2 * kLag_cells);
 
   // From heights. The window is the grid's at this moment; the grid may be written to and may roll
   // while the build goes on (a cell that has rolled out reads as empty).
@@ -139,60 +144,88 @@ class CostmapBuilder {
   const Costmap& result() const { return map_; }
 
  private:
-  // The near ground lies within so many cells in x and in y, in so many rows.
-  static constexpr int kNear_cells = 2;
-  static constexpr int kNearRows = 2 * kNear_cells + 1;
   static constexpr int kReach_cells = 15;  // the largest integer whose square is not saturated
-  static_assert(kMaxGroundWindow_cells / 2 <= kReach_cells);
+  static_assert(kReach_cells <= PaddedRow<uint8_t>::kMargin);
+  static constexpr int kLayers = 2;
+  static constexpr int kPaddedRows = 3;
+  static constexpr int kDistances2 = kMaxDistance2_cells2 + 1;
 
-  void Start(const GridWindow& window, const CostmapParams& params, int first_pass);
+  // Blocks of `cells` cells, 1, 4 or 16, that together cover -half .. half of a row.
+  struct Cover {
+    int32_t cells;
+    int32_t from[4];
+  };
+  static Cover CoverOf(int half);
+
+  enum class Pass : uint8_t { kHeights, kObstacles, kRegions, kCosts, kDone };
+
+  void Start(const GridWindow& window, const CostmapParams& params, Pass first);
   void EndUnit();
   void HeightUnit(const HeightGrid& heights);
-  void LoadGround(const HeightGrid& heights, int row);
-  void FindNearGround(int row);
-  void EndNearGround();
+  void StartHeights();
+  void LoadRow(const HeightGrid& heights, int row);
+  void LoadNoRow(int row);
   void ClassifyRow(const HeightGrid& heights, int row);
-  void ClassifyStrip(int row, int start);
-  void DistanceUnit();
-  void SweepUp(int row, uint8_t region);
-  void SweepDown(int row, uint8_t region);
-  void DistancesToRegion(int row, uint8_t region, int reach_cells);
-  void DistancesOutOfRegion(int row, uint8_t region, int reach_cells);
-  void Dilate(int row, bool hard);
-  void FillCosts(bool hard);
-  void BeginCosts(int row);
-  void AddCosts(int row);
+  void FindLimits(int row);
+  void FindLimitsInCell();
+  void FlagRow(int row);
+  void CellUnit();
+  void SweepObstacles(int row);
+  void FindRegions(int row);
+  void FindCosts(int row);
+  void AddCosts(int row, const uint8_t* hard2, const uint8_t* soft2);
+  void AddEight(const uint16_t* hard, const uint16_t* soft, uint16_t* to) const;
+  uint16_t CostOf(uint16_t hard, uint16_t soft) const {
+    return static_cast<uint16_t>(hard_cost_q8_[hard] + soft_cost_q8_[soft]);
+  }
+  void FillCost(int entry);
+  void FillChord();
+
+  // Scratch while classing, in planes that are free until the first sweep: kRingRows rows each.
+  // Heights as unsigned numbers of the same bits. Of the far ground the smallest along x, of one
+  // row, of 4 and of 16 from this one on; the lowest measured ground in five cells along x; 1 where
+  // the ground's height is known, else 0.
+  static constexpr int kRing = kRingRows * kMapSize_cells;
+  uint16_t* ring(int level) { return map_.cost_q8 + level * kRing; }
+  uint16_t* near_ring() { return map_.cost_q8 + 3 * kRing; }
+  uint8_t* known_ring() { return plane_; }
 
   Costmap map_ = {};
   CostmapParams params_;
   bool built_ = false;         // a map is finished
   bool from_heights_ = false;  // the present build
-  int32_t pass_ = kPasses;
-  int32_t row_ = 0;
+  Pass pass_ = Pass::kDone;
+  int32_t row_ = 0;             // of the pass, from its beginning
   int32_t radius2_cells2_ = 0;  // of the dilation
   int32_t radius_cells_ = 0;    // the largest integer within it
-  int32_t block_cells_ = 0;     // of the far ground's square, see LoadGround
-  // Scratch, [kMapSize_cells x kMapSize_cells] row-major: while classifying, 0 where ground was
-  // observed in the block that begins here, else 1; then vertical distances to the region's edge.
+  Cover cover_ = {};            // of the far ground's square
+  // Scratch, [kMapSize_cells x kMapSize_cells] row-major.
   uint8_t plane_[kMapCells] = {};
-  // Scratch of one row, with a margin that stands for what lies beyond the map: whether ground is
-  // missing, then squared vertical distances; heights.
-  uint8_t padded_[kReach_cells + kMapSize_cells + kReach_cells] = {};
-  int16_t row_heights_[kReach_cells + kMapSize_cells + kReach_cells] = {};
-  int16_t row_ground_[kReach_cells + kMapSize_cells + kReach_cells] = {};  // where observed
-  // The lowest observed ground of each cell and those beside it, of the last rows that have come:
-  // row modulo kNearRows.
-  int16_t near_rows_[kNearRows][kMapSize_cells] = {};
-  HeightGrid::Strip strip_ = {};
-  // Scratch of one row: squared distances to the region, and out of it.
-  uint8_t to_region2_[kMapSize_cells] = {};
-  uint8_t out_of_region2_[kMapSize_cells] = {};
-  // The present layer's costs by squared distance to the region, and out of it, and from how many
-  // cells on they do not change any more.
-  uint16_t halo_q8_[kMaxDistance2_cells2 + 1] = {};
-  uint16_t depth_q8_[kMaxDistance2_cells2 + 1] = {};
-  int32_t halo_reach_cells_ = 0;
-  int32_t depth_reach_cells_ = 0;
+
+  // Scratch of one row, while classing.
+  PaddedRow<int16_t> lowest_;
+  PaddedRow<int16_t> ground_;  // where it was measured
+  alignas(16) uint8_t known_count_[kMapSize_cells] = {};
+  alignas(16) uint8_t no_ground_[kMapSize_cells] = {};  // 1 where the square has none
+  alignas(16) uint8_t seen_[kMapSize_cells] = {};
+  alignas(16) int16_t high_[kMapSize_cells] = {};
+  alignas(16) int16_t overhead_[kMapSize_cells] = {};
+  alignas(16) int16_t lowest_hard_[kMapSize_cells] = {};
+  alignas(16) int16_t highest_hard_[kMapSize_cells] = {};
+  alignas(16) int16_t highest_soft_[kMapSize_cells] = {};
+
+  // Scratch of one row, of the sweeps: vertical distances by layer, and rows that are looked at to
+  // both sides.
+  alignas(16) uint8_t hard_row_[kMapSize_cells] = {};
+  PaddedRow<uint8_t> soft_row_;
+  PaddedRow<uint8_t> padded_[kPaddedRows];
+  PaddedRow<uint8_t> row_flags_;
+  uint8_t chord_steps_[kReach_cells] = {};  // see FillChord
+  // The layers' costs by squared distance; behind those outside the region those inside; behind
+  // both, of the hard layer, all again with the cost of unknown ground.
+  uint16_t hard_cost_q8_[4 * kDistances2] = {};
+  uint16_t soft_cost_q8_[2 * kDistances2] = {};
+  int32_t soft_reach_cells_ = 0;  // from how many cells on its costs do not change any more
 };
 static_assert(sizeof(CostmapBuilder) <= 6 * kMapCells + 16384);
 static_assert(std::is_trivially_copyable_v<CostmapBuilder>);

@@ -50,14 +50,16 @@ int Shift(int32_t from, int32_t to) {
   return static_cast<int>(shift);
 }
 
-// As Told, for a strip; without branches, so that the loop vectorises.
-void TellStrip(const int16_t* __restrict stored_cm, int16_t datum_cm, int16_t* __restrict told_cm) {
-  HP_LOOP_BOUND(HeightGrid::kStripCells)
-  for (int i = 0; i < HeightGrid::kStripCells; ++i) {
-    const int16_t stored = stored_cm[i];
-    const int16_t told = static_cast<int16_t>(stored + datum_cm);
-    told_cm[i] = stored == HeightGrid::kNone ? HeightGrid::kNone : told;
-  }
+template <typename T>
+void CopyCells(const T* __restrict from, int first, int cells, T* __restrict to) {
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int i = 0; i < cells; ++i) to[i] = from[first + i];
+}
+
+template <typename T>
+void FillCells(T* to, int cells, T value) {
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int i = 0; i < cells; ++i) to[i] = value;
 }
 
 }  // namespace
@@ -299,39 +301,39 @@ HeightGrid::CellHeights HeightGrid::At(Cell cell) const {
           (seen_[slot] & kGroundHeightKnown) != 0 && (seen_[slot] & kGroundFromBeside) != 0};
 }
 
-void HeightGrid::Read(Cell first, Strip& strip) const {
-  const Cell last = {first.x + (kStripCells - 1), first.y};
-  const int slot = Slot(first);
-  const bool side_by_side = Slot(last) == slot + (kStripCells - 1);
-  if (side_by_side && window_.Contains(first) && window_.Contains(last)) {
-    const int16_t datum_cm = static_cast<int16_t>(datum_cm_);
-    TellStrip(lowest_cm_ + slot, datum_cm, strip.lowest_cm);
-    TellStrip(lowest_hard_cm_ + slot, datum_cm, strip.lowest_hard_cm);
-    TellStrip(highest_hard_cm_ + slot, datum_cm, strip.highest_hard_cm);
-    TellStrip(highest_soft_cm_ + slot, datum_cm, strip.highest_soft_cm);
-    const uint8_t* seen = seen_ + slot;
-    HP_LOOP_BOUND(kStripCells)
-    for (int i = 0; i < kStripCells; ++i) {
-      strip.ground[i] = seen[i] & kGroundHeightKnown;
-      strip.person[i] = (seen[i] & kPersonMask) != 0;
-      strip.observed[i] = (seen[i] & (kGroundHeightKnown | kGroundFromBeside)) != 0;
-      strip.guessed[i] = (seen[i] & kGroundHeightKnown) & ((seen[i] & kGroundFromBeside) != 0);
-    }
+template <typename T>
+void HeightGrid::CopyRow(const T* plane, Cell first, T empty,
+                         std::span<T, kMapSize_cells> row) const {
+  T* to = row.data();
+  const int ahead = Shift(first.x, window_.origin.x);
+  const int64_t dy = int64_t{first.y} - window_.origin.y;
+  if (dy < 0 || dy >= kMapSize_cells) {
+    FillCells(to, kMapSize_cells, empty);
     return;
   }
-  // Storage wraps around inside the strip, or an end of the window lies in it.
-  HP_LOOP_BOUND(kStripCells)
-  for (int i = 0; i < kStripCells; ++i) {
-    const CellHeights heights = At({first.x + i, first.y});
-    strip.lowest_cm[i] = heights.lowest_cm;
-    strip.lowest_hard_cm[i] = heights.lowest_hard_cm;
-    strip.highest_hard_cm[i] = heights.highest_hard_cm;
-    strip.highest_soft_cm[i] = heights.highest_soft_cm;
-    strip.ground[i] = heights.ground;
-    strip.person[i] = heights.person;
-    strip.observed[i] = heights.observed;
-    strip.guessed[i] = heights.guessed;
-  }
+  // The columns begin .. end - 1 lie in the window: all, unless it has rolled meanwhile. Storage
+  // goes round at column `seam`.
+  const int begin = ClampInt(ahead, 0, kMapSize_cells);
+  const int end = ClampInt(kMapSize_cells + ahead, 0, kMapSize_cells);
+  const T* stored = plane + Slot({0, first.y});
+  const int turn = Slot({first.x, 0});
+  const int seam = ClampInt(kMapSize_cells - turn, begin, end);
+  FillCells(to, begin, empty);
+  CopyCells(stored, begin + turn, seam - begin, to + begin);
+  CopyCells(stored, seam + turn - kMapSize_cells, end - seam, to + seam);
+  FillCells(to + end, kMapSize_cells - end, empty);
+}
+
+void HeightGrid::ReadGround(Cell first, HeightRow lowest_cm, SeenRow seen) const {
+  CopyRow(lowest_cm_, first, kNone, lowest_cm);
+  CopyRow(seen_, first, uint8_t{0}, seen);
+}
+
+void HeightGrid::ReadObstacles(Cell first, HeightRow lowest_hard_cm, HeightRow highest_hard_cm,
+                               HeightRow highest_soft_cm) const {
+  CopyRow(lowest_hard_cm_, first, kNone, lowest_hard_cm);
+  CopyRow(highest_hard_cm_, first, kNone, highest_hard_cm);
+  CopyRow(highest_soft_cm_, first, kNone, highest_soft_cm);
 }
 
 void HeightGrid::Clear(int dx, int dy, int width, int height) {

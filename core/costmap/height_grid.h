@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <type_traits>
 
 #include "core/base/grid.h"
@@ -114,17 +115,11 @@ class HeightGrid {
     bool guessed = false;   // its height is bridged or assumed: no ground return came from here
   };
 
-  // Cells side by side along x, as arrays, so that loops over them vectorise.
-  static constexpr int kStripCells = 32;
-  struct Strip {
-    int16_t lowest_cm[kStripCells];
-    int16_t lowest_hard_cm[kStripCells];
-    int16_t highest_hard_cm[kStripCells];
-    int16_t highest_soft_cm[kStripCells];
-    uint8_t ground[kStripCells];    // 0 or 1
-    uint8_t person[kStripCells];    // 0 or 1
-    uint8_t observed[kStripCells];  // 0 or 1
-    uint8_t guessed[kStripCells];   // 0 or 1
+  // What a cell's byte tells of its ground and its hard returns; its other bits are for ageing.
+  enum Seen : uint8_t {
+    kGroundHeightKnown = 1,
+    kPersonMask = 6,         // not 0: a person is among the hard returns
+    kGroundFromBeside = 32,  // its height, or without one that it was observed
   };
 
   // Empty, centred at the odom frame's origin. Cost: kMapCells cells cleared.
@@ -190,26 +185,31 @@ class HeightGrid {
   // Empty for a cell off the window. Cost: constant.
   CellHeights At(Cell cell) const;
 
-  // The cells first.x .. first.x + kStripCells - 1 of row first.y, each as At gives it.
-  // Precondition: first.x <= INT32_MAX - kStripCells. Cost: constant.
-  void Read(Cell first, Strip& strip) const;
+  // What is added to heights as they are stored to tell them, see ShiftHeights.
+  int32_t datum_cm() const { return datum_cm_; }
+
+  // The cells first.x .. first.x + kMapSize_cells - 1 of row first.y, as arrays, so that loops over
+  // them vectorise. Heights are as stored, kNone included: they compare with one another, also
+  // across a shift. Cells off the window are empty. seen: of Seen. Precondition: first.x <=
+  // INT32_MAX - kMapSize_cells. Cost: kMapSize_cells cells copied.
+  using HeightRow = std::span<int16_t, kMapSize_cells>;
+  using SeenRow = std::span<uint8_t, kMapSize_cells>;
+  void ReadGround(Cell first, HeightRow lowest_cm, SeenRow seen) const;
+  void ReadObstacles(Cell first, HeightRow lowest_hard_cm, HeightRow highest_hard_cm,
+                     HeightRow highest_soft_cm) const;
 
  private:
-  // A cell's byte: whether the ground's height is known, a person's memory, misses, whether what is
-  // known of the ground comes from beside it (its height, or without one that it was observed), and
-  // the parity of two revolutions: of the last miss or
-  // hit, and of the last return that was filed (ground returns where there is no obstacle, hard
-  // ones).
-  enum Seen : uint8_t {
-    kGroundHeightKnown = 1,
+  // The rest of a cell's byte: the memory of a person in units, misses, and the parity of two
+  // revolutions: of the last miss or hit, and of the last return that was filed (ground returns
+  // where there is no obstacle, hard ones).
+  enum SeenForAgeing : uint8_t {
     kPersonOne = 2,
-    kPersonMask = 3 * kPersonOne,
     kMissOne = 8,
     kMissMask = (kMaxAgeingRevolutions - 1) * kMissOne,
-    kGroundFromBeside = 32,
     kSightOdd = 64,
     kFiledOdd = 128,
   };
+  static_assert(kPersonMask == kPersonMemory * kPersonOne);
 
   // One fan as its cells see it.
   struct Sight {
@@ -239,6 +239,10 @@ class HeightGrid {
     return static_cast<int>((static_cast<uint32_t>(cell.y) & kMask) * kMapSize_cells +
                             (static_cast<uint32_t>(cell.x) & kMask));
   }
+
+  // Of a row of a plane of stored cells, the part that lies in the window, see ReadGround.
+  template <typename T>
+  void CopyRow(const T* plane, Cell first, T empty, std::span<T, kMapSize_cells> row) const;
 
   // Empties width x height cells, their lowest corner at offset (dx, dy) from the window's origin.
   void Clear(int dx, int dy, int width, int height);

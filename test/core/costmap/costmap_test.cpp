@@ -343,6 +343,20 @@ TEST(CostmapBuilder, BuildsOnWhileTheGridRolls) {
   EXPECT_NE(map.flags[IndexOf(300, kRow)] & Costmap::kHard, 0);
 }
 
+// Ground and returns of a row are read at different times, and still fit together.
+TEST(CostmapBuilder, TakesNoNoticeOfAJumpOfAllHeightsInTheMiddle) {
+  Scene scene;
+  Scatter(scene, 9);
+  const auto at_once = std::make_unique<Costmap>(scene.Build());
+  ASSERT_EQ(scene.builder().Begin(scene.heights(), {}), Status::kOk);
+  float dz_m = 0.7f;
+  while (scene.builder().Step(scene.heights(), 5) == Progress::kBusy) {
+    ASSERT_EQ(scene.heights().ShiftHeights(dz_m), Status::kOk);
+    dz_m = -dz_m;
+  }
+  EXPECT_TRUE(Same(scene.builder().result(), *at_once));
+}
+
 TEST(CostmapBuilder, SurvivesAGridThatChangesInTheMiddle) {
   Scene scene;
   Scatter(scene, 7);

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "core/costmap/height_grid.h"
+#include "test/core/costmap/stored_row.h"
 
 // What is known of the ground, and what becomes of heights when the odometry's jumps.
 
@@ -247,7 +248,7 @@ TEST_F(HeightGridGround, TellsEverythingInTheNewHeightsAfterAJump) {
   EXPECT_EQ(grid_->At({0, 0}).lowest_cm, -20);
 }
 
-TEST_F(HeightGridGround, ReadsStripsInTheNewHeightsToo) {
+TEST_F(HeightGridGround, ReadsRowsInTheNewHeightsToo) {
   std::mt19937 random(3);
   for (int i = 0; i < 500; ++i) {
     const Vec3 point = {0.1f + 0.2f * static_cast<float>(random() % 64), 0.1f,
@@ -255,18 +256,19 @@ TEST_F(HeightGridGround, ReadsStripsInTheNewHeightsToo) {
     File(point, static_cast<ReturnClass>(1 + random() % 4), static_cast<uint32_t>(random() % 8));
   }
   ASSERT_EQ(grid_->ShiftHeights(37.5f), Status::kOk);
-  for (int32_t x = -40; x < 80; ++x) {
-    HeightGrid::Strip strip;
-    grid_->Read({x, 0}, strip);
-    for (int i = 0; i < HeightGrid::kStripCells; ++i) {
-      const HeightGrid::CellHeights heights = grid_->At({x + i, 0});
-      EXPECT_EQ(strip.lowest_cm[i], heights.lowest_cm);
-      EXPECT_EQ(strip.lowest_hard_cm[i], heights.lowest_hard_cm);
-      EXPECT_EQ(strip.highest_hard_cm[i], heights.highest_hard_cm);
-      EXPECT_EQ(strip.highest_soft_cm[i], heights.highest_soft_cm);
-      EXPECT_EQ(strip.ground[i], heights.ground ? 1 : 0);
-      EXPECT_EQ(strip.person[i], heights.person ? 1 : 0);
-    }
+  const int32_t begin = grid_->window().origin.x;
+  const StoredRow stored(*grid_, {begin, 0});
+  for (int x = 0; x < kMapSize_cells; ++x) {
+    const HeightGrid::CellHeights heights = grid_->At({begin + x, 0});
+    const HeightGrid::CellHeights read = stored.At(x);
+    EXPECT_EQ(read.lowest_cm, heights.lowest_cm);
+    EXPECT_EQ(read.lowest_hard_cm, heights.lowest_hard_cm);
+    EXPECT_EQ(read.highest_hard_cm, heights.highest_hard_cm);
+    EXPECT_EQ(read.highest_soft_cm, heights.highest_soft_cm);
+    EXPECT_EQ(read.ground, heights.ground);
+    EXPECT_EQ(read.person, heights.person);
+    EXPECT_EQ(read.observed, heights.observed);
+    EXPECT_EQ(read.guessed, heights.guessed);
   }
 }
 

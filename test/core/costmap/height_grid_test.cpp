@@ -10,6 +10,8 @@
 #include <random>
 #include <utility>
 
+#include "test/core/costmap/stored_row.h"
+
 namespace hardpack {
 namespace {
 
@@ -150,15 +152,13 @@ TEST(HeightGrid, RollsAnywhereWithoutOverflow) {
       EXPECT_EQ(window, GridWindow::CenteredAt({x_m, y_m}));
       ExpectSame(grid->At(window.FromIndex(0)), {});
       ExpectSame(grid->At(window.FromIndex(kMapCells - 1)), {});
-      HeightGrid::Strip strip;
-      grid->Read(window.origin, strip);
-      EXPECT_EQ(strip.lowest_cm[0], HeightGrid::kNone);
+      ExpectSame(StoredRow(*grid, window.origin).At(0), {});
       (void)grid->Insert({x_m, y_m, 1.0f}, ReturnClass::kHard);  // may be off a saturated window
     }
   }
 }
 
-TEST(HeightGrid, ReadsStripsAsSingleCells) {
+TEST(HeightGrid, ReadsRowsAsSingleCells) {
   const auto grid = MakeGrid();
   ASSERT_EQ(grid->Recenter({13.7f, -8.1f}), Status::kOk);
   const Cell origin = grid->window().origin;
@@ -171,16 +171,13 @@ TEST(HeightGrid, ReadsStripsAsSingleCells) {
       ASSERT_EQ(grid->Insert({center.x_m, center.y_m, z_m}, kind), Status::kOk);
     }
   }
-  // Rows below, in and above what was filed; strips across both ends of the window.
+  // Rows below, in and above what was filed; and rows that begin before and behind the window's.
   for (int row = -1; row < 4; ++row) {
-    for (int column = -40; column < kMapSize_cells + 40; ++column) {
-      HeightGrid::Strip strip;
+    for (int column = -kMapSize_cells - 7; column <= kMapSize_cells; column += 37) {
       const Cell first = {origin.x + column, origin.y + row};
-      grid->Read(first, strip);
-      for (int i = 0; i < HeightGrid::kStripCells; ++i) {
-        ExpectSame({strip.lowest_cm[i], strip.lowest_hard_cm[i], strip.highest_hard_cm[i],
-                    strip.highest_soft_cm[i], strip.ground[i] == 1, strip.person[i] == 1},
-                   grid->At({first.x + i, first.y}));
+      const StoredRow stored(*grid, first);
+      for (int x = 0; x < kMapSize_cells; ++x) {
+        ExpectSame(stored.At(x), grid->At({first.x + x, first.y}));
       }
     }
   }

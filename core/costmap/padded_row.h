@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "core/base/grid.h"
+#include "core/base/loop_bound.h"
+
+namespace hardpack {
+
+// A row that is looked at to both sides. Beyond either end a margin stands for what lies beyond the
+// map.
+template <typename T>
+class PaddedRow {
+ public:
+  // Not less than the largest reach. Row and margins together are whole vectors.
+  static constexpr int kMargin = 16;
+
+  // The first cell. Elements -kMargin .. kMapSize_cells + 2 * kMargin - 1 exist.
+  T* cells() { return elements_ + kMargin; }
+  const T* cells() const { return elements_ + kMargin; }
+
+  // The type's largest number, which is no minimum.
+  void FillMargins() { FillMargins(std::numeric_limits<T>::max(), std::numeric_limits<T>::max()); }
+
+  void FillMargins(T before, T behind) {
+    HP_LOOP_BOUND(kMargin)
+    for (int x = 0; x < kMargin; ++x) elements_[x] = before;
+    HP_LOOP_BOUND(2 * kMargin)
+    for (int x = 0; x < 2 * kMargin; ++x) elements_[kMargin + kMapSize_cells + x] = behind;
+  }
+
+ private:
+  alignas(16) T elements_[kMapSize_cells + 3 * kMargin] = {};
+};
+
+}  // namespace hardpack

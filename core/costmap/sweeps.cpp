@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the flags of cells to costs: exact distance transforms of the obstacles, and of the regions
+// dilated from them, of both layers. Each is a sweep over the rows and one back, which give
+// vertical distances, and the smallest sum of squares along the row. The way back over the
+// obstacles finishes a row at once and is the first sweep over the regions.
+//
+//   kObstacles, up      vertical distance to the obstacle cells, so far among the rows below
+//   kRegions, down      the same among all rows; hard_distance2 and the regions; vertical distance
+//   to
+//                       the regions' edges, so far among the rows above
+//   kCosts, up          the same among all rows; distances from the regions' edges; depth and cost
+#include "core/base/loop_bound.h"
+#include "core/base/saturate.h"
+#include "core/costmap/costmap.h"
+#include "core/costmap/padded_row.h"
+#include "core/costmap/rows.h"
+
+namespace hardpack {
+namespace {
+
+constexpr uint8_t kFar2 = kMaxDistance2_cells2;
+constexpr uint8_t kFar = 16;  // squared, it is beyond the saturation
+constexpr uint8_t kNoEdge = kFar - 1;
+
+constexpr int Square(int x) {
+  return x * x;
+}
+
+// 0 .. kFar. 16 * 16 is 0 in a byte, and less one 255.
+inline uint8_t Squared(uint8_t distance) {
+  return static_cast<uint8_t>(distance * distance - (distance >> 4));
+}
+
+// The smaller of the elements dx to the left and to the right.
+template <int kDx>
+inline uint8_t Beside(const uint8_t* center) {
+  return Smaller(center[-kDx], center[kDx]);
+}
+
+// min over kDx <= |dx| <= kLast of center[dx] + (kBefore + dx)^2 - (kBefore + kDx)^2, limited so
+// that (kBefore + kDx)^2 - kBefore^2 can be added without a carry. From the outside to the inside,
+// which takes one limit for all.
+template <int kBefore, int kDx, int kLast>
+inline uint8_t SmallestBeside(const uint8_t* center) {
+  if constexpr (kDx == kLast) {
+    constexpr uint8_t kLimit = kFar2 - (Square(kBefore + kLast) - Square(kBefore));
+    return Smaller(Beside<kDx>(center), kLimit);
+  } else {
+    constexpr int kStep = Square(kBefore + kDx + 1) - Square(kBefore + kDx);
+    const int further = SmallestBeside<kBefore, kDx + 1, kLast>(center) + kStep;
+    return Smaller(Beside<kDx>(center), static_cast<uint8_t>(further));
+  }
+}
+
+// to[x] = min over |dx| <= kReach of row[x + dx] + (kBefore + |dx|)^2 - kBefore^2, saturated; the
+// row has margins. Once with kBefore = 0, or several times, each after the other's reach, it is
+// min over dx of row[x + dx] + dx^2.
+template <int kBefore, int kReach>
+void SmallestPlusSquare(const uint8_t* __restrict row, uint8_t* __restrict to) {
+  constexpr int kStep = Square(kBefore + 1) - Square(kBefore);
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = 0; x < kMapSize_cells; ++x) {
+    const int beside = SmallestBeside<kBefore, 1, kReach>(row + x) + kStep;
+    to[x] = Smaller(row[x], static_cast<uint8_t>(beside));
+  }
+}
+
+// As above, where what is added from one dx to the next is given.
+template <int kDx, int kLast>
+inline uint8_t SmallestBeside(const uint8_t* center, const uint8_t* steps) {
+  if constexpr (kDx == kLast) {
+    return Beside<kDx>(center);
+  } else {
+    const int further = SmallestBeside<kDx + 1, kLast>(center, steps) + steps[kDx];
+    return Smaller(Beside<kDx>(center), static_cast<uint8_t>(further));
+  }
+}
+
+template <int kReach>
+void SmallestPlusSteps(const uint8_t* __restrict row, const uint8_t* __restrict steps,
+                       uint8_t* __restrict to) {
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = 0; x < kMapSize_cells; ++x) {
+    const int beside = SmallestBeside<1, kReach>(row + x, steps) + steps[0];
+    to[x] = Smaller(row[x], static_cast<uint8_t>(beside));
+  }
+}
+
+// 0 where a row has a flag, else one more than in the row before.
+inline uint8_t FromFlag(uint8_t flags, uint8_t flag, uint8_t before) {
+  const uint8_t further = Smaller(static_cast<uint8_t>(before + 1), kFar);
+  return (flags & flag) != 0 ? uint8_t{0} : further;
+}
+
+// 0 where one of two rows has a flag and the other has not, else one more than in the row before.
+inline uint8_t FromEdge(int changes, uint8_t flag, uint8_t before) {
+  const uint8_t further = Smaller(static_cast<uint8_t>(before + 1), kNoEdge);
+  return (changes & flag) == 0 ? further : uint8_t{0};
+}
+
+// Vertical distances to the cells of either kind, so far among the rows that have come. hard and
+// soft hold the row before, and then this one.
+void SweepFrom(const uint8_t* __restrict flags, uint8_t* __restrict hard, uint8_t* __restrict soft,
+               uint8_t* __restrict hard_plane, uint8_t* __restrict soft_plane) {
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = 0; x < kMapSize_cells; ++x) {
+    hard[x] = FromFlag(flags[x], Costmap::kHard, hard[x]);
+    soft[x] = FromFlag(flags[x], Costmap::kSoft, soft[x]);
+    hard_plane[x] = hard[x];
+    soft_plane[x] = soft[x];
+  }
+}
+
+// The smaller of these and of those the other way; of the hard ones the squares.
+void SweepBack(const uint8_t* __restrict hard_plane, const uint8_t* __restrict soft_plane,
+               uint8_t* __restrict hard, uint8_t* __restrict soft, uint8_t* __restrict hard2) {
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = 0; x < kMapSize_cells; ++x) {
+    const uint8_t distance = Smaller(hard_plane[x], static_cast<uint8_t>(hard[x] + 1));
+    hard[x] = distance;
+    hard2[x] = Squared(distance);
+    soft[x] = Smaller(soft_plane[x], static_cast<uint8_t>(soft[x] + 1));
+  }
+}
+
+// Adds the regions to flags, from squared distances to hard cells and from what of the disc's half
+// chord was used up to reach soft ones.
+void FlagRegions(const uint8_t* __restrict hard2, uint8_t radius2, const uint8_t* __restrict soft,
+                 uint8_t chord, uint8_t* __restrict flags) {
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = 0; x < kMapSize_cells; ++x) {
+    const int lethal = hard2[x] <= radius2 ? Costmap::kLethal : 0;
+    const int region = soft[x] <= chord ? Costmap::kSoftRegion : 0;
+    flags[x] = static_cast<uint8_t>(flags[x] | lethal | region);
+  }
+}
+
+// Vertical distances to the regions' edges, on either side of them, less 1. Off the map there is no
+// edge.
+struct EdgeRows {
+  const uint8_t* flags;
+  const uint8_t* flags_before;
+};
+void SweepEdgesFrom(const EdgeRows& rows, const uint8_t* __restrict hard_before,
+                    const uint8_t* __restrict soft_before, uint8_t* __restrict hard,
+                    uint8_t* __restrict soft) {
+  const uint8_t* __restrict flags = rows.flags;
+  const uint8_t* __restrict flags_before = rows.flags_before;
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = 0; x < kMapSize_cells; ++x) {
+    const int changes = flags[x] ^ flags_before[x];
+    hard[x] = FromEdge(changes, Costmap::kLethal, hard_before[x]);
+    soft[x] = FromEdge(changes, Costmap::kSoftRegion, soft_before[x]);
+  }
+}
+
+// The smaller of these, and of those the other way, and their squares.
+void SweepEdgesBack(const EdgeRows& rows, uint8_t flag, const uint8_t* __restrict plane,
+                    uint8_t* __restrict distance, uint8_t* __restrict squared) {
+  const uint8_t* __restrict flags = rows.flags;
+  const uint8_t* __restrict flags_before = rows.flags_before;
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = 0; x < kMapSize_cells; ++x) {
+    const int changes = flags[x] ^ flags_before[x];
+    const uint8_t further = static_cast<uint8_t>(distance[x] + 1);
+    const uint8_t here = (changes & flag) == 0 ? further : uint8_t{0};
+    const uint8_t nearer = Smaller(plane[x], here);
+    distance[x] = nearer;
+    squared[x] = Squared(static_cast<uint8_t>(nearer + 1));
+  }
+}
+
+// What a region's edge along x, and vertical distances one cell beside, tell of the distance: to[x]
+// = 1 where a cell beside lies on the other side, else min over |dx| <= 1 of squared[x + dx] +
+// dx^2. Flags and squares have margins.
+void StepFromEdges(const uint8_t* __restrict flags, uint8_t region,
+                   const uint8_t* __restrict squared, uint8_t* __restrict to) {
+  constexpr uint8_t kLimit = kFar2 - 1;
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = 0; x < kMapSize_cells; ++x) {
+    const int changes = (flags[x] ^ flags[x - 1]) | (flags[x] ^ flags[x + 1]);
+    const uint8_t beside = Smaller(Smaller(squared[x - 1], squared[x + 1]), kLimit);
+    const uint8_t nearest = Smaller(squared[x], static_cast<uint8_t>(beside + 1));
+    to[x] = (changes & region) == 0 ? nearest : uint8_t{1};
+  }
+}
+
+void CopyRow(const uint8_t* __restrict from, uint8_t* __restrict to) {
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = 0; x < kMapSize_cells; ++x) to[x] = from[x];
+}
+
+// The largest whole number of cells whose square is not above distance2, but at most 15.
+int RootOf(int distance2) {
+  constexpr int kMost = 15;
+  int root = 0;
+  HP_LOOP_BOUND(kMost)
+  while (root < kMost && Square(root + 1) <= distance2) ++root;
+  return root;
+}
+
+// From how many cells on a layer's costs by squared distance do not change any more. A distance
+// that lies beyond need not be exact, as long as it is not found too short.
+int ReachOf(const uint16_t* costs_q8) {
+  int last_change2 = 0;
+  HP_LOOP_BOUND(kMaxDistance2_cells2)
+  for (int distance2 = 1; distance2 <= kMaxDistance2_cells2; ++distance2) {
+    if (costs_q8[distance2] != costs_q8[kMaxDistance2_cells2]) last_change2 = distance2;
+  }
+  return RootOf(last_change2);
+}
+
+}  // namespace
+
+// A cell belongs to the dilated region when the vertical distance, dx beside it, is at most the
+// disc's half chord there. Told by differences: how much more than at dx is left at dx + 1.
+void CostmapBuilder::FillChord() {
+  radius_cells_ = RootOf(radius2_cells2_);
+  int chord = radius_cells_;
+  HP_LOOP_BOUND(kReach_cells)
+  for (int dx = 0; dx < kReach_cells; ++dx) {
+    const int left2 = radius2_cells2_ - Square(dx + 1);
+    const int next = left2 < 0 ? -1 : RootOf(left2);
+    chord_steps_[dx] = static_cast<uint8_t>(chord - next);
+    chord = next;
+  }
+}
+
+void CostmapBuilder::CellUnit() {
+  if (pass_ == Pass::kObstacles) {
+    SweepObstacles(row_);
+  } else if (pass_ == Pass::kRegions) {
+    FindRegions(kMapSize_cells - 1 - row_);
+  } else {
+    FindCosts(row_);
+  }
+}
+
+void CostmapBuilder::SweepObstacles(int row) {
+  static_assert(kLayers * kDistances2 == kMapSize_cells);
+  FillCost(row);  // spread over this pass
+  if (row == 0) {
+    FillRow(hard_row_, kFar);
+    FillRow(soft_row_.cells(), kFar);
+    HP_LOOP_BOUND(kPaddedRows)
+    for (auto& row : padded_) row.FillMargins();
+  }
+  const int begin = row * kMapSize_cells;
+  SweepFrom(map_.flags + begin, hard_row_, soft_row_.cells(), map_.hard_distance2 + begin,
+            plane_ + begin);
+}
+
+void CostmapBuilder::FindRegions(int row) {
+  const bool first = row == kMapSize_cells - 1;
+  const int begin = row * kMapSize_cells;
+  uint8_t* soft = soft_row_.cells();
+  uint8_t* a = padded_[0].cells();
+  uint8_t* b = padded_[1].cells();
+  if (first) {
+    FillRow(hard_row_, kFar);
+    FillRow(soft, kFar);
+  }
+  SweepBack(map_.hard_distance2 + begin, plane_ + begin, hard_row_, soft, a);
+  SmallestPlusSquare<0, kReach_cells>(a, map_.hard_distance2 + begin);
+  if (radius_cells_ <= 5) {
+    SmallestPlusSteps<5>(soft, chord_steps_, b);
+  } else if (radius_cells_ <= 10) {
+    SmallestPlusSteps<10>(soft, chord_steps_, b);
+  } else {
+    SmallestPlusSteps<15>(soft, chord_steps_, b);
+  }
+  FlagRegions(map_.hard_distance2 + begin, static_cast<uint8_t>(radius2_cells2_), b,
+              static_cast<uint8_t>(radius_cells_), map_.flags + begin);
+
+  // Beyond the last row there is no edge: as if that row went on.
+  const uint8_t* flags = map_.flags + begin;
+  if (first) FillRow(a, kNoEdge);
+  const uint8_t* hard_above = first ? a : map_.hard_depth2 + begin + kMapSize_cells;
+  const uint8_t* soft_above = first ? a : plane_ + begin + kMapSize_cells;
+  SweepEdgesFrom({flags, first ? flags : flags + kMapSize_cells}, hard_above, soft_above,
+                 map_.hard_depth2 + begin, plane_ + begin);
+}
+
+// A region's edge keeps the two sides apart by itself: beside it the distance is 1, and what comes
+// from the other side is more. So one pass gives the distances of both sides.
+void CostmapBuilder::FindCosts(int row) {
+  const int begin = row * kMapSize_cells;
+  const uint8_t* flags = map_.flags + begin;
+  const EdgeRows rows = {flags, row == 0 ? flags : flags - kMapSize_cells};
+  uint8_t* row_flags = row_flags_.cells();
+  uint8_t* soft = soft_row_.cells();
+  uint8_t* a = padded_[0].cells();
+  uint8_t* b = padded_[1].cells();
+  uint8_t* c = padded_[2].cells();
+  if (row == 0) {
+    FillRow(hard_row_, kNoEdge);
+    FillRow(soft, kNoEdge);
+    const int halo = ReachOf(soft_cost_q8_);
+    const int inside = ReachOf(soft_cost_q8_ + kDistances2);
+    soft_reach_cells_ = halo > inside ? halo : inside;
+  }
+  CopyRow(flags, row_flags);
+  row_flags[-1] = row_flags[0];
+  row_flags[kMapSize_cells] = row_flags[kMapSize_cells - 1];
+
+  SweepEdgesBack(rows, Costmap::kLethal, map_.hard_depth2 + begin, hard_row_, a);
+  StepFromEdges(row_flags, Costmap::kLethal, a, b);
+  SmallestPlusSquare<1, 5>(b, a);
+  SmallestPlusSquare<6, 5>(a, b);
+  SmallestPlusSquare<11, 4>(b, a);
+
+  SweepEdgesBack(rows, Costmap::kSoftRegion, plane_ + begin, soft, b);
+  StepFromEdges(row_flags, Costmap::kSoftRegion, b, c);
+  SmallestPlusSquare<1, 5>(c, b);
+  const uint8_t* soft2 = b;
+  if (soft_reach_cells_ > 6) {
+    SmallestPlusSquare<6, 5>(b, c);
+    soft2 = c;
+  }
+  if (soft_reach_cells_ > 11) {
+    SmallestPlusSquare<11, 4>(c, b);
+    soft2 = b;
+  }
+  AddCosts(row, a, soft2);
+}
+
+// Depth and cost of a row. A cost is looked up by the squared distance, and by the side of the edge
+// on which it is (and whether the ground is known) as the upper byte.
+void CostmapBuilder::AddCosts(int row, const uint8_t* hard2, const uint8_t* soft2) {
+  constexpr int kBlock = 64;
+  uint16_t hard_entry[kBlock];
+  uint16_t soft_entry[kBlock];
+  const uint8_t* __restrict flags = row_flags_.cells();
+  uint8_t* __restrict depth2 = map_.hard_depth2 + row * kMapSize_cells;
+  uint16_t* cost_q8 = map_.cost_q8 + row * kMapSize_cells;
+  HP_LOOP_BOUND(kMapSize_cells / kBlock)
+  for (int begin = 0; begin < kMapSize_cells; begin += kBlock) {
+    HP_LOOP_BOUND(kBlock)
+    for (int i = 0; i < kBlock; ++i) {
+      const uint8_t cell = flags[begin + i];
+      const uint8_t lethal = (cell & Costmap::kLethal) != 0 ? 1 : 0;
+      const uint8_t unknown = (cell & Costmap::kObserved) != 0 ? 0 : 2;
+      const uint8_t soft = (cell & Costmap::kSoftRegion) != 0 ? 1 : 0;
+      const uint8_t distance2 = hard2[begin + i];
+      depth2[begin + i] = lethal != 0 ? distance2 : uint8_t{0};
+      hard_entry[i] = static_cast<uint16_t>(distance2 | (lethal | unknown) << 8);
+      soft_entry[i] = static_cast<uint16_t>(soft2[begin + i] | soft << 8);
+    }
+    constexpr int kAtOnce = 8;
+    HP_LOOP_BOUND(kBlock / kAtOnce)
+    for (int i = 0; i < kBlock; i += kAtOnce) {
+      AddEight(hard_entry + i, soft_entry + i, cost_q8 + begin + i);
+    }
+  }
+}
+
+// Eight in a row: a loop over single cells takes as many instructions again to count them.
+inline void CostmapBuilder::AddEight(const uint16_t* hard, const uint16_t* soft,
+                                     uint16_t* to) const {
+  to[0] = CostOf(hard[0], soft[0]);
+  to[1] = CostOf(hard[1], soft[1]);
+  to[2] = CostOf(hard[2], soft[2]);
+  to[3] = CostOf(hard[3], soft[3]);
+  to[4] = CostOf(hard[4], soft[4]);
+  to[5] = CostOf(hard[5], soft[5]);
+  to[6] = CostOf(hard[6], soft[6]);
+  to[7] = CostOf(hard[7], soft[7]);
+}
+
+}  // namespace hardpack
