@@ -291,7 +291,7 @@ void Mapper::LookAlong(int64_t sequence) {
   fan.highest_slope = -kSteepest;
   view_.beams = model_.beams;
   view_.sensor_height_m = fan.sensor_odom.z_m - ground_m;
-  const auto measurement_id = Divide(sequence, model_.columns_per_revolution).remainder;
+  const int measurement_id = ring_.MeasurementIdOf(sequence);
   HP_LOOP_BOUND(kMaxBeams)
   for (int beam = 0; beam < model_.beams; ++beam) {
     LookWithBeam(beam, measurement_id, pose, direction);

@@ -4,7 +4,6 @@
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/units.h"
-#include "core/base/wide_int.h"
 
 namespace hardpack {
 
@@ -46,7 +45,7 @@ bool Mapper::IsOverhead(PackedReturn packed) const {
 }
 
 uint32_t Mapper::RevolutionOf(int64_t sequence) const {
-  return static_cast<uint32_t>(Divide(sequence, model_.columns_per_revolution).quotient);
+  return static_cast<uint32_t>(ring_.TurnOf(sequence));
 }
 
 Vec3 Mapper::PointOdom(const ScanColumn& column, int row, PackedReturn packed) const {

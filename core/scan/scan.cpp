@@ -325,12 +325,8 @@ Status ScanRing::FindForLabels(uint16_t frame_id, uint16_t measurement_id, int64
   return Status::kOk;
 }
 
-int64_t ScanRing::TurnOf(int64_t sequence) const {
-  return Divide(sequence, columns_).quotient;
-}
-
 int64_t ScanRing::PlaceOf(int64_t sequence) const {
-  const Division at = Divide(sequence, columns_);
+  const Division at = Parts(sequence);
   return at.quotient * window_columns() + WindowPosition(at.remainder);
 }
 

@@ -222,6 +222,9 @@ class ScanRing {
     HP_ASSERT(sequence >= 0 && slots_ > 0);
     return Divide(sequence, slots_).remainder;
   }
+  // The two parts of a sequence number. Preconditions as of SlotOf.
+  int64_t TurnOf(int64_t sequence) const { return Parts(sequence).quotient; }
+  int MeasurementIdOf(int64_t sequence) const { return Parts(sequence).remainder; }
   // Of the column that is the furthest on; -1 before the first.
   int64_t newest_sequence() const { return newest_sequence_; }
   int slots() const { return slots_; }
@@ -259,8 +262,11 @@ class ScanRing {
     HP_ASSERT(slot >= 0 && slot < slots_ && row >= 0 && row < beams_);
     return slot * beams_ + row;
   }
+  Division Parts(int64_t sequence) const {
+    HP_ASSERT(sequence >= 0 && columns_ > 0);
+    return Divide(sequence, columns_);
+  }
   int WindowPosition(int measurement_id) const;
-  int64_t TurnOf(int64_t sequence) const;
   int64_t PlaceOf(int64_t sequence) const;
   void ForgetColumns();
   void Count(int64_t sequence);
