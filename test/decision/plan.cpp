@@ -10,6 +10,9 @@ namespace {
 
 HP_BIG_MEMORY Storage<Planner> g_planner;
 
+// Here, because frames are small.
+constexpr PlannerParams kParams;
+
 // Units of one call: no divisor of any stage's total, so that stages end in the middle of a call.
 constexpr int kUnits = 997;
 // Planning is bounded; a planner that is still busy after this is broken.
@@ -57,7 +60,7 @@ void PlanOnCells(uint32_t seed, int blocks, const PlanRequest& request, const Pl
   Planner& planner = g_planner.Construct();
   const GridWindow window =
       GridWindow::CenteredAt({request.start.pose.x_m, request.start.pose.y_m});
-  const Status status = planner.BeginCells(window, PlannerParams{}, request);
+  const Status status = planner.BeginCells(window, kParams, request);
   HP_ASSERT(status == Status::kOk);
   ScatterBlocks(window, seed, blocks, planner.costmap_builder());
   int calls = 0;
@@ -70,7 +73,7 @@ void PlanOnCells(uint32_t seed, int blocks, const PlanRequest& request, const Pl
 void PlanOnMap(const Mapper& mapper, const PlanRequest& request, const PlanNames& names,
                Report& report) {
   Planner& planner = g_planner.Construct();
-  const Status status = planner.Begin(mapper, PlannerParams{}, request);
+  const Status status = planner.Begin(mapper, kParams, request);
   HP_ASSERT(status == Status::kOk);
   int calls = 0;
   while (planner.Step(mapper, kUnits) == Progress::kBusy) HP_ASSERT(++calls < kMaxCalls);
