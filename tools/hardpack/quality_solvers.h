@@ -53,7 +53,7 @@ struct QualityRun {
   bool usable = false;  // there is a path; a solver that fails leaves the seed
   WorldPath path;
   QualityMeasures measures;
-  double median_us = 0.0;   // over the rounds
+  double median_us = 0.0;   // of processor time, over the rounds
   int64_t allocations = 0;  // on the heap, in one run
 };
 
