@@ -51,7 +51,8 @@ class StopsAtGoal : public boost::default_astar_visitor {
   int32_t* expansions_;
 };
 
-// Property maps. Boost finds `get` and `put` by their names.
+// Property maps, under the names that Boost finds them by.
+// NOLINTBEGIN(readability-identifier-naming)
 
 struct EdgeCosts {
   using key_type = GridEdge;
@@ -83,6 +84,8 @@ boost::default_color_type get(const Colors& colors, uint32_t cell) {
 void put(const Colors& colors, uint32_t cell, boost::default_color_type color) {
   colors.of_cells[cell] = static_cast<uint8_t>(color);
 }
+
+// NOLINTEND(readability-identifier-naming)
 
 }  // namespace
 

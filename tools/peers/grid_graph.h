@@ -85,6 +85,8 @@ class GridGraph {
 
 }  // namespace hardpack::peers
 
+// What Boost finds by its name. NOLINTBEGIN(readability-identifier-naming)
+
 template <>
 struct boost::graph_traits<hardpack::peers::GridGraph> {
   struct traversal_category : incidence_graph_tag, vertex_list_graph_tag {};
@@ -100,7 +102,6 @@ struct boost::graph_traits<hardpack::peers::GridGraph> {
   static vertex_descriptor null_vertex() { return ~0u; }
 };
 
-// Boost finds these by their names.
 namespace hardpack::peers {
 
 inline uint32_t source(GridEdge edge, const GridGraph&) {
@@ -130,3 +131,5 @@ inline uint32_t num_vertices(const GridGraph&) {
 }
 
 }  // namespace hardpack::peers
+
+// NOLINTEND(readability-identifier-naming)
