@@ -164,7 +164,6 @@ class Replanner {
   static constexpr float kTail_m = 5.0f;
   static constexpr float kFarBlock_m = 10.0f;
   static constexpr float kNearerEnd_m = 0.5f;  // in the last kTail_m
-  static constexpr float kAtGoal_m = 0.05f;  // the same, where the new plan ends at the goal itself
   static constexpr int kMaxUnits = 2 * Planner::kMaxUnits + PathCheck::kMaxUnits +
                                    2 * SpeedCaps::kMaxUnits + 4 * Planner::kPortion_units;
 

@@ -55,8 +55,8 @@ bool Replanner::EndCouldBeNearer(int anchor) const {
   const float left_m = WayTo(rest_, rest_.size() - 1) - WayTo(rest_, anchor);
   const Vec2 goal = round_goal_.position_odom;
   const float nearer_m = Distance(end, goal) - Distance(fresh_end, goal);
-  // The goal itself is worth a new end; of two ends beside it the committed one.
-  const float worth_m = Distance(fresh_end, goal) <= kAtGoal_m ? kAtGoal_m : kNearerEnd_m;
+  // Of two ends that both lie beside the goal the committed one is rather good enough.
+  const float worth_m = Distance(fresh_end, goal) <= kSameEnd_m ? kSameEnd_m : kNearerEnd_m;
   if (nearer_m > (left_m < kTail_m ? worth_m : params_.replan.extend_m)) return true;
   const bool is_cut = !AreSame(fresh_end, fresh_.end_odom);
   return is_cut && !AreSame(end, fresh_.end_odom) &&
