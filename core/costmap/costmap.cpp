@@ -189,10 +189,10 @@ void CostmapBuilder::FillCost(int entry) {
     return;
   }
   const int unknown_q8 = Quantized(params_.unknown_cost);
-  hard_cost_q8_[distance2] = static_cast<uint16_t>(halo_q8);
-  hard_cost_q8_[kDistances2 + distance2] = static_cast<uint16_t>(inside_q8);
-  hard_cost_q8_[2 * kDistances2 + distance2] = static_cast<uint16_t>(halo_q8 + unknown_q8);
-  hard_cost_q8_[3 * kDistances2 + distance2] = static_cast<uint16_t>(inside_q8 + unknown_q8);
+  hard_cost_q8_[distance2] = static_cast<uint16_t>(halo_q8 + unknown_q8);
+  hard_cost_q8_[kDistances2 + distance2] = static_cast<uint16_t>(inside_q8 + unknown_q8);
+  hard_cost_q8_[2 * kDistances2 + distance2] = static_cast<uint16_t>(halo_q8);
+  hard_cost_q8_[3 * kDistances2 + distance2] = static_cast<uint16_t>(inside_q8);
 }
 
 }  // namespace hardpack

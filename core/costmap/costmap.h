@@ -90,7 +90,9 @@ Status CheckCostmapParams(const CostmapParams& params);
 
 // Builds a Costmap from a HeightGrid or from occupancy, resumable. A unit is one row of one pass;
 // kUnits units build a map from heights, kCellUnits from cells, whatever it holds. The time of a
-// unit does not depend on the data either. Step with any split of the units gives the same map.
+// unit is bounded by the work on a row, which has no branches; it is less (by up to half) where the
+// row has no return that could be an obstacle, or lies far from every obstacle of a layer. Step
+// with any split of the units gives the same map.
 class CostmapBuilder {
  public:
   // From heights, a row is classed when the rows that its ground may come from have been loaded.
@@ -146,6 +148,8 @@ class CostmapBuilder {
  private:
   static constexpr int kReach_cells = 15;  // the largest integer whose square is not saturated
   static_assert(kReach_cells <= PaddedRow<uint8_t>::kMargin);
+  static constexpr int kBlock_cells = 64;  // of a row, classed together
+  static constexpr int kBlocks = kMapSize_cells / kBlock_cells;
   static constexpr int kLayers = 2;
   static constexpr int kPaddedRows = 3;
   static constexpr int kDistances2 = kMaxDistance2_cells2 + 1;
@@ -166,15 +170,18 @@ class CostmapBuilder {
   void LoadRow(const HeightGrid& heights, int row);
   void LoadNoRow(int row);
   void ClassifyRow(const HeightGrid& heights, int row);
+  void FindReturns();
   void FindLimits(int row);
   void FindLimitsInCell();
   void FlagRow(int row);
   void CellUnit();
+  void NoteObstacles(int row, uint8_t flags);
+  void NoteObstaclesAbove(int row);
   void SweepObstacles(int row);
   void FindRegions(int row);
   void FindCosts(int row);
   void AddCosts(int row, const uint8_t* hard2, const uint8_t* soft2);
-  void AddEight(const uint16_t* hard, const uint16_t* soft, uint16_t* to) const;
+  void AddHardCosts(int row, const uint8_t* hard2);
   uint16_t CostOf(uint16_t hard, uint16_t soft) const {
     return static_cast<uint16_t>(hard_cost_q8_[hard] + soft_cost_q8_[soft]);
   }
@@ -189,6 +196,8 @@ class CostmapBuilder {
   uint16_t* ring(int level) { return map_.cost_q8 + level * kRing; }
   uint16_t* near_ring() { return map_.cost_q8 + 3 * kRing; }
   uint8_t* known_ring() { return plane_; }
+  // Of one row, 1 where no cell of the far ground's square is known, else 0.
+  uint8_t* no_ground_row() { return padded_[2].cells(); }
 
   Costmap map_ = {};
   CostmapParams params_;
@@ -206,7 +215,6 @@ class CostmapBuilder {
   PaddedRow<int16_t> lowest_;
   PaddedRow<int16_t> ground_;  // where it was measured
   alignas(16) uint8_t known_count_[kMapSize_cells] = {};
-  alignas(16) uint8_t no_ground_[kMapSize_cells] = {};  // 1 where the square has none
   alignas(16) uint8_t seen_[kMapSize_cells] = {};
   alignas(16) int16_t high_[kMapSize_cells] = {};
   alignas(16) int16_t overhead_[kMapSize_cells] = {};
@@ -220,9 +228,12 @@ class CostmapBuilder {
   PaddedRow<uint8_t> soft_row_;
   PaddedRow<uint8_t> padded_[kPaddedRows];
   PaddedRow<uint8_t> row_flags_;
+  // By layer: how far each row is from the nearest one that holds an obstacle.
+  uint8_t row_gaps_[kLayers][kMapSize_cells] = {};
+  bool any_returns_[kBlocks] = {};          // of a row's blocks, while classing
   uint8_t chord_steps_[kReach_cells] = {};  // see FillChord
-  // The layers' costs by squared distance; behind those outside the region those inside; behind
-  // both, of the hard layer, all again with the cost of unknown ground.
+  // The layers' costs by squared distance, outside the region and behind these inside. Of the hard
+  // layer first where the ground is unknown, with what that costs, and then where it is not.
   uint16_t hard_cost_q8_[4 * kDistances2] = {};
   uint16_t soft_cost_q8_[2 * kDistances2] = {};
   int32_t soft_reach_cells_ = 0;  // from how many cells on its costs do not change any more

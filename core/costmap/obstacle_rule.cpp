@@ -185,13 +185,27 @@ void CostmapBuilder::ClassifyRow(const HeightGrid& heights, int row) {
   const Cell first = {map_.window.origin.x, map_.window.origin.y + row};
   heights.ReadGround(first, HeightGrid::HeightRow(lowest_.cells(), kMapSize_cells), seen_);
   heights.ReadObstacles(first, lowest_hard_, highest_hard_, highest_soft_);
+  FindReturns();
   if (params_.obstacle_rule == ObstacleRule::kInCell) {
     FindLimitsInCell();
   } else {
-    SmallestAlongRow(padded_[0], padded_[1], cover_, no_ground_);
+    SmallestAlongRow(padded_[0], padded_[1], cover_, no_ground_row());
     FindLimits(row);
   }
   FlagRow(row);
+}
+
+// Where no cell of a block has a hard or a soft return, there is no obstacle.
+void CostmapBuilder::FindReturns() {
+  HP_LOOP_BOUND(kBlocks)
+  for (int block = 0; block < kBlocks; ++block) {
+    const int16_t* hard = highest_hard_ + block * kBlock_cells;
+    const int16_t* soft = highest_soft_ + block * kBlock_cells;
+    int16_t lowest = kNone;
+    HP_LOOP_BOUND(kBlock_cells)
+    for (int x = 0; x < kBlock_cells; ++x) lowest = Smaller(lowest, Smaller(hard[x], soft[x]));
+    any_returns_[block] = lowest != kNone;
+  }
 }
 
 // What a row's returns are held against: an obstacle is higher than high_, and begins lower than
@@ -215,20 +229,25 @@ void CostmapBuilder::FindLimits(int row) {
   const uint8_t* __restrict seen = seen_;
   int16_t* __restrict high = high_;
   int16_t* __restrict overhead = overhead_;
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) {
-    const int16_t in_square_cm =
-        SmallestOf(Signed(far_a[x]), Signed(far_b[x]), Signed(far_c[x]), Signed(far_d[x]));
-    const int16_t around_cm = Smaller(
-        Signed(near_e[x]),
-        SmallestOf(Signed(near_a[x]), Signed(near_b[x]), Signed(near_c[x]), Signed(near_d[x])));
-    // Read before it is chosen from, or the loop would not vectorise.
-    const int16_t own_cm = lowest[x];
-    const int16_t near_cm = (seen[x] & kKnown) != 0 ? own_cm : around_cm;
-    const int16_t local_cm = near_cm != kNone ? near_cm : in_square_cm;
-    const int16_t begin_cm = Raised(near_cm, overhead_cm);
-    high[x] = Raised(local_cm, obstacle_cm);
-    overhead[x] = (seen[x] & kGuessed) == kGuessed ? kNone : begin_cm;
+  HP_LOOP_BOUND(kBlocks)
+  for (int block = 0; block < kBlocks; ++block) {
+    if (!any_returns_[block]) continue;
+    const int begin = block * kBlock_cells;
+    HP_LOOP_BOUND(kBlock_cells)
+    for (int x = begin; x < begin + kBlock_cells; ++x) {
+      const int16_t in_square_cm =
+          SmallestOf(Signed(far_a[x]), Signed(far_b[x]), Signed(far_c[x]), Signed(far_d[x]));
+      const int16_t around_cm = Smaller(
+          Signed(near_e[x]),
+          SmallestOf(Signed(near_a[x]), Signed(near_b[x]), Signed(near_c[x]), Signed(near_d[x])));
+      // Read before it is chosen from, or the loop would not vectorise.
+      const int16_t own_cm = lowest[x];
+      const int16_t near_cm = (seen[x] & kKnown) != 0 ? own_cm : around_cm;
+      const int16_t local_cm = near_cm != kNone ? near_cm : in_square_cm;
+      const int16_t begin_cm = Raised(near_cm, overhead_cm);
+      high[x] = Raised(local_cm, obstacle_cm);
+      overhead[x] = (seen[x] & kGuessed) == kGuessed ? kNone : begin_cm;
+    }
   }
 }
 
@@ -238,7 +257,7 @@ void CostmapBuilder::FindLimitsInCell() {
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = 0; x < kMapSize_cells; ++x) high_[x] = Raised(lowest[x], obstacle_cm);
   FillRow(overhead_, kNone);
-  FillRow(no_ground_, uint8_t{0});
+  FillRow(no_ground_row(), uint8_t{0});
 }
 
 // The obstacle rule. Only the lowest and the highest hard return are known: whatever may lie
@@ -251,19 +270,30 @@ void CostmapBuilder::FlagRow(int row) {
   const int16_t* __restrict high = high_;
   const int16_t* __restrict overhead = overhead_;
   const uint8_t* __restrict seen = seen_;
-  const uint8_t* __restrict no_ground = no_ground_;
+  const uint8_t* __restrict no_ground = no_ground_row();
   uint8_t* __restrict flags = map_.flags + row * kMapSize_cells;
   constexpr uint8_t kSeen = HeightGrid::kGroundHeightKnown | HeightGrid::kGroundFromBeside;
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) {
-    const uint8_t person_seen = seen[x] & HeightGrid::kPersonMask;
-    const bool hard = (lowest_hard[x] < overhead[x]) &
-                      ((highest_hard[x] > high[x]) | ((person_seen | no_ground[x]) != 0));
-    const bool soft = (highest_soft[x] > high[x]) & (highest_soft[x] != kNone) & !hard;
-    const bool observed = hard | soft | ((seen[x] & kSeen) != 0);
-    flags[x] = static_cast<uint8_t>((hard ? Costmap::kHard : 0) | (soft ? Costmap::kSoft : 0) |
-                                    (hard & (person_seen != 0) ? Costmap::kPerson : 0) |
-                                    (observed ? Costmap::kObserved : 0));
+  HP_LOOP_BOUND(kBlocks)
+  for (int block = 0; block < kBlocks; ++block) {
+    const int begin = block * kBlock_cells;
+    if (!any_returns_[block]) {
+      HP_LOOP_BOUND(kBlock_cells)
+      for (int x = begin; x < begin + kBlock_cells; ++x) {
+        flags[x] = (seen[x] & kSeen) != 0 ? Costmap::kObserved : 0;
+      }
+      continue;
+    }
+    HP_LOOP_BOUND(kBlock_cells)
+    for (int x = begin; x < begin + kBlock_cells; ++x) {
+      const uint8_t person_seen = seen[x] & HeightGrid::kPersonMask;
+      const bool hard = (lowest_hard[x] < overhead[x]) &
+                        ((highest_hard[x] > high[x]) | ((person_seen | no_ground[x]) != 0));
+      const bool soft = (highest_soft[x] > high[x]) & (highest_soft[x] != kNone) & !hard;
+      const bool observed = hard | soft | ((seen[x] & kSeen) != 0);
+      flags[x] = static_cast<uint8_t>((hard ? Costmap::kHard : 0) | (soft ? Costmap::kSoft : 0) |
+                                      (hard & (person_seen != 0) ? Costmap::kPerson : 0) |
+                                      (observed ? Costmap::kObserved : 0));
+    }
   }
 }
 

@@ -21,6 +21,10 @@ namespace {
 constexpr uint8_t kFar2 = kMaxDistance2_cells2;
 constexpr uint8_t kFar = 16;  // squared, it is beyond the saturation
 constexpr uint8_t kNoEdge = kFar - 1;
+constexpr uint8_t kFarRows = 250;  // more than any distance that matters
+
+// Costs in one round: a loop over single cells takes as many instructions again to count them.
+constexpr int kAtOnce = 8;
 
 constexpr int Square(int x) {
   return x * x;
@@ -99,16 +103,20 @@ inline uint8_t FromEdge(int changes, uint8_t flag, uint8_t before) {
 }
 
 // Vertical distances to the cells of either kind, so far among the rows that have come. hard and
-// soft hold the row before, and then this one.
-void SweepFrom(const uint8_t* __restrict flags, uint8_t* __restrict hard, uint8_t* __restrict soft,
-               uint8_t* __restrict hard_plane, uint8_t* __restrict soft_plane) {
+// soft hold the row before, and then this one. Returns all flags that the row has.
+uint8_t SweepFrom(const uint8_t* __restrict flags, uint8_t* __restrict hard,
+                  uint8_t* __restrict soft, uint8_t* __restrict hard_plane,
+                  uint8_t* __restrict soft_plane) {
+  uint8_t all = 0;
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = 0; x < kMapSize_cells; ++x) {
     hard[x] = FromFlag(flags[x], Costmap::kHard, hard[x]);
     soft[x] = FromFlag(flags[x], Costmap::kSoft, soft[x]);
     hard_plane[x] = hard[x];
     soft_plane[x] = soft[x];
+    all = static_cast<uint8_t>(all | flags[x]);
   }
+  return all;
 }
 
 // The smaller of these and of those the other way; of the hard ones the squares.
@@ -185,6 +193,40 @@ void StepFromEdges(const uint8_t* __restrict flags, uint8_t region,
   }
 }
 
+// Where in the tables of costs cells are looked up, see CostmapBuilder::AddCosts.
+template <int kCells>
+void HardEntries(const uint8_t* __restrict flags, const uint8_t* __restrict distance2,
+                 uint16_t* __restrict entries) {
+  static_assert(Costmap::kLethal << 4 == 256 && Costmap::kObserved << 6 == 512);
+  HP_LOOP_BOUND(kCells)
+  for (int x = 0; x < kCells; ++x) {
+    const uint16_t cell = flags[x];
+    const int inside = cell << 4 & 256;
+    const int observed = cell << 6 & 512;
+    entries[x] = static_cast<uint16_t>(distance2[x] | inside | observed);
+  }
+}
+
+template <int kCells>
+void SoftEntries(const uint8_t* __restrict flags, const uint8_t* __restrict distance2,
+                 uint16_t* __restrict entries) {
+  static_assert(Costmap::kSoftRegion << 3 == 256);
+  HP_LOOP_BOUND(kCells)
+  for (int x = 0; x < kCells; ++x) {
+    const uint16_t cell = flags[x];
+    entries[x] = static_cast<uint16_t>(distance2[x] | (cell << 3 & 256));
+  }
+}
+
+void KeepInside(const uint8_t* __restrict flags, const uint8_t* __restrict distance2,
+                uint8_t* __restrict depth2) {
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = 0; x < kMapSize_cells; ++x) {
+    const uint8_t inside2 = distance2[x];
+    depth2[x] = (flags[x] & Costmap::kLethal) != 0 ? inside2 : uint8_t{0};
+  }
+}
+
 void CopyRow(const uint8_t* __restrict from, uint8_t* __restrict to) {
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = 0; x < kMapSize_cells; ++x) to[x] = from[x];
@@ -236,6 +278,26 @@ void CostmapBuilder::CellUnit() {
   }
 }
 
+// How far a row is from the nearest one that holds an obstacle of a layer, so far as rows have
+// come. `next`: of the row before.
+void CostmapBuilder::NoteObstacles(int row, uint8_t flags) {
+  constexpr uint8_t kKinds[kLayers] = {Costmap::kHard, Costmap::kSoft};
+  HP_LOOP_BOUND(kLayers)
+  for (int layer = 0; layer < kLayers; ++layer) {
+    const uint8_t before = row == 0 ? kFarRows : row_gaps_[layer][row - 1];
+    const bool here = (flags & kKinds[layer]) != 0;
+    row_gaps_[layer][row] = here ? 0 : Smaller(static_cast<uint8_t>(before + 1), kFarRows);
+  }
+}
+
+void CostmapBuilder::NoteObstaclesAbove(int row) {
+  if (row == kMapSize_cells - 1) return;
+  HP_LOOP_BOUND(kLayers)
+  for (auto& gaps : row_gaps_) {
+    gaps[row] = Smaller(gaps[row], static_cast<uint8_t>(gaps[row + 1] + 1));
+  }
+}
+
 void CostmapBuilder::SweepObstacles(int row) {
   static_assert(kLayers * kDistances2 == kMapSize_cells);
   FillCost(row);  // spread over this pass
@@ -243,11 +305,11 @@ void CostmapBuilder::SweepObstacles(int row) {
     FillRow(hard_row_, kFar);
     FillRow(soft_row_.cells(), kFar);
     HP_LOOP_BOUND(kPaddedRows)
-    for (auto& row : padded_) row.FillMargins();
+    for (auto& padded : padded_) padded.FillMargins();
   }
   const int begin = row * kMapSize_cells;
-  SweepFrom(map_.flags + begin, hard_row_, soft_row_.cells(), map_.hard_distance2 + begin,
-            plane_ + begin);
+  NoteObstacles(row, SweepFrom(map_.flags + begin, hard_row_, soft_row_.cells(),
+                               map_.hard_distance2 + begin, plane_ + begin));
 }
 
 void CostmapBuilder::FindRegions(int row) {
@@ -256,21 +318,29 @@ void CostmapBuilder::FindRegions(int row) {
   uint8_t* soft = soft_row_.cells();
   uint8_t* a = padded_[0].cells();
   uint8_t* b = padded_[1].cells();
+  uint8_t* hard2 = map_.hard_distance2 + begin;
   if (first) {
     FillRow(hard_row_, kFar);
     FillRow(soft, kFar);
   }
-  SweepBack(map_.hard_distance2 + begin, plane_ + begin, hard_row_, soft, a);
-  SmallestPlusSquare<0, kReach_cells>(a, map_.hard_distance2 + begin);
-  if (radius_cells_ <= 5) {
+  NoteObstaclesAbove(row);
+  SweepBack(hard2, plane_ + begin, hard_row_, soft, a);
+  if (row_gaps_[0][row] <= kReach_cells) {
+    SmallestPlusSquare<0, kReach_cells>(a, hard2);
+  } else {
+    FillRow(hard2, kFar2);
+  }
+  if (row_gaps_[1][row] > radius_cells_) {
+    FillRow(b, kFar2);
+  } else if (radius_cells_ <= 5) {
     SmallestPlusSteps<5>(soft, chord_steps_, b);
   } else if (radius_cells_ <= 10) {
     SmallestPlusSteps<10>(soft, chord_steps_, b);
   } else {
     SmallestPlusSteps<15>(soft, chord_steps_, b);
   }
-  FlagRegions(map_.hard_distance2 + begin, static_cast<uint8_t>(radius2_cells2_), b,
-              static_cast<uint8_t>(radius_cells_), map_.flags + begin);
+  FlagRegions(hard2, static_cast<uint8_t>(radius2_cells2_), b, static_cast<uint8_t>(radius_cells_),
+              map_.flags + begin);
 
   // Beyond the last row there is no edge: as if that row went on.
   const uint8_t* flags = map_.flags + begin;
@@ -303,68 +373,87 @@ void CostmapBuilder::FindCosts(int row) {
   row_flags[-1] = row_flags[0];
   row_flags[kMapSize_cells] = row_flags[kMapSize_cells - 1];
 
+  // No further than this from an obstacle is a cell whose distance to the region is not saturated.
+  const int influence_cells = kReach_cells + radius_cells_;
   SweepEdgesBack(rows, Costmap::kLethal, map_.hard_depth2 + begin, hard_row_, a);
-  StepFromEdges(row_flags, Costmap::kLethal, a, b);
-  SmallestPlusSquare<1, 5>(b, a);
-  SmallestPlusSquare<6, 5>(a, b);
-  SmallestPlusSquare<11, 4>(b, a);
-
-  SweepEdgesBack(rows, Costmap::kSoftRegion, plane_ + begin, soft, b);
-  StepFromEdges(row_flags, Costmap::kSoftRegion, b, c);
-  SmallestPlusSquare<1, 5>(c, b);
-  const uint8_t* soft2 = b;
-  if (soft_reach_cells_ > 6) {
-    SmallestPlusSquare<6, 5>(b, c);
+  const uint8_t* hard2 = a;
+  if (row_gaps_[0][row] <= influence_cells) {
+    StepFromEdges(row_flags, Costmap::kLethal, a, b);
+    SmallestPlusSquare<1, 7>(b, a);
+    SmallestPlusSquare<8, 7>(a, b);
+    hard2 = b;
+  }
+  SweepEdgesBack(rows, Costmap::kSoftRegion, plane_ + begin, soft, c);
+  if (row_gaps_[1][row] > influence_cells) {
+    AddHardCosts(row, hard2);
+    return;
+  }
+  uint8_t* d = hard2 == a ? b : a;
+  StepFromEdges(row_flags, Costmap::kSoftRegion, c, d);
+  SmallestPlusSquare<1, 4>(d, c);
+  const uint8_t* soft2 = c;
+  if (soft_reach_cells_ > 5) {
+    SmallestPlusSquare<5, 5>(c, d);
+    soft2 = d;
+  }
+  if (soft_reach_cells_ > 10) {
+    SmallestPlusSquare<10, 5>(d, c);
     soft2 = c;
   }
-  if (soft_reach_cells_ > 11) {
-    SmallestPlusSquare<11, 4>(c, b);
-    soft2 = b;
-  }
-  AddCosts(row, a, soft2);
+  AddCosts(row, hard2, soft2);
 }
 
 // Depth and cost of a row. A cost is looked up by the squared distance, and by the side of the edge
 // on which it is (and whether the ground is known) as the upper byte.
 void CostmapBuilder::AddCosts(int row, const uint8_t* hard2, const uint8_t* soft2) {
   constexpr int kBlock = 64;
-  uint16_t hard_entry[kBlock];
-  uint16_t soft_entry[kBlock];
-  const uint8_t* __restrict flags = row_flags_.cells();
-  uint8_t* __restrict depth2 = map_.hard_depth2 + row * kMapSize_cells;
+  uint16_t hard[kBlock];
+  uint16_t soft[kBlock];
+  const uint8_t* flags = row_flags_.cells();
   uint16_t* cost_q8 = map_.cost_q8 + row * kMapSize_cells;
+  KeepInside(flags, hard2, map_.hard_depth2 + row * kMapSize_cells);
   HP_LOOP_BOUND(kMapSize_cells / kBlock)
   for (int begin = 0; begin < kMapSize_cells; begin += kBlock) {
-    HP_LOOP_BOUND(kBlock)
-    for (int i = 0; i < kBlock; ++i) {
-      const uint8_t cell = flags[begin + i];
-      const uint8_t lethal = (cell & Costmap::kLethal) != 0 ? 1 : 0;
-      const uint8_t unknown = (cell & Costmap::kObserved) != 0 ? 0 : 2;
-      const uint8_t soft = (cell & Costmap::kSoftRegion) != 0 ? 1 : 0;
-      const uint8_t distance2 = hard2[begin + i];
-      depth2[begin + i] = lethal != 0 ? distance2 : uint8_t{0};
-      hard_entry[i] = static_cast<uint16_t>(distance2 | (lethal | unknown) << 8);
-      soft_entry[i] = static_cast<uint16_t>(soft2[begin + i] | soft << 8);
-    }
-    constexpr int kAtOnce = 8;
+    HardEntries<kBlock>(flags + begin, hard2 + begin, hard);
+    SoftEntries<kBlock>(flags + begin, soft2 + begin, soft);
     HP_LOOP_BOUND(kBlock / kAtOnce)
     for (int i = 0; i < kBlock; i += kAtOnce) {
-      AddEight(hard_entry + i, soft_entry + i, cost_q8 + begin + i);
+      uint16_t* to = cost_q8 + begin + i;
+      to[0] = CostOf(hard[i], soft[i]);
+      to[1] = CostOf(hard[i + 1], soft[i + 1]);
+      to[2] = CostOf(hard[i + 2], soft[i + 2]);
+      to[3] = CostOf(hard[i + 3], soft[i + 3]);
+      to[4] = CostOf(hard[i + 4], soft[i + 4]);
+      to[5] = CostOf(hard[i + 5], soft[i + 5]);
+      to[6] = CostOf(hard[i + 6], soft[i + 6]);
+      to[7] = CostOf(hard[i + 7], soft[i + 7]);
     }
   }
 }
 
-// Eight in a row: a loop over single cells takes as many instructions again to count them.
-inline void CostmapBuilder::AddEight(const uint16_t* hard, const uint16_t* soft,
-                                     uint16_t* to) const {
-  to[0] = CostOf(hard[0], soft[0]);
-  to[1] = CostOf(hard[1], soft[1]);
-  to[2] = CostOf(hard[2], soft[2]);
-  to[3] = CostOf(hard[3], soft[3]);
-  to[4] = CostOf(hard[4], soft[4]);
-  to[5] = CostOf(hard[5], soft[5]);
-  to[6] = CostOf(hard[6], soft[6]);
-  to[7] = CostOf(hard[7], soft[7]);
+// The same far from the soft layer.
+void CostmapBuilder::AddHardCosts(int row, const uint8_t* hard2) {
+  constexpr int kBlock = 64;
+  uint16_t hard[kBlock];
+  const uint8_t* flags = row_flags_.cells();
+  uint16_t* cost_q8 = map_.cost_q8 + row * kMapSize_cells;
+  KeepInside(flags, hard2, map_.hard_depth2 + row * kMapSize_cells);
+  HP_LOOP_BOUND(kMapSize_cells / kBlock)
+  for (int begin = 0; begin < kMapSize_cells; begin += kBlock) {
+    HardEntries<kBlock>(flags + begin, hard2 + begin, hard);
+    HP_LOOP_BOUND(kBlock / kAtOnce)
+    for (int i = 0; i < kBlock; i += kAtOnce) {
+      uint16_t* to = cost_q8 + begin + i;
+      to[0] = hard_cost_q8_[hard[i]];
+      to[1] = hard_cost_q8_[hard[i + 1]];
+      to[2] = hard_cost_q8_[hard[i + 2]];
+      to[3] = hard_cost_q8_[hard[i + 3]];
+      to[4] = hard_cost_q8_[hard[i + 4]];
+      to[5] = hard_cost_q8_[hard[i + 5]];
+      to[6] = hard_cost_q8_[hard[i + 6]];
+      to[7] = hard_cost_q8_[hard[i + 7]];
+    }
+  }
 }
 
 }  // namespace hardpack
