@@ -62,10 +62,11 @@ double MedianOf(std::vector<double> values) {
 #ifdef HARDPACK_HAS_CERES
 bool RunCeres(peers::CeresMethod method, const OptimizerParams& optimizer,
               const QualityProblem& problem, const SeedMaker& maker, WorldPath& path) {
-  constexpr int kMostIterations = 100;  // as nav2's constrained smoother
+  // As nav2's constrained smoother; L-BFGS takes more of its steps, which are cheaper, to converge.
+  const int most_iterations = method == peers::CeresMethod::kTrustRegion ? 100 : 1000;
   const peers::CeresResult result = peers::Smooth(
       method, maker.map(), optimizer, maker.result().seed, problem.start.curvature_per_m,
-      maker.result().keeps_end_heading, kMostIterations);
+      maker.result().keeps_end_heading, most_iterations);
   path = result.path;
   return result.usable;
 }
