@@ -1,114 +1,121 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/hardpack/bench_command.h"
 
+#include <unistd.h>
+
 #include <algorithm>
-#include <cstdio>
+#include <cstdlib>
 #include <iostream>
 #include <memory>
 
-#include "nlohmann/json.hpp"
 #include "tools/hardpack/allocation_counter.h"
 #include "tools/hardpack/arguments.h"
+#include "tools/hardpack/bench_acceptance.h"
+#include "tools/hardpack/bench_movingai.h"
+#include "tools/hardpack/bench_peers.h"
+#include "tools/hardpack/bench_recordings.h"
+#include "tools/hardpack/bench_report.h"
+#include "tools/hardpack/bench_scenes.h"
 #include "tools/hardpack/bench_stages.h"
 #include "tools/hardpack/command.h"
 #include "tools/hardpack/quality_command.h"
-#include "tools/movingai/movingai.h"
 
 namespace hardpack::command {
 namespace {
 
 struct BenchOptions {
   std::vector<std::string> stages;
-  std::string map;
-  std::string scenarios;
+  std::vector<std::string> scenes;
+  std::string data;
   bool json = false;
+  bool markdown = false;
 };
 
-void CheckStageNames(const std::vector<std::string>& stages) {
-  const auto& names = BenchStageNames();
-  for (const std::string& stage : stages) {
-    if (std::find(names.begin(), names.end(), stage) != names.end()) continue;
-    const std::string nearest = NearestName(stage, names);
+// option: what the user gave the name for. Does nothing when it is one of them.
+void CheckName(const std::string& option, const std::string& what, const std::string& name,
+               const std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), name) != names.end()) return;
+  const std::string nearest = NearestName(name, names);
+  throw CommandFailure(kBadInput, option + ": there is no " + what + " '" + name + "'" +
+                                      (nearest.empty() ? "" : ", did you mean '" + nearest + "'?"));
+}
+
+// Those of this project, and of the recordings that are there. A folder that was named has some.
+std::vector<SceneMaker> AllScenes(const BenchOptions& options, std::string& data) {
+  std::vector<SceneMaker> scenes = BuiltInScenes();
+  const char* const environment = std::getenv("HARDPACK_DATA");
+  data = !options.data.empty() || environment == nullptr ? options.data : environment;
+  const std::vector<SceneMaker> recorded = RecordedScenes(data);
+  if (recorded.empty() && !options.data.empty()) {
     throw CommandFailure(kBadInput,
-                         "STAGE: there is no stage '" + stage + "'" +
-                             (nearest.empty() ? "" : ", did you mean '" + nearest + "'?"));
+                         "--data: " + options.data + " has neither movingai/*.map nor rellis/");
   }
+  if (recorded.empty()) data.clear();
+  scenes.insert(scenes.end(), recorded.begin(), recorded.end());
+  return scenes;
 }
 
-nlohmann::json RowsToJson(const std::vector<BenchRow>& rows) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const BenchRow& row : rows) {
-    list.push_back({{"stage", row.stage},
-                    {"scene", row.scene},
-                    {"status", StatusName(row.status)},
-                    {"median_us", row.median_us},
-                    {"p99_us", row.p99_us},
-                    {"worst_us", row.worst_us},
-                    {"repetitions", row.repetitions},
-                    {"object_bytes", row.object_bytes},
-                    {"allocations", row.allocations}});
-  }
-  return {{"version", HARDPACK_VERSION},
-          {"compiler", __VERSION__},
-          {"allocations_counted", AllocationsAreCounted()},
-          {"rows", list}};
+// Those named, or all.
+std::vector<SceneMaker> ChosenScenes(const BenchOptions& options, std::string& data) {
+  std::vector<SceneMaker> scenes = AllScenes(options, data);
+  if (options.scenes.empty()) return scenes;
+  std::vector<std::string> names;
+  for (const SceneMaker& scene : scenes) names.push_back(scene.name);
+  for (const std::string& name : options.scenes) CheckName("--scene", "scene", name, names);
+  std::erase_if(scenes, [&options](const SceneMaker& scene) {
+    const auto& chosen = options.scenes;
+    return std::find(chosen.begin(), chosen.end(), scene.name) == chosen.end();
+  });
+  return scenes;
 }
 
-void PrintRows(const std::vector<BenchRow>& rows) {
-  std::printf("%-10s %-11s %12s %12s %12s %6s %9s %6s  %s\n", "stage", "scene", "median [us]",
-              "p99 [us]", "worst [us]", "runs", "sizeof", "allocs", "ended");
-  for (const BenchRow& row : rows) {
-    std::printf("%-10s %-11s %12.1f %12.1f %12.1f %6d %9zu %6lld  %s\n", row.stage.c_str(),
-                row.scene.c_str(), row.median_us, row.p99_us, row.worst_us, row.repetitions,
-                row.object_bytes, static_cast<long long>(row.allocations), StatusName(row.status));
-  }
+// A run takes minutes: whoever looks at it sees where it is.
+void ShowScene(const std::string& name) {
+  if (isatty(STDERR_FILENO) == 1) std::cerr << "\r\033[Kmeasuring on " << name << std::flush;
+}
+
+void ClearShown() {
+  if (isatty(STDERR_FILENO) == 1) std::cerr << "\r\033[K" << std::flush;
 }
 
 void RunBench(const BenchOptions& options) {
-  CheckStageNames(options.stages);
-  const auto rows = MeasureStages(options.stages.empty() ? BenchStageNames() : options.stages);
-  if (options.json) {
-    std::cout << RowsToJson(rows).dump() << "\n";
-  } else {
-    PrintRows(rows);
+  if (options.json && options.markdown) {
+    throw CommandFailure(kBadInput, "--json and --markdown: give one of them");
   }
-  for (const BenchRow& row : rows) {
+  for (const std::string& stage : options.stages) {
+    CheckName("STAGE", "stage", stage, BenchStageNames());
+  }
+  BenchReport report;
+  const std::vector<SceneMaker> scenes = ChosenScenes(options, report.data);
+  report.peers = PeerNames();
+  report.rows =
+      MeasureStages(options.stages.empty() ? BenchStageNames() : options.stages, scenes, ShowScene);
+  ClearShown();
+  report.acceptance = JudgeRows(report.rows, AllocationsAreCounted());
+  if (options.json) {
+    std::cout << ReportToJson(report).dump() << "\n";
+  } else if (options.markdown) {
+    PrintMarkdown(report);
+  } else {
+    PrintReport(report);
+  }
+  for (const BenchRow& row : report.rows) {
     if (row.allocations == 0) continue;
     throw CommandFailure(kWorkFailed, row.stage + " on " + row.scene + " allocated memory");
   }
 }
 
-nlohmann::json MovingaiToJson(const MovingaiReport& report) {
-  return {{"problems", report.problems},
-          {"solved", report.solved},
-          {"mismatches", report.mismatches},
-          {"largest_relative_error", report.largest_relative_error},
-          {"first_mismatch", report.first_mismatch},
-          {"expansions", report.expansions},
-          {"total_us", static_cast<double>(report.total_ns) / 1000.0},
-          {"median_us", static_cast<double>(report.median_ns) / 1000.0},
-          {"worst_us", static_cast<double>(report.worst_ns) / 1000.0}};
+std::string Joined(const std::vector<std::string>& names) {
+  std::string joined;
+  for (const std::string& name : names) joined += (joined.empty() ? "" : ", ") + name;
+  return joined;
 }
 
-void RunMovingaiBench(const BenchOptions& options) {
-  const auto outcome = RunMovingai(options.map, options.scenarios);
-  if (const auto* reason = std::get_if<std::string>(&outcome)) {
-    throw CommandFailure(kBadInput, *reason);
-  }
-  const auto& report = std::get<MovingaiReport>(outcome);
-  if (options.json) {
-    std::cout << MovingaiToJson(report).dump() << "\n";
-  } else {
-    std::printf("%s: %d of %d solved, largest error %.4f %%, median %.0f us, worst %.0f us\n",
-                options.scenarios.c_str(), report.solved, report.problems,
-                100.0 * report.largest_relative_error,
-                static_cast<double>(report.median_ns) / 1000.0,
-                static_cast<double>(report.worst_ns) / 1000.0);
-  }
-  if (report.mismatches > 0) {
-    throw CommandFailure(kWorkFailed, std::to_string(report.mismatches) +
-                                          " mismatches, the first: " + report.first_mismatch);
-  }
+std::string SceneHelp() {
+  std::vector<std::string> names;
+  for (const SceneMaker& scene : BuiltInScenes()) names.push_back(scene.name);
+  return "Only this one (again for more): " + Joined(names) +
+         "; with recordings the names of the movingai maps, and " + kRellisScene;
 }
 
 }  // namespace
@@ -116,23 +123,21 @@ void RunMovingaiBench(const BenchOptions& options) {
 void AddBenchCommand(CLI::App& app) {
   CLI::App* bench = app.add_subcommand(
       "bench",
-      "Measure the stages on built-in maps: median, p99 and worst time, size of each stage's\n"
-      "object, heap allocations during the measured calls (exit code 1 when there is one).\n"
-      "Scenes: random_10, random_25, random_40, forest, maze, open; a lidar revolution for "
-      "decode, column and costmap.");
+      "Measure each stage, and a whole replanning, on maps made here and on recordings: median,\n"
+      "p99 and worst processor time, size of the stage's object, heap allocations during the\n"
+      "measured calls (exit code 1 when there is one), and by turns with it OpenCV, Boost.Graph\n"
+      "and Ceres on the same input, those of them that this build has. Then what was promised\n"
+      "and measured. All of it takes about two minutes.");
   const auto options = std::make_shared<BenchOptions>();
   bench->add_option("STAGE", options->stages,
-                    "decode, column, costmap, astar, sample, optimizer, speed, check, plan; all of "
-                    "them when none is named");
+                    Joined(BenchStageNames()) + "; all of them when none is named");
+  bench->add_option("--scene", options->scenes, SceneHelp())->allow_extra_args(false);
+  bench->add_option("--data", options->data,
+                    "Folder of recordings, with movingai/*.map and rellis/ (default: the "
+                    "environment's HARDPACK_DATA)");
   bench->add_flag("--json", options->json, "Print one JSON object on stdout");
-  CLI::App* movingai = bench->add_subcommand(
-      "movingai",
-      "Solve all problems of a movingai.com scenario file; exit code 1 unless every length is\n"
-      "within 0.1 % of the listed one.");
-  movingai->add_option("MAP", options->map, "The map (.map)")->required();
-  movingai->add_option("SCEN", options->scenarios, "The scenarios (.scen)")->required();
-  movingai->add_flag("--json", options->json, "Print one JSON object on stdout");
-  movingai->callback([options] { RunMovingaiBench(*options); });
+  bench->add_flag("--markdown", options->markdown, "Print two tables: stages, and promises");
+  AddMovingaiCommand(*bench);
   AddQualityCommand(*bench);
   bench->callback([options, bench] {
     if (bench->get_subcommands().empty()) RunBench(*options);

@@ -6,6 +6,7 @@
 
 #include "core/base/math.h"
 #include "port_linux/ouster_metadata.h"
+#include "tools/hardpack/bench_stages.h"
 #include "tools/hardpack/bench_timing.h"
 #include "tools/hardpack/command.h"
 
@@ -57,8 +58,9 @@ void RevolutionBench::DecodeRevolution() {
 }
 
 BenchRow RevolutionBench::Decode() {
-  BenchRow row = {.stage = "decode", .scene = "revolution", .object_bytes = sizeof(LidarColumn)};
-  MeasureRow([] {}, [this] { DecodeRevolution(); }, row);
+  BenchRow row = {
+      .stage = "decode", .scene = kRevolutionScene, .object_bytes = sizeof(LidarColumn)};
+  MeasureRow({.run = [this] { DecodeRevolution(); }}, row);
   row.status = status_;
   return row;
 }
@@ -115,7 +117,7 @@ BenchRow RevolutionBench::Column(const char* scene, bool use_labels) {
     Prepare();
     take();
   }
-  MeasureRow([this] { Prepare(); }, take, row);
+  MeasureRow({.prepare = [this] { Prepare(); }, .run = take}, row);
   row.status = status_;
   return row;
 }
@@ -130,22 +132,21 @@ BenchRow RevolutionBench::ColumnWithLabels() {
 
 BenchRow RevolutionBench::Costmap() {
   BenchRow row = {
-      .stage = "costmap", .scene = "revolution", .object_bytes = sizeof(CostmapBuilder)};
+      .stage = "costmap", .scene = kRevolutionScene, .object_bytes = sizeof(CostmapBuilder)};
   constexpr int kAllUnits = 1'000'000;
   if (taken_ == 0) (void)ColumnWithLabels();
-  MeasureRow([] {},
-             [this] {
-               Worsen(builder_->Begin(mapper_->heights(), CostmapParams{}), status_);
-               const uint32_t since = mapper_->fold_count();
-               while (builder_->StepHeights(mapper_->heights(), kAllUnits) == Progress::kBusy) {
-               }
-               for (int slot = 0; slot < mapper_->ring().slots(); ++slot) {
-                 mapper_->MarkPending(slot, since, *builder_);
-               }
-               while (builder_->StepCells(kAllUnits) == Progress::kBusy) {
-               }
-             },
-             row);
+  const auto build = [this] {
+    Worsen(builder_->Begin(mapper_->heights(), CostmapParams{}), status_);
+    const uint32_t since = mapper_->fold_count();
+    while (builder_->StepHeights(mapper_->heights(), kAllUnits) == Progress::kBusy) {
+    }
+    for (int slot = 0; slot < mapper_->ring().slots(); ++slot) {
+      mapper_->MarkPending(slot, since, *builder_);
+    }
+    while (builder_->StepCells(kAllUnits) == Progress::kBusy) {
+    }
+  };
+  MeasureRow({.run = build}, row);
   row.status = status_;
   return row;
 }

@@ -7,7 +7,7 @@
 #include "core/autonomy/mapper.h"
 #include "core/costmap/costmap.h"
 #include "hal/ouster/ouster.h"
-#include "tools/hardpack/bench_stages.h"
+#include "tools/hardpack/bench_row.h"
 #include "tools/scene/recording.h"
 
 namespace hardpack::command {

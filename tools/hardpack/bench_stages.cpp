@@ -2,206 +2,194 @@
 #include "tools/hardpack/bench_stages.h"
 
 #include <algorithm>
-#include <memory>
 
-#include "core/autonomy/planner.h"
+#include "tools/hardpack/bench_chain.h"
+#include "tools/hardpack/bench_peers.h"
 #include "tools/hardpack/bench_revolution.h"
-#include "tools/hardpack/bench_scenes.h"
 #include "tools/hardpack/bench_timing.h"
 
 namespace hardpack::command {
 namespace {
 
-constexpr int kAllUnits = 1'000'000;
-
-template <typename StepAll>
-void ToEnd(StepAll&& step_all) {
-  while (step_all() == Progress::kBusy) {
-  }
-}
-
-// One scene with the objects of every stage, each with its input from the one before.
-class StageChain {
- public:
-  explicit StageChain(const BenchScene& scene)
-      : scene_(scene), window_(GridWindow::CenteredAt({})) {}
-
-  // Fills in the row, runs the stage to its end, and returns how it ended.
-  Status Costmap(BenchRow& row) {
-    row.object_bytes = sizeof(CostmapBuilder);
-    MeasureRow(
-        [this] {
-          begun_ = builder_->BeginCells(window_, params_.costmap);
-          FillCells(*builder_);
-        },
-        [this] { ToEnd([this] { return builder_->StepCells(kAllUnits); }); }, row);
-    return begun_;
-  }
-
-  Status Astar(BenchRow& row) {
-    row.object_bytes = sizeof(AstarSearch);
-    MeasureRow([] {},
-               [this] {
-                 begun_ = search_->Begin(map(), params_.astar, scene_.start_m, scene_.goal_m);
-                 ToEnd([this] { return search_->Step(map(), kAllUnits); });
-               },
-               row);
-    return search_->result().status;
-  }
-
-  Status Sample(BenchRow& row) {
-    row.object_bytes = sizeof(PathSampler);
-    MeasureRow([] {},
-               [this] {
-                 begun_ = sampler_->Begin(*search_, params_.path, scene_.start_m, scene_.goal_m);
-                 ToEnd([this] { return sampler_->Step(*search_, kAllUnits); });
-               },
-               row);
-    return sampler_->status();
-  }
-
-  Status Optimize(BenchRow& row) {
-    row.object_bytes = sizeof(Optimizer);
-    MeasureRow([] {},
-               [this] {
-                 begun_ = optimizer_->Begin(map(), params_.optimizer, params_.path,
-                                            sampler_->result(), 0.0f, false);
-                 ToEnd([this] { return optimizer_->Step(map(), kAllUnits); });
-               },
-               row);
-    return optimizer_->result().status;
-  }
-
-  Status Speed(BenchRow& row) {
-    row.object_bytes = sizeof(SpeedProfile);
-    const Status converted = ToActuator<PlanarModel>(optimizer_->path(), *actuator_);
-    if (!IsUsable(converted)) return converted;
-    MeasureRow([] {},
-               [this] {
-                 begun_ =
-                     PlanSpeed(params_.speed, params_.vehicle, *actuator_, SpeedRequest{}, *speed_);
-               },
-               row);
-    return begun_;
-  }
-
-  Status Check(BenchRow& row) {
-    row.object_bytes = sizeof(PathCheck);
-    MeasureRow([] {},
-               [this] {
-                 begun_ =
-                     check_->Begin(params_.vehicle, params_.optimizer, optimizer_->path(), 0.0f);
-                 ToEnd([this] { return check_->Step(map(), optimizer_->path(), kAllUnits); });
-               },
-               row);
-    return check_->result().status;
-  }
-
-  // All of it by the planner, from cells to the checked plan.
-  Status Plan(BenchRow& row) {
-    row.object_bytes = sizeof(Planner);
-    PlanRequest request;
-    request.start.pose = {scene_.start_m.x_m, scene_.start_m.y_m, kPi / 4.0f};
-    request.goal_odom = scene_.goal_m;
-    MeasureRow(
-        [this, &request] {
-          begun_ = planner_->BeginCells(window_, params_, request);
-          FillCells(planner_->costmap_builder());
-        },
-        [this] { ToEnd([this] { return planner_->StepCells(kAllUnits); }); }, row);
-    return planner_->result().status;
-  }
-
- private:
-  void FillCells(CostmapBuilder& builder) const {
-    for (int i = 0; i < kMapCells; ++i) builder.SetCell(i, scene_.flags[static_cast<size_t>(i)]);
-  }
-  const hardpack::Costmap& map() const { return builder_->result(); }
-
-  const BenchScene& scene_;
-  GridWindow window_;
-  PlannerParams params_;
-  Status begun_ = Status::kOk;
-  std::unique_ptr<CostmapBuilder> builder_ = std::make_unique<CostmapBuilder>();
-  std::unique_ptr<AstarSearch> search_ = std::make_unique<AstarSearch>();
-  std::unique_ptr<PathSampler> sampler_ = std::make_unique<PathSampler>();
-  std::unique_ptr<Optimizer> optimizer_ = std::make_unique<Optimizer>();
-  std::unique_ptr<ActuatorPath> actuator_ = std::make_unique<ActuatorPath>();
-  std::unique_ptr<SpeedProfile> speed_ = std::make_unique<SpeedProfile>();
-  std::unique_ptr<PathCheck> check_ = std::make_unique<PathCheck>();
-  std::unique_ptr<Planner> planner_ = std::make_unique<Planner>();
-};
-
-struct ChainStage {
-  const char* name;
-  Status (StageChain::*measure)(BenchRow&);
-  bool feeds_the_next;  // a failure here leaves the following stages without input
-};
-
-constexpr ChainStage kChain[] = {
-    {"costmap", &StageChain::Costmap, true}, {"astar", &StageChain::Astar, true},
-    {"sample", &StageChain::Sample, true},   {"optimizer", &StageChain::Optimize, true},
-    {"speed", &StageChain::Speed, false},    {"check", &StageChain::Check, false}};
-
 bool Wanted(const std::vector<std::string>& stages, const std::string& name) {
   return std::find(stages.begin(), stages.end(), name) != stages.end();
 }
 
-// A stage that is only needed by a later one is run as well, but not reported.
-void MeasureScene(const BenchScene& scene, const std::vector<std::string>& stages,
-                  std::vector<BenchRow>& rows) {
-  StageChain chain(scene);
-  const auto report = [&](const char* name, Status (StageChain::*measure)(BenchRow&)) {
-    BenchRow row;
-    row.stage = name;
-    row.scene = scene.name;
-    row.status = (chain.*measure)(row);
-    if (Wanted(stages, name)) rows.push_back(row);
-    return row.status;
-  };
-  const auto last = std::find_if(std::rbegin(kChain), std::rend(kChain),
-                                 [&](const ChainStage& s) { return Wanted(stages, s.name); });
-  for (auto stage = std::begin(kChain); stage != last.base(); ++stage) {
-    const Status status = report(stage->name, stage->measure);
-    if (stage->feeds_the_next && !IsUsable(status)) break;
-  }
-  if (Wanted(stages, "plan")) (void)report("plan", &StageChain::Plan);
+std::vector<PeerRun*> Pointers(const PeerRuns& peers) {
+  std::vector<PeerRun*> pointers;
+  for (const auto& peer : peers) pointers.push_back(peer.get());
+  return pointers;
 }
 
+// The gravest of what a stage said; statuses are numbered by gravity.
+void Worsen(Status status, Status& gravest) {
+  if (gravest < status) gravest = status;
+}
+
+// The stages of one scene, each into the row that it is given.
+class SceneBench {
+ public:
+  explicit SceneBench(const BenchScene& scene) : name_(scene.name), chain_(scene) {}
+
+  const StageChain& chain() const { return chain_; }
+
+  void Costmap(BenchRow& row) {
+    row.object_bytes = sizeof(CostmapBuilder);
+    const PeerRuns peers = DistancePeers(chain_);
+    MeasureRow(
+        {.run = [&] { Worsen(chain_.BuildCostmap(), row.status); }, .peers = Pointers(peers)}, row);
+  }
+
+  void Astar(BenchRow& row) {
+    row.object_bytes = sizeof(AstarSearch);
+    const PeerRuns peers = SearchPeers(chain_, name_);
+    const auto& queries = chain_.queries();
+    std::vector<double> expansions(queries.size());
+    size_t next = 0;
+    const std::vector<double> medians_us =
+        MeasureRow({.run =
+                        [&] {
+                          const size_t query = next++ % queries.size();
+                          Worsen(chain_.Search(queries[query]), row.status);
+                          expansions[query] = chain_.search_result().expansions;
+                        },
+                    .inputs = static_cast<int>(queries.size()),
+                    .peers = Pointers(peers)},
+                   row);
+    double total_us = 0.0;
+    double total = 0.0;
+    for (size_t query = 0; query < queries.size(); ++query) {
+      total_us += medians_us[query];
+      total += expansions[query];
+    }
+    row.queries = static_cast<int>(queries.size());
+    row.expansions = total / static_cast<double>(queries.size());
+    row.ns_per_expansion = total_us * 1000.0 / total;
+  }
+
+  void Sample(BenchRow& row) {
+    row.object_bytes = sizeof(PathSampler);
+    static_cast<void>(chain_.Search(chain_.path_query()));
+    MeasureRow({.run = [&] { Worsen(chain_.Sample(), row.status); }}, row);
+  }
+
+  void Optimize(BenchRow& row) {
+    const PeerRuns peers = OptimizerPeers(chain_);
+    OptimizeWith(chain_.params().optimizer, peers, row);
+  }
+
+  void Paper(BenchRow& row) {
+    OptimizerParams params = chain_.params().optimizer;
+    params.method = OptimizerParams::kPaperDescent;
+    OptimizeWith(params, {}, row);
+  }
+
+  void Speed(BenchRow& row) {
+    row.object_bytes = sizeof(SpeedProfile);
+    row.points = chain_.path().size();
+    MeasureRow({.run = [&] { Worsen(chain_.Speed(), row.status); }, .runs_at_once = 16}, row);
+  }
+
+  void Check(BenchRow& row) {
+    row.object_bytes = sizeof(PathCheck);
+    row.points = chain_.path().size();
+    MeasureRow({.run = [&] { Worsen(chain_.Check(), row.status); }}, row);
+  }
+
+  void Replan(BenchRow& row) {
+    row.object_bytes = sizeof(Planner);
+    const auto& queries = chain_.replan_queries();
+    row.queries = static_cast<int>(queries.size());
+    size_t next = 0;
+    MeasureRow({.run = [&] { Worsen(chain_.Replan(queries[next++ % queries.size()]), row.status); },
+                .inputs = row.queries},
+               row);
+  }
+
+ private:
+  void OptimizeWith(const OptimizerParams& params, const PeerRuns& peers, BenchRow& row) {
+    row.object_bytes = sizeof(Optimizer);
+    row.points = chain_.seed().size();
+    MeasureRow(
+        {.run = [&] { Worsen(chain_.Optimize(params), row.status); }, .peers = Pointers(peers)},
+        row);
+    row.path_cost = double{chain_.optimizer_result().after.total()};
+  }
+
+  std::string name_;
+  StageChain chain_;
+};
+
+struct SceneStage {
+  const char* name;
+  void (SceneBench::*measure)(BenchRow&);
+  bool needs_path;
+};
+
+constexpr SceneStage kSceneStages[] = {
+    {"costmap", &SceneBench::Costmap, false}, {"astar", &SceneBench::Astar, true},
+    {"sample", &SceneBench::Sample, true},    {"optimizer", &SceneBench::Optimize, true},
+    {"paper", &SceneBench::Paper, true},      {"speed", &SceneBench::Speed, true},
+    {"check", &SceneBench::Check, true},      {"replan", &SceneBench::Replan, false}};
+
+void MeasureScene(const SceneMaker& maker, const std::vector<std::string>& stages,
+                  std::vector<BenchRow>& rows) {
+  SceneBench bench(maker.make());
+  for (const SceneStage& stage : kSceneStages) {
+    if (!Wanted(stages, stage.name)) continue;
+    if (stage.needs_path && !bench.chain().has_path()) continue;
+    BenchRow row;
+    row.stage = stage.name;
+    row.scene = maker.name;
+    row.dilated = bench.chain().dilated();
+    (bench.*stage.measure)(row);
+    rows.push_back(row);
+  }
+}
+
+struct RevolutionStage {
+  const char* name;
+  BenchRow (RevolutionBench::*run)();
+};
+
+constexpr RevolutionStage kRevolutionStages[] = {{"decode", &RevolutionBench::Decode},
+                                                 {"column", &RevolutionBench::ColumnByGeometry},
+                                                 {"column", &RevolutionBench::ColumnWithLabels},
+                                                 {"costmap", &RevolutionBench::Costmap}};
+
 void MeasureRevolution(const std::vector<std::string>& stages, std::vector<BenchRow>& rows) {
-  struct Measure {
-    const char* stage;
-    BenchRow (RevolutionBench::*run)();
-  };
-  constexpr Measure kMeasures[] = {{"decode", &RevolutionBench::Decode},
-                                   {"column", &RevolutionBench::ColumnByGeometry},
-                                   {"column", &RevolutionBench::ColumnWithLabels},
-                                   {"costmap", &RevolutionBench::Costmap}};
-  const bool any = std::any_of(std::begin(kMeasures), std::end(kMeasures),
-                               [&](const Measure& one) { return Wanted(stages, one.stage); });
-  if (!any) return;
   RevolutionBench bench;
-  for (const Measure& one : kMeasures) {
-    if (Wanted(stages, one.stage)) rows.push_back((bench.*one.run)());
+  for (const RevolutionStage& stage : kRevolutionStages) {
+    if (Wanted(stages, stage.name)) rows.push_back((bench.*stage.run)());
   }
 }
 
 }  // namespace
 
 const std::vector<std::string>& BenchStageNames() {
-  static const std::vector<std::string> names = {
-      "decode", "column", "costmap", "astar", "sample", "optimizer", "speed", "check", "plan"};
+  static const std::vector<std::string> names = {"decode", "column",    "costmap", "astar",
+                                                 "sample", "optimizer", "paper",   "speed",
+                                                 "check",  "replan"};
   return names;
 }
 
-std::vector<BenchRow> MeasureStages(const std::vector<std::string>& stages) {
+std::vector<BenchRow> MeasureStages(const std::vector<std::string>& stages,
+                                    const std::vector<SceneMaker>& scenes,
+                                    const std::function<void(const std::string&)>& begin_scene) {
   std::vector<BenchRow> rows;
-  MeasureRevolution(stages, rows);
-  const bool any_of_planning = std::any_of(stages.begin(), stages.end(), [](const auto& name) {
-    return name != "decode" && name != "column";
-  });
-  if (!any_of_planning) return rows;
-  for (const BenchScene& scene : MakeBenchScenes()) MeasureScene(scene, stages, rows);
+  const auto any_of = [&stages](const auto& table) {
+    return std::any_of(std::begin(table), std::end(table),
+                       [&stages](const auto& stage) { return Wanted(stages, stage.name); });
+  };
+  if (any_of(kRevolutionStages)) {
+    begin_scene(kRevolutionScene);
+    MeasureRevolution(stages, rows);
+  }
+  for (const SceneMaker& scene : scenes) {
+    if (!any_of(kSceneStages)) break;
+    begin_scene(scene.name);
+    MeasureScene(scene, stages, rows);
+  }
   std::stable_sort(rows.begin(), rows.end(), [](const BenchRow& a, const BenchRow& b) {
     const auto& names = BenchStageNames();
     return std::find(names.begin(), names.end(), a.stage) <

@@ -1,48 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
-#include <chrono>
+#include <functional>
+#include <string>
 #include <vector>
 
-#include "tools/hardpack/allocation_counter.h"
-#include "tools/hardpack/bench_stages.h"
+#include "tools/hardpack/bench_row.h"
+
+// Takes the time of a stage, and of other libraries beside it. The clock is the thread's own
+// processor time: on a machine that others use too, time spent waiting for a processor says nothing
+// about the stage.
 
 namespace hardpack::command {
 
-inline constexpr double kBudget_s = 0.5;  // of measured time, a row
-inline constexpr int kLeastRepetitions = 20;
-inline constexpr int kMostRepetitions = 2000;
+struct PeerRun {
+  std::string name;
+  std::function<void()> run;  // on the next of the inputs that take turns
+  double path_cost = 0.0;     // of the last run; optimizers only
+};
 
-// Calls prepare() unmeasured and run() measured, again and again until the budget is spent, and
-// fills in the figures of `row`. The first call warms the caches and is not counted.
-template <typename Prepare, typename RunOnce>
-void MeasureRow(Prepare&& prepare, RunOnce&& run, BenchRow& row) {
-  using Clock = std::chrono::steady_clock;
-  std::vector<double> times_us;
-  times_us.reserve(kMostRepetitions);
-  prepare();
-  run();
-  double spent_us = 0.0;
-  while (row.repetitions < kMostRepetitions &&
-         (row.repetitions < kLeastRepetitions || spent_us < kBudget_s * 1.0e6)) {
-    prepare();
-    const int64_t allocations_before = AllocationCount();
-    const Clock::time_point before = Clock::now();
-    run();
-    const Clock::time_point after = Clock::now();
-    row.allocations += AllocationCount() - allocations_before;
-    times_us.push_back(std::chrono::duration<double, std::micro>(after - before).count());
-    spent_us += times_us.back();
-    ++row.repetitions;
-  }
-  std::sort(times_us.begin(), times_us.end());
-  const auto at_share = [&times_us](double share) {
-    return times_us[static_cast<size_t>(share * static_cast<double>(times_us.size() - 1) + 0.5)];
-  };
-  row.median_us = at_share(0.5);
-  row.p99_us = at_share(0.99);
-  row.worst_us = times_us.back();
-}
+struct Measurement {
+  std::function<void()> prepare = [] {};  // not measured, before each run
+  std::function<void()> run;
+  int runs_at_once = 1;  // so short a run is measured many at a time; prepared once
+  int inputs = 1;        // that take turns from run to run
+  std::vector<PeerRun*> peers = {};
+};
+
+inline constexpr double kBudget_us = 0.4e6;  // of measured time, a row with its peers
+inline constexpr int kRunsARound = 4;        // of the stage; then each peer once
+inline constexpr int kLeastRounds = 5;
+inline constexpr int kMostRounds = 500;
+
+// Runs the stage and its peers in turn until the budget is spent, and fills in the row's times,
+// repetitions, allocations (the stage's alone) and peers. What comes first, each input once, warms
+// the caches and is not counted. Returns the median time of each input [us].
+std::vector<double> MeasureRow(const Measurement& what, BenchRow& row);
 
 }  // namespace hardpack::command

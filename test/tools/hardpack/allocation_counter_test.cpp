@@ -34,14 +34,15 @@ TEST_F(AllocationCounter, CountsNewAndMallocAndItsSiblings) {
 // The planted violation: a stage that allocates is seen in its row.
 TEST_F(AllocationCounter, ShowsInTheRowOfAStageThatAllocates) {
   BenchRow row;
-  MeasureRow([] {}, [] { kept = std::make_unique<int>(2); }, row);
+  MeasureRow({.run = [] { kept = std::make_unique<int>(2); }}, row);
   EXPECT_EQ(row.allocations, row.repetitions);
 }
 
 TEST_F(AllocationCounter, LeavesOutWhatPreparesAStage) {
   BenchRow row;
   int sum = 0;
-  MeasureRow([] { kept = std::make_unique<int>(3); }, [&sum] { sum += *kept; }, row);
+  MeasureRow({.prepare = [] { kept = std::make_unique<int>(3); }, .run = [&sum] { sum += *kept; }},
+             row);
   EXPECT_EQ(row.allocations, 0);
   EXPECT_GT(sum, 0);
 }
