@@ -3,6 +3,7 @@
 
 #include <bit>
 
+#include "core/astar/steps.h"
 #include "core/base/assert.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
@@ -17,122 +18,48 @@
 // Why 4096 buckets are enough: a step from a cell with f to its neighbour changes f by EdgeCost +
 // h' - h, which lies in [0, kMaxEdgeCost + kDiagonalLength]. Every cell of the open set was reached
 // from an expanded one with f <= least_f_, and the open set's least f is at least least_f_. So all
-// f in the open set lie within that span of least_f_, and f modulo 4096 tells them apart. Two
-// values of g for one cell of the open set differ as much as their f, so 16 bits of g tell which is
-// less.
+// f in the open set lie within that span of least_f_, and f modulo 4096 tells them apart.
+//
+// Why nothing is cleared and no cell is marked as closed: a cell's label is its g above a base that
+// falls from query to query, so the labels left by earlier queries are larger than any of this one,
+// and "not seen, or dearer than this way" is one comparison. An expanded cell has the least g there
+// is, so no way to it compares as cheaper. That holds even if the map changes during the search, as
+// EdgeCost is never less than the length.
 
 namespace hardpack {
+
+using namespace steps;
+
 namespace {
 
-// A node: links of its bucket's list, g modulo 2^16, the direction of the step from its parent,
-// what became of it, and the query that wrote it. A node of another epoch is a cell not seen yet,
-// so nothing needs clearing between queries.
-//   63      46 45      28 27   12 11      9 8   7 6     0
-//   |  next   |   prev   |   g   | direction | state | epoch |
+// A node: its label, the links of its bucket's list, the direction of the step from its parent.
+//   63   39 38    21 20     3 2         0
+//   | label | next  | prev  | direction |
 // next of a list's last cell is the cell itself; prev of its first one means nothing.
-constexpr uint32_t kEpochMask = 0x7f;
-constexpr uint32_t kLastEpoch = kEpochMask;
-constexpr uint32_t kOpen = 1u << 7;
-constexpr uint32_t kClosed = 2u << 7;
-constexpr uint32_t kOnPath = 3u << 7;
-constexpr uint32_t kStateMask = 3u << 7;
-constexpr uint32_t kDirectionShift = 9;
-constexpr uint32_t kDirectionMask = 7u << kDirectionShift;
-constexpr uint32_t kGShift = 12;
-constexpr uint32_t kPrevShift = 28;
-constexpr uint32_t kNextShift = 46;
+constexpr uint64_t kDirectionMask = 7;
+constexpr uint32_t kPrevShift = 3;
+constexpr uint32_t kNextShift = 21;
+constexpr uint32_t kLabelShift = 39;
 constexpr uint64_t kIndexMask = kMapCells - 1;
-constexpr uint64_t kFieldsMask = (uint64_t{1} << kPrevShift) - 1;  // all but the links
+constexpr uint64_t kLinksMask = (uint64_t{1} << kLabelShift) - 1;  // all but the label
 static_assert(kMapCells == 1 << 18);
 
-constexpr uint32_t kSize = kMapSize_cells;
-static_assert(kSize == 512);
-constexpr uint32_t kColumnMask = kSize - 1;
-constexpr uint32_t kRowShift = 9;
-
-// Directions are numbered anticlockwise from +x; the odd ones are diagonal.
-//   3 2 1
-//   4 . 0
-//   5 6 7
-constexpr int kDirections = 8;
-constexpr uint32_t kOdd = 0xaa;
-constexpr uint32_t kAllDirections = 0xff;
-constexpr int32_t kDx[kDirections] = {1, 1, 0, -1, -1, -1, 0, 1};
-constexpr int32_t kDy[kDirections] = {0, 1, 1, 1, 0, -1, -1, -1};
-// Index differences, as unsigned numbers that wrap.
-constexpr uint32_t kStep[kDirections] = {1u,  513u,      512u,      511u,
-                                         ~0u, 0u - 513u, 0u - 512u, 0u - 511u};
+// Labels. A query takes the kLabelsOfQuery ones below those of the query before it, enough for most
+// paths. If its costs outgrow them, the labels are moved (Phase::kMoveLabels), which takes all.
+constexpr uint32_t kLargestLabel = (1u << 25) - 1;  // a cell never seen
+constexpr uint32_t kLabelsOfQuery = 1u << 18;
 
 static_assert(kMaxEdgeCost + kDiagonalLength < 4096);
 // The dearest path fits 32 bits: every cell of the map once.
 static_assert(int64_t{kMapCells} * kMaxEdgeCost < INT32_MAX);
 
-uint32_t Neighbour(uint32_t index, uint32_t direction) {
-  return index + kStep[direction];
-}
+// The largest h on the map.
+constexpr uint32_t kMaxHeuristic = kDiagonalLength * (kSize - 1);
 
-// The directions that may be taken: those not blocked, the diagonal ones only if neither direction
-// beside them is blocked. blocked: a bit a direction.
-uint32_t WithoutCutCorners(uint32_t blocked) {
-  const uint32_t wrapped = blocked | blocked << 8;
-  const uint32_t beside = (wrapped >> 1 | wrapped >> 7) & kOdd;
-  return ~(blocked | beside) & kAllDirections;
-}
-
-// One bit a direction: the neighbour may not be entered from here. For any cell.
-uint32_t BlockedNear(const Costmap& map, uint32_t index) {
-  const int32_t x = static_cast<int32_t>(index & kColumnMask);
-  const int32_t y = static_cast<int32_t>(index >> kRowShift);
-  // A cell that is not lethal has no depth, whatever the map says there.
-  const int depth2 = map.Lethal(static_cast<int>(index)) ? map.hard_depth2[index] : 0;
-  uint32_t blocked = 0;
-  HP_LOOP_BOUND(kDirections)
-  for (uint32_t direction = 0; direction < kDirections; ++direction) {
-    const int32_t nx = x + kDx[direction];
-    const int32_t ny = y + kDy[direction];
-    const bool on_map = nx >= 0 && nx < kMapSize_cells && ny >= 0 && ny < kMapSize_cells;
-    const uint32_t neighbour = on_map ? Neighbour(index, direction) : index;
-    const bool lethal = map.Lethal(static_cast<int>(neighbour));
-    if (!on_map || (lethal && map.hard_depth2[neighbour] >= depth2)) blocked |= 1u << direction;
-  }
-  return blocked;
-}
-
-uint32_t LethalBit(const Costmap& map, uint32_t index) {
-  constexpr uint32_t kLethalShift = std::countr_zero(uint32_t{Costmap::kLethal});
-  return (uint32_t{map.flags[index]} >> kLethalShift) & 1u;
-}
-
-// The same, for a cell that is not lethal and not at the map's border: nearly every cell.
-uint32_t BlockedNearInner(const Costmap& map, uint32_t index) {
-  return LethalBit(map, index + 1) | LethalBit(map, index + 513) << 1 |
-         LethalBit(map, index + 512) << 2 | LethalBit(map, index + 511) << 3 |
-         LethalBit(map, index - 1) << 4 | LethalBit(map, index - 513) << 5 |
-         LethalBit(map, index - 512) << 6 | LethalBit(map, index - 511) << 7;
-}
-
-bool IsInner(uint32_t index) {
-  const uint32_t x = index & kColumnMask;
-  const uint32_t y = index >> kRowShift;
-  return x - 1 < kSize - 2 && y - 1 < kSize - 2;
-}
-
-// The directions worth taking after a step in `direction`: straight on and up to a right angle to
-// either side. The other three lead back, or to a cell that the parent reaches by a straight step:
-// at the price of that cell alone, less than by way of here. (Legal from here, they are legal from
-// the parent: a straight step needs nothing but the cell itself, and the depth it must undercut is
-// greater there.)
-uint32_t WorthTaking(uint32_t direction) {
-  constexpr uint32_t kAhead = 0x1f;  // directions 0 to 4, ahead of direction 2
-  return std::rotl(static_cast<uint8_t>(kAhead), static_cast<int>(direction) - 2);
-}
-
-// Of the step into the cell.
-uint32_t CostInto(const Costmap& map, uint32_t index, uint32_t direction) {
-  const int cost_q8 = map.cost_q8[index] < kMaxCost_q8 ? map.cost_q8[index] : kMaxCost_q8;
-  const int length = (direction & 1u) != 0 ? kDiagonalLength : kStraightLength;
-  return static_cast<uint32_t>(EdgeCost(length, cost_q8));
-}
+// Moved labels have room for so large a rise of f, see Expand and MoveLabels.
+constexpr uint32_t kRoomOfMove = kLargestLabel - kMaxHeuristic - 2 * 4096;
+constexpr uint32_t kLargestF = kMapCells * uint32_t{kMaxEdgeCost} + kMaxHeuristic;
+static_assert(kLargestF / kRoomOfMove + 2 <= AstarSearch::kMaxLabelMoves);
 
 // Precondition: not 0. In halves, as for 64 bits a 32-bit processor calls its compiler's library.
 uint32_t LowestBit(uint64_t bits) {
@@ -177,8 +104,10 @@ Status AstarSearch::Begin(const Costmap& map, const AstarParams& params, Vec2 st
   max_expansions_ = params.max_expansions;
   row_ = 0;
   nearest_distance2_cells2_ = INT32_MAX;
-  const bool must_clear = epoch_ == 0 || epoch_ == kLastEpoch;
-  epoch_ = must_clear ? 1 : epoch_ + 1;
+  const bool must_clear = least_label_ < kLabelsOfQuery;
+  ceiling_ = must_clear ? kLargestLabel : least_label_;
+  base_ = ceiling_ - kLabelsOfQuery;
+  least_label_ = must_clear ? 0 : base_;
   phase_ = must_clear ? Phase::kClear : result_.goal_moved ? Phase::kMoveGoal : Phase::kSearch;
   if (phase_ == Phase::kSearch) StartSearch();
   return Status::kOk;
@@ -187,17 +116,18 @@ Status AstarSearch::Begin(const Costmap& map, const AstarParams& params, Vec2 st
 Progress AstarSearch::Step(const Costmap& map, int units) {
   if (phase_ == Phase::kClear) units = ClearNodes(units);
   if (phase_ == Phase::kMoveGoal) units = MoveGoal(map, units);
-  if (phase_ == Phase::kSearch) units = Search(map, units);
+  HP_LOOP_BOUND(2 * kMaxLabelMoves + 1)
+  while (units > 0 && (phase_ == Phase::kSearch || phase_ == Phase::kMoveLabels)) {
+    units = phase_ == Phase::kSearch ? Search(map, units) : MoveLabels(units);
+  }
   if (phase_ == Phase::kTrace) units = Trace(units);
   return phase_ == Phase::kDone ? Progress::kDone : Progress::kBusy;
 }
 
 Cell AstarSearch::Next(Cell cell) const {
   const uint32_t index = static_cast<uint32_t>(window_.Index(cell));
-  const uint32_t node = static_cast<uint32_t>(nodes_[index]);
   HP_ASSERT(IsUsable(result_.status) && cell != result_.end);
-  HP_ASSERT((node & (kStateMask | kEpochMask)) == (kOnPath | epoch_));
-  const uint32_t direction = (node & kDirectionMask) >> kDirectionShift;
+  const uint32_t direction = static_cast<uint32_t>(nodes_[index] & kDirectionMask);
   return {cell.x + kDx[direction], cell.y + kDy[direction]};
 }
 
@@ -208,12 +138,13 @@ int AstarSearch::ClearNodes(int units) {
   while (units > 0 && row_ < kMapSize_cells) {
     uint64_t* const row = nodes_ + row_ * kMapSize_cells;
     HP_LOOP_BOUND(kMapSize_cells)
-    for (int x = 0; x < kMapSize_cells; ++x) row[x] = 0;
+    for (int x = 0; x < kMapSize_cells; ++x) row[x] = ~uint64_t{0};
     ++row_;
     --units;
   }
   if (row_ < kMapSize_cells) return units;
   row_ = 0;
+  least_label_ = base_;
   phase_ = result_.goal_moved ? Phase::kMoveGoal : Phase::kSearch;
   if (phase_ == Phase::kSearch) StartSearch();
   return units;
@@ -254,27 +185,52 @@ int AstarSearch::Search(const Costmap& map, int units) {
   HP_LOOP_BOUND(kMapCells)
   while (units > 0 && phase_ == Phase::kSearch) {
     --units;
-    if (bucket_words_used_ == 0) {
+    const uint32_t index = PopFirst();
+    if (index == kNone) {
       Finish(best_heuristic_ == UINT32_MAX ? Status::kStartEnclosed : Status::kNoPath);
     } else if (result_.expansions == max_expansions_) {
       BeginTrace(best_, best_cost_, true);
     } else {
-      Expand(map, PopFirst());
+      Expand(map, index);
     }
   }
   return units;
 }
 
-// Walks back from the end and turns the directions round, so that each cell of the path says where
-// the next one is.
+// The labels of this query to the bottom of all there are, and those of earlier ones to the top.
+// Any g still to come is at least least_f_ less the largest h. Lower ones are of expanded cells:
+// what tells those apart may be lost.
+int AstarSearch::MoveLabels(int units) {
+  const uint32_t lowest = base_ + least_f_ - kMaxHeuristic;
+  HP_LOOP_BOUND(kMapSize_cells)
+  while (units > 0 && row_ < kMapSize_cells) {
+    uint64_t* const row = nodes_ + row_ * kMapSize_cells;
+    HP_LOOP_BOUND(kMapSize_cells)
+    for (int x = 0; x < kMapSize_cells; ++x) {
+      const uint32_t label = static_cast<uint32_t>(row[x] >> kLabelShift);
+      const uint32_t above = label < lowest ? 0 : label - lowest;
+      const uint32_t moved = label < ceiling_ ? above : kLargestLabel;
+      row[x] = (row[x] & kLinksMask) | uint64_t{moved} << kLabelShift;
+    }
+    ++row_;
+    --units;
+  }
+  if (row_ < kMapSize_cells) return units;
+  row_ = 0;
+  base_ = kMaxHeuristic - least_f_;  // below 0: it wraps, and back in every sum with a g
+  ceiling_ = kLargestLabel;
+  phase_ = Phase::kSearch;
+  return units;
+}
+
 int AstarSearch::Trace(int units) {
   HP_LOOP_BOUND(kMapCells)
   while (units > 0 && phase_ == Phase::kTrace) {
     --units;
     ++result_.path_cells;
-    const uint32_t node = static_cast<uint32_t>(nodes_[trace_cell_]);
-    const uint32_t into = (node & kDirectionMask) >> kDirectionShift;
-    nodes_[trace_cell_] = kOnPath | epoch_ | uint64_t{trace_direction_} << kDirectionShift;
+    const uint64_t node = nodes_[trace_cell_];
+    const uint32_t into = static_cast<uint32_t>(node & kDirectionMask);
+    nodes_[trace_cell_] = (node & ~kDirectionMask) | trace_direction_;
     if (trace_cell_ == start_) {
       Finish(UsableStatus());
     } else {
@@ -293,89 +249,125 @@ void AstarSearch::StartSearch() {
   best_heuristic_ = UINT32_MAX;
   best_cost_ = 0;
   least_f_ = Heuristic(start_);
-  Link(start_, least_f_ % kBuckets, kOpen | epoch_);
+  Link(start_, least_f_ % kBuckets, uint64_t{base_} << kLabelShift);
 }
 
-void AstarSearch::Expand(const Costmap& map, uint32_t index) {
-  const uint32_t node = static_cast<uint32_t>(nodes_[index]);
-  const uint32_t heuristic = Heuristic(index);
-  const uint32_t g = least_f_ - heuristic;
+inline void AstarSearch::Expand(const Costmap& map, uint32_t index) {
+  const uint64_t node = nodes_[index];
+  const uint32_t label = static_cast<uint32_t>(node >> kLabelShift);
+  const uint32_t g = label - base_;
+  const uint32_t heuristic = least_f_ - g;
   ++result_.expansions;
   if (index == goal_) {
     BeginTrace(goal_, g, false);
     return;
   }
-  const bool lethal = LethalBit(map, index) != 0;
+  const bool lethal = map.Lethal(static_cast<int>(index));
   // Of cells with one heuristic the first expanded has the least cost, as f never falls.
   if (heuristic < best_heuristic_ && !lethal) {
     best_ = index;
     best_heuristic_ = heuristic;
     best_cost_ = g;
   }
-  const uint32_t blocked =
-      IsInner(index) && !lethal ? BlockedNearInner(map, index) : BlockedNear(map, index);
-  uint32_t directions = WithoutCutCorners(blocked);
-  if (index != start_) directions &= WorthTaking((node & kDirectionMask) >> kDirectionShift);
+  const bool inner = IsInner(index) && !lethal && index != start_;
+  uint32_t directions = inner ? CheaperAhead(map, index, node) : CheaperAround(map, index, node);
   HP_LOOP_BOUND(kDirections)
   while (directions != 0) {
     const uint32_t direction = static_cast<uint32_t>(std::countr_zero(directions));
     directions &= directions - 1;
     const uint32_t neighbour = Neighbour(index, direction);
-    Relax(neighbour, direction, g + CostInto(map, neighbour, direction));
+    Relax(neighbour, direction, label + CostInto(map, neighbour, direction));
+  }
+  // The next f is less than kBuckets above this one, and those reached from there again.
+  if (least_f_ >= ceiling_ - base_ - 2 * kBuckets) {
+    least_label_ = 0;
+    phase_ = Phase::kMoveLabels;
   }
 }
 
-// A way to the cell at cost g was found. A closed cell stays closed, even if the caller broke its
-// word and changed the map between two Steps: each cell is expanded once, so every loop is bounded.
-inline void AstarSearch::Relax(uint32_t index, uint32_t direction, uint32_t g) {
-  const uint64_t node = nodes_[index];
-  const bool seen = (node & kEpochMask) == epoch_;
-  if (seen) {
-    const uint16_t less = static_cast<uint16_t>((node >> kGShift) - g);  // modulo 2^16
-    const bool cheaper = less != 0 && less < 0x8000;
-    if ((node & kStateMask) == kClosed || !cheaper) return;
-  }
-  const uint32_t heuristic = Heuristic(index);
-  if (seen) {
-    Unlink(index, (static_cast<uint32_t>(node >> kGShift) + heuristic) % kBuckets);
-  }
-  const uint64_t fields =
-      (uint64_t{g} << kGShift & kFieldsMask) | direction << kDirectionShift | kOpen | epoch_;
-  Link(index, (g + heuristic) % kBuckets, fields);
+// The directions to take: those allowed and worth it, to cells not seen or dearer. Without a
+// branch, as none could be foreseen. Precondition: an inner cell, not lethal, not the start.
+inline uint32_t AstarSearch::CheaperAhead(const Costmap& map, uint32_t index, uint64_t node) const {
+  const uint32_t label = static_cast<uint32_t>(node >> kLabelShift);
+  const uint32_t arrival = static_cast<uint32_t>(node & kDirectionMask);
+  const uint32_t* const step = kStepAhead + arrival;
+  const uint32_t same = Length(arrival);  // of the direction itself and of those at right angles
+  const uint32_t other = kStraightLength + kDiagonalLength - same;
+  const uint32_t cheaper = Cheaper(map, index + step[0], same, label) |
+                           Cheaper(map, index + step[1], other, label) << 1 |
+                           Cheaper(map, index + step[2], same, label) << 2 |
+                           Cheaper(map, index + step[3], other, label) << 3 |
+                           Cheaper(map, index + step[4], same, label) << 4;
+  return AllowedInner(map, index) &
+         std::rotl(static_cast<uint8_t>(cheaper), static_cast<int>(arrival) - 2);
 }
 
-// Takes the cell that goes first out of the open set and closes it. Precondition: not empty.
+// The same for any cell.
+uint32_t AstarSearch::CheaperAround(const Costmap& map, uint32_t index, uint64_t node) const {
+  const uint32_t label = static_cast<uint32_t>(node >> kLabelShift);
+  uint32_t allowed = WithoutCutCorners(BlockedNear(map, index));
+  if (index != start_) allowed &= WorthTaking(static_cast<uint32_t>(node & kDirectionMask));
+  uint32_t cheaper = 0;
+  HP_LOOP_BOUND(kDirections)
+  while (allowed != 0) {
+    const uint32_t direction = static_cast<uint32_t>(std::countr_zero(allowed));
+    allowed &= allowed - 1;
+    cheaper |= Cheaper(map, Neighbour(index, direction), Length(direction), label) << direction;
+  }
+  return cheaper;
+}
+
+// 1 if the cell has a label (one never seen has) of more than `label` and the step's cost, else 0.
+// EdgeCost is in whole numbers: the fraction is cut off, after the sum.
+inline uint32_t AstarSearch::Cheaper(const Costmap& map, uint32_t neighbour, uint32_t length,
+                                     uint32_t label) const {
+  static_assert(kCostOne_q8 == 1 << 8);
+  const uint64_t next_q8 = uint64_t{label + length + 1} << 8;
+  const uint64_t above_q8 = (next_q8 + length * CostOf(map, neighbour)) & ~uint64_t{0xff};
+  return nodes_[neighbour] >= above_q8 << (kLabelShift - 8) ? 1u : 0u;
+}
+
+// A cheaper way to the cell was found.
+inline void AstarSearch::Relax(uint32_t index, uint32_t direction, uint32_t label) {
+  const uint32_t known = static_cast<uint32_t>(nodes_[index] >> kLabelShift);
+  const uint32_t f_less_label = Heuristic(index) - base_;
+  if (known < ceiling_) Unlink(index, (known + f_less_label) % kBuckets);
+  const uint64_t fields = uint64_t{label} << kLabelShift | direction;
+  Link(index, (label + f_less_label) % kBuckets, fields);
+}
+
+// Takes the cell that goes first out of the open set; kNone if that is empty.
 inline uint32_t AstarSearch::PopFirst() {
   // The next bucket in use at or after the current one, round the circle.
   const uint32_t current = least_f_ % kBuckets;
   uint32_t word = current / 64;
   uint64_t bits = bucket_used_[word] & ~uint64_t{0} << current % 64;
-  if (bits == 0) {
-    const uint64_t later_words = bucket_words_used_ & ~uint64_t{1} << word;
-    word = LowestBit(later_words != 0 ? later_words : bucket_words_used_);
+  HP_LOOP_BOUND(kBucketWords + 1)
+  while (bits == 0) {
+    const uint64_t later_words = bucket_words_used_ & ~uint64_t{1} << current / 64;
+    const uint64_t words = later_words != 0 ? later_words : bucket_words_used_;
+    if (words == 0) return kNone;
+    word = LowestBit(words);
     bits = bucket_used_[word];
+    if (bits == 0) bucket_words_used_ &= ~(uint64_t{1} << word);
   }
   const uint32_t bucket = word * 64 + LowestBit(bits);
   least_f_ += (bucket - current) % kBuckets;
 
   const uint32_t index = bucket_head_[bucket];
-  const uint64_t node = nodes_[index];
-  const uint32_t next = static_cast<uint32_t>(node >> kNextShift);
+  const uint32_t next = static_cast<uint32_t>(nodes_[index] >> kNextShift & kIndexMask);
   bucket_head_[bucket] = next;
-  if (next == index) UnmarkBucket(bucket);
-  nodes_[index] = (node & kFieldsMask & ~uint64_t{kStateMask}) | kClosed;
+  UnmarkIf(next == index, bucket);
   return index;
 }
 
 // Puts a cell in front of a bucket's list.
 inline void AstarSearch::Link(uint32_t index, uint32_t bucket, uint64_t fields) {
-  uint32_t next = index;
-  if ((bucket_used_[bucket / 64] >> (bucket % 64) & 1u) != 0) {
-    next = bucket_head_[bucket];
-    SetPrev(next, index);
-  } else {
-    MarkBucket(bucket);
-  }
+  const bool used = (bucket_used_[bucket / 64] >> (bucket % 64) & 1u) != 0;
+  const uint32_t head = bucket_head_[bucket];
+  const uint32_t next = used ? head : index;
+  SetPrev(next, index);  // its own, if it is the only one: overwritten below
+  MarkBucket(bucket);
   nodes_[index] = fields | uint64_t{next} << kNextShift;
   bucket_head_[bucket] = index;
 }
@@ -383,19 +375,20 @@ inline void AstarSearch::Link(uint32_t index, uint32_t bucket, uint64_t fields) 
 // Takes a cell out of its bucket's list.
 inline void AstarSearch::Unlink(uint32_t index, uint32_t bucket) {
   const uint64_t node = nodes_[index];
-  const uint32_t next = static_cast<uint32_t>(node >> kNextShift);
+  const uint32_t next = static_cast<uint32_t>(node >> kNextShift & kIndexMask);
   if (bucket_head_[bucket] == index) {
     bucket_head_[bucket] = next;
-    if (next == index) UnmarkBucket(bucket);
+    UnmarkIf(next == index, bucket);
     return;
   }
   const uint32_t prev = static_cast<uint32_t>(node >> kPrevShift & kIndexMask);
-  if (next == index) {
-    SetNext(prev, prev);
-  } else {
-    SetNext(prev, next);
-    SetPrev(next, prev);
-  }
+  SetNext(prev, next == index ? prev : next);
+  SetPrev(next, prev);
+}
+
+// The bit of its word stays when the word becomes empty: PopFirst takes it back.
+inline void AstarSearch::UnmarkIf(bool empty, uint32_t bucket) {
+  bucket_used_[bucket / 64] &= ~(uint64_t{empty} << (bucket % 64));
 }
 
 inline void AstarSearch::SetNext(uint32_t index, uint32_t next) {
@@ -411,11 +404,6 @@ inline void AstarSearch::MarkBucket(uint32_t bucket) {
   bucket_words_used_ |= uint64_t{1} << (bucket / 64);
 }
 
-inline void AstarSearch::UnmarkBucket(uint32_t bucket) {
-  bucket_used_[bucket / 64] &= ~(uint64_t{1} << (bucket % 64));
-  if (bucket_used_[bucket / 64] == 0) bucket_words_used_ &= ~(uint64_t{1} << (bucket / 64));
-}
-
 // 70 x straight + 99 x diagonal steps on a free plane.
 inline uint32_t AstarSearch::Heuristic(uint32_t index) const {
   const int32_t dx =
@@ -425,8 +413,8 @@ inline uint32_t AstarSearch::Heuristic(uint32_t index) const {
   const uint32_t ax = static_cast<uint32_t>(dx < 0 ? -dx : dx);
   const uint32_t ay = static_cast<uint32_t>(dy < 0 ? -dy : dy);
   const uint32_t larger = ax < ay ? ay : ax;
-  const uint32_t smaller = ax < ay ? ax : ay;
-  return kStraightLength * (larger - smaller) + kDiagonalLength * smaller;
+  return (2 * kStraightLength - kDiagonalLength) * larger +
+         (kDiagonalLength - kStraightLength) * (ax + ay);
 }
 
 void AstarSearch::Finish(Status status) {

@@ -58,8 +58,10 @@ struct AstarResult {
 
 class AstarSearch {
  public:
+  // The node array is relabelled at most so often in a query: see Step.
+  static constexpr int kMaxLabelMoves = 33;
   // No query takes more units than this.
-  static constexpr int kMaxUnits = 2 * kMapSize_cells + 2 * kMapCells;
+  static constexpr int kMaxUnits = (2 + kMaxLabelMoves) * kMapSize_cells + 2 * kMapCells;
 
   // Positions in the odom frame. kNotFinite, kParameterOutOfRange (max_expansions outside 1 to
   // kMapCells, move_goal_out_of_obstacle neither 0 nor 1), kStartOutsideMap, kGoalInObstacle end
@@ -69,8 +71,9 @@ class AstarSearch {
 
   // A unit is one row of the node array cleared (512 of them in the first query and in every 127th
   // after it), one row scanned for the free cell nearest to the goal (512, only for a goal in an
-  // obstacle; ties: the lowest index), one expansion, or one cell of the path traced back. Costs
-  // above kMaxCost_q8 count as that.
+  // obstacle; ties: the lowest index), one expansion, one row of the node array relabelled (512
+  // when cost so far plus heuristic passes 2^18 - 2^13 and after each 3.3e7 more; the query after
+  // that clears), or one cell of the path traced back. Costs above kMaxCost_q8 count as that.
   Progress Step(const Costmap& map, int units);
 
   // Outcomes: kOk; kGoalOutsideMap; kGoalMoved; kStartInObstacle (a path, left along falling
@@ -88,26 +91,31 @@ class AstarSearch {
   Cell Next(Cell cell) const;
 
  private:
-  enum class Phase : uint8_t { kDone, kClear, kMoveGoal, kSearch, kTrace };
+  enum class Phase : uint8_t { kDone, kClear, kMoveGoal, kSearch, kMoveLabels, kTrace };
 
   static constexpr uint32_t kBuckets = 4096;
   static constexpr uint32_t kBucketWords = kBuckets / 64;
+  static constexpr uint32_t kNone = kMapCells;  // no index
 
   int ClearNodes(int units);
   int MoveGoal(const Costmap& map, int units);
   int Search(const Costmap& map, int units);
+  int MoveLabels(int units);
   int Trace(int units);
 
   void StartSearch();
   void Expand(const Costmap& map, uint32_t index);
-  void Relax(uint32_t index, uint32_t direction, uint32_t g);
+  uint32_t CheaperAhead(const Costmap& map, uint32_t index, uint64_t node) const;
+  uint32_t CheaperAround(const Costmap& map, uint32_t index, uint64_t node) const;
+  uint32_t Cheaper(const Costmap& map, uint32_t neighbour, uint32_t length, uint32_t label) const;
+  void Relax(uint32_t index, uint32_t direction, uint32_t label);
   uint32_t PopFirst();
   void Link(uint32_t index, uint32_t bucket, uint64_t fields);
   void Unlink(uint32_t index, uint32_t bucket);
   void SetNext(uint32_t index, uint32_t next);
   void SetPrev(uint32_t index, uint32_t prev);
   void MarkBucket(uint32_t bucket);
-  void UnmarkBucket(uint32_t bucket);
+  void UnmarkIf(bool empty, uint32_t bucket);
   uint32_t Heuristic(uint32_t index) const;
   void Finish(Status status);
   void BeginTrace(uint32_t end, uint32_t cost, bool partial);
@@ -120,16 +128,19 @@ class AstarSearch {
   // list through nodes_. Only the heads of marked buckets are valid.
   uint32_t bucket_head_[kBuckets];
   uint64_t bucket_used_[kBucketWords];  // a bit a bucket
-  uint64_t bucket_words_used_ = 0;      // a bit a word of bucket_used_
-  uint32_t least_f_ = 0;                // of the cell expanded last: not above any in the open set
+  uint64_t bucket_words_used_ = 0;  // a bit a word of bucket_used_; set wherever the word is not 0
+  uint32_t least_f_ = 0;            // of the cell expanded last: not above any in the open set
 
   AstarResult result_;
   GridWindow window_;
   uint32_t start_ = 0;  // indices
   uint32_t goal_ = 0;
   int32_t max_expansions_ = 0;
-  uint32_t epoch_ = 0;                    // of the query, 1 to kLastEpoch; 0 before the first
-  int32_t row_ = 0;                       // next row of kClear or kMoveGoal
+  // Labels: base_ + g in this query, and less than ceiling_; of earlier queries at least that.
+  uint32_t base_ = 0;
+  uint32_t ceiling_ = 0;
+  uint32_t least_label_ = 0;              // that there is; 0: the next query has to clear
+  int32_t row_ = 0;                       // next row of kClear, kMoveGoal or kMoveLabels
   int32_t nearest_distance2_cells2_ = 0;  // of the best goal seen so far
   uint32_t nearest_goal_ = 0;
   uint32_t best_ = 0;  // the end of a partial path, as seen so far, ...

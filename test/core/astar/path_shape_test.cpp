@@ -124,6 +124,33 @@ TEST_F(AstarPath, WindsThroughAWideCombOfTheLargestCosts) {
   SolveAndCheck(*map, {0, 0}, {505, 255});
 }
 
+TEST_F(AstarPath, KeepsCountOfTheDearestCosts) {
+  // Far beyond the 25 bits that a cell keeps of its cost, in one call and in steps; the query after
+  // it is not disturbed.
+  const auto map = Comb(1);
+  for (uint16_t& cost_q8 : map->cost_q8) cost_q8 = kMaxCost_q8;
+  EXPECT_GT(SolveAndCheck(*map, {0, 0}, {510, 0}).cost, int64_t{130000} * 70 * 40);
+  const std::vector<Cell> path = PathOf(*search_);
+  ASSERT_EQ(search_->Begin(*map, {}, CellCenter({0, 0}), CellCenter({510, 0})), Status::kOk);
+  int units = 0;
+  while (search_->Step(*map, 777) == Progress::kBusy) {
+    ASSERT_LE(units += 777, AstarSearch::kMaxUnits);
+  }
+  EXPECT_EQ(PathOf(*search_), path);
+  SolveAndCheck(*map, {2, 100}, {6, 400});
+}
+
+TEST_F(AstarPath, IsNotDisturbedByADearQueryGivenUpAnywhere) {
+  const auto map = Comb(1);
+  for (uint16_t& cost_q8 : map->cost_q8) cost_q8 = kMaxCost_q8;
+  for (const int units : {1, 511, 513, 600, 800, 1100, 1200, 5000, 13000}) {
+    SCOPED_TRACE("given up after " + std::to_string(units));
+    ASSERT_EQ(search_->Begin(*map, {}, CellCenter({0, 0}), CellCenter({510, 0})), Status::kOk);
+    ASSERT_EQ(search_->Step(*map, units), Progress::kBusy);
+    SolveAndCheck(*map, {2, 100}, {4, 40});
+  }
+}
+
 TEST_F(AstarPath, ReachesTheMiddleOfASpiral) {
   // A corridor of one cell along the border, turning inwards after every wall:
   //   ........

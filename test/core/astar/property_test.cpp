@@ -14,8 +14,10 @@ namespace {
 
 #ifdef NDEBUG
 constexpr int kProblems = 10000;
+constexpr int kLargeMaps = 10;
 #else
 constexpr int kProblems = 1000;
+constexpr int kLargeMaps = 2;
 #endif
 
 using Random = std::mt19937;
@@ -144,6 +146,54 @@ TEST(AstarSearch, CostsWhatDijkstraFindsOnRandomMaps) {
                               Status::kNoPath, Status::kStartEnclosed}) {
     EXPECT_GT(outcomes[status], kProblems / 500) << StatusName(status);
   }
+}
+
+TEST(AstarSearch, CostsWhatDijkstraFindsOnWholeMaps) {
+  // A thousand random boxes of some cost each, a quarter of them lethal, and rough ground on every
+  // other map: costs so far that outgrow what a query begins with.
+  constexpr int kGoals = 15;
+  const auto search = std::make_unique<AstarSearch>();
+  int reached = 0;
+  for (int seed = 0; seed < kLargeMaps; ++seed) {
+    Random random(static_cast<unsigned>(seed) + 6000000);
+    const auto map = UniformMap(false);
+    for (int box = 0; box < 1000; ++box) {
+      const int left = Pick(random, 0, kMapSize_cells - 20);
+      const int bottom = Pick(random, 0, kMapSize_cells - 20);
+      const bool lethal = Pick(random, 0, 3) == 0;
+      const int cost_q8 = Pick(random, 0, kMaxCost_q8);
+      for (int cell = 0; cell < 20 * 20; ++cell) {
+        const int index = (bottom + cell / 20) * kMapSize_cells + left + cell % 20;
+        map->cost_q8[index] = static_cast<uint16_t>(cost_q8);
+        if (lethal) SetLethal(*map, index, 255);
+      }
+    }
+    if (seed % 2 == 0) {
+      for (uint16_t& cost_q8 : map->cost_q8) {
+        cost_q8 = static_cast<uint16_t>(cost_q8 / 2 + Pick(random, 0, kMaxCost_q8 / 2));
+      }
+    }
+    const auto pick_free = [&] {
+      int index = Pick(random, 0, kMapCells - 1);
+      while (map->Lethal(index)) index = Pick(random, 0, kMapCells - 1);
+      return map->window.FromIndex(index);
+    };
+    const Cell start = pick_free();
+    ReferenceSearch reference(*map);
+    reference.Solve(start.x, start.y);
+    for (int query = 0; query < kGoals; ++query) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + " query " + std::to_string(query));
+      const Cell goal = pick_free();
+      const AstarResult& result = Solve(*search, *map, start, goal);
+      const int64_t cost = reference.CostTo(goal.x, goal.y);
+      ASSERT_EQ(result.status, cost == ReferenceSearch::kUnreached ? Status::kNoPath : Status::kOk);
+      if (result.status != Status::kOk) continue;
+      ++reached;
+      ASSERT_EQ(result.cost, cost);
+      ASSERT_EQ(FaultOfPath(*map, *search), "");
+    }
+  }
+  EXPECT_GT(reached, kLargeMaps * kGoals / 2);
 }
 
 TEST(AstarSearch, EndsAPartialPathAtTheBestCellExpanded) {
