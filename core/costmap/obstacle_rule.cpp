@@ -291,7 +291,7 @@ void CostmapBuilder::FlagRow(int row) {
       const bool soft = (highest_soft[x] > high[x]) & (highest_soft[x] != kNone) & !hard;
       const bool observed = hard | soft | ((seen[x] & kSeen) != 0);
       flags[x] = static_cast<uint8_t>((hard ? Costmap::kHard : 0) | (soft ? Costmap::kSoft : 0) |
-                                      (hard & (person_seen != 0) ? Costmap::kPerson : 0) |
+                                      ((hard & (person_seen != 0)) ? Costmap::kPerson : 0) |
                                       (observed ? Costmap::kObserved : 0));
     }
   }
