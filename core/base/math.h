@@ -46,6 +46,12 @@ inline float Sqrt(float value) {
 }
 
 // Clears the sign: one instruction, also for four values at once.
+// The same of what cannot be negative: no check, so that a loop around it is vectorised. Negative
+// or NaN gives NaN.
+inline float SqrtUnchecked(float value) {
+  return __builtin_sqrtf(value);
+}
+
 constexpr float Abs(float value) {
   return __builtin_fabsf(value);
 }

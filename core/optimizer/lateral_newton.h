@@ -24,7 +24,8 @@
 //   each point; where it is concave it gives no second derivative. So the matrix stays positive
 //   definite but for rounding, and where rounding breaks it, damping mends it.
 // - Where their distances have become uneven, a step's points are spread along its path again, if F
-//   is lowered so too.
+//   is lowered so too. Very uneven ones are spread in any case; until F is as low again, path() is
+//   what it was before.
 //
 // It finds a local minimum near its seed, does not judge it, and stays on the seed's side of an
 // obstacle. It is made for PlanarModel: it knows how chords turn.

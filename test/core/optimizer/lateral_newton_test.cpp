@@ -180,6 +180,23 @@ TEST_F(LateralNewtonTest, GivesTheSameResultInUnitsOfAnySize) {
   }
 }
 
+TEST_F(LateralNewtonTest, RemembersNothingOfEarlierPaths) {
+  UseForest(3);
+  const WorldPath seed = Staircase(3, 90, {-12.0f, 0.0f});
+  Run(seed);
+  const WorldPath fresh = newton_->path();
+  for (const float scale : {1.0f, 1e15f}) {  // a longer one, and one of huge numbers
+    WorldPath other = Staircase(7, 200, {-20.0f, 0.0f});
+    for (Pose2& pose : other) {
+      pose.x_m *= scale;
+      pose.y_m *= scale;
+    }
+    Run(other);
+    Run(seed);
+    EXPECT_TRUE(SamePoints(newton_->path(), fresh));
+  }
+}
+
 TEST_F(LateralNewtonTest, KeepsBothEndsAndTheFirstChordBitForBit) {
   for (const bool keep_end : {false, true}) {
     keep_end_heading_ = keep_end;
@@ -282,7 +299,7 @@ TEST_F(LateralNewtonTest, LeavesNoBumpThatWouldLowerTheCostMuch) {
 // On problems of which each is made of discs and of a staircase through them. Run to convergence,
 // the paper's solver is stopped by nothing but its own steps.
 TEST_F(LateralNewtonTest, IsSeldomWorseThanThePapersDescentRunToConvergence) {
-  constexpr int kProblems = 20;
+  constexpr int kProblems = 12;
   auto descent = std::make_unique<Optimizer>();
   OptimizerParams converged = params_;
   converged.method = OptimizerParams::kPaperDescent;
@@ -306,7 +323,7 @@ TEST_F(LateralNewtonTest, IsSeldomWorseThanThePapersDescentRunToConvergence) {
         ours.largest_curvature_per_m <= 0.505f && ours.largest_rate_per_m2 <= 0.505f;
     if (they_keep && !we_keep) ++lost_limits;
   }
-  EXPECT_GE(not_worse, kProblems * 19 / 20);
+  EXPECT_GE(not_worse, kProblems - 1);
   EXPECT_EQ(lost_limits, 0);
 }
 
