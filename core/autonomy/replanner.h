@@ -35,11 +35,10 @@
 // 4. Where the ends differ, no cost can be compared. So the committed path is carried on: its rest
 //    up to a point B, and a second plan from B to the goal on the same map.
 //    - Its rest is free and ends short of the goal (which is off the map, or further than a path is
-//      long), and the new plan gets extend_m nearer: B is kTail_m before its end, since the last
-//      stretch was bent towards an end that is none.
+//      long), and the new plan reaches it or gets extend_m nearer: B is kTail_m before its end,
+//      since the last stretch was bent towards an end that is none.
 //    - Its rest is blocked more than kFarBlock_m behind the anchor: B is half way to the block.
-//    What
-//      is far away does not change the side on which the next obstacle is passed.
+//      What is far away does not change the side on which the next obstacle is passed.
 //    - In its last kTail_m it is not carried on: the new plan itself is the extension.
 // 5. Judgement, on that one map, from the anchor on. F is the optimizer's cost (CostOf). If both
 //    end at the same place (kSameEnd_m), the new plan is clearly cheaper where

@@ -55,9 +55,11 @@ bool Replanner::EndCouldBeNearer(int anchor) const {
   const float left_m = WayTo(rest_, rest_.size() - 1) - WayTo(rest_, anchor);
   const Vec2 goal = round_goal_.position_odom;
   const float nearer_m = Distance(end, goal) - Distance(fresh_end, goal);
-  // Of two ends that both lie beside the goal the committed one is rather good enough.
-  const float worth_m = Distance(fresh_end, goal) <= kSameEnd_m ? kSameEnd_m : kNearerEnd_m;
-  if (nearer_m > (left_m < kTail_m ? worth_m : params_.replan.extend_m)) return true;
+  // An end at the goal itself is worth having at once. Of two ends that both lie beside it the
+  // committed one is rather good enough, and a window that moves on is followed in stretches.
+  const bool reaches_goal = Distance(fresh_end, goal) <= kSameEnd_m;
+  const float beside_m = left_m < kTail_m ? kNearerEnd_m : params_.replan.extend_m;
+  if (nearer_m > (reaches_goal ? kSameEnd_m : beside_m)) return true;
   const bool is_cut = !AreSame(fresh_end, fresh_.end_odom);
   return is_cut && !AreSame(end, fresh_.end_odom) &&
          LengthOf(fresh_.path) > left_m + params_.replan.extend_m;
