@@ -202,9 +202,11 @@ inline constexpr std::array kReplanTable = {
     HP_REPLAN(cheaper_share, 0.0f, 1.0f,
               "On the same map and to the same end a new plan replaces the committed one only if "
               "it costs less by this share of the committed one's cost (ours)."),
-    HP_REPLAN(cheaper_floor, 0.0f, 1000.0f,
-              "And by at least this: where both cost next to nothing a share says nothing. Turning "
-              "by 0.5 rad costs 0.5, and so does half a metre of unknown ground (ours)."),
+    HP_REPLAN(
+        cheaper_floor, 0.0f, 1000.0f,
+        "And by at least this: where both cost little a share says nothing, and edges of obstacles "
+        "that flicker by a cell change the cost of a path past one by up to 0.8. Turning by "
+        "1 rad costs 1, and so does a metre of unknown ground (ours)."),
     HP_REPLAN(max_cross_track_m, 0.05f, 5.0f,
               "Further off the committed path than this the new plan starts from the vehicle's "
               "predicted pose instead of from the path (ours)."),
