@@ -175,13 +175,15 @@ class CostmapBuilder {
   void FindLimitsInCell();
   void FlagRow(int row);
   void CellUnit();
-  void NoteObstacles(int row, uint8_t flags);
-  void NoteObstaclesAbove(int row);
+  Columns NearObstacles(int layer, int row, int reach_cells) const;
   void SweepObstacles(int row);
   void FindRegions(int row);
   void FindCosts(int row);
-  void AddCosts(int row, const uint8_t* hard2, const uint8_t* soft2);
-  void AddHardCosts(int row, const uint8_t* hard2);
+  const uint8_t* HardDistances(int row, const Columns& columns);
+  const uint8_t* SoftDistances(int row, const Columns& columns);
+  void AddCosts(int row, int begin, const uint8_t* hard2, const uint8_t* soft2);
+  void AddHardCosts(int row, int begin, const uint8_t* hard2);
+  void AddUnknown(int row, int begin);
   uint16_t CostOf(uint16_t hard, uint16_t soft) const {
     return static_cast<uint16_t>(hard_cost_q8_[hard] + soft_cost_q8_[soft]);
   }
@@ -228,8 +230,8 @@ class CostmapBuilder {
   PaddedRow<uint8_t> soft_row_;
   PaddedRow<uint8_t> padded_[kPaddedRows];
   PaddedRow<uint8_t> row_flags_;
-  // By layer: how far each row is from the nearest one that holds an obstacle.
-  uint8_t row_gaps_[kLayers][kMapSize_cells] = {};
+  // By layer and row: which of its blocks hold an obstacle, a bit each.
+  uint8_t row_blocks_[kLayers][kMapSize_cells] = {};
   bool any_returns_[kBlocks] = {};          // of a row's blocks, while classing
   uint8_t chord_steps_[kReach_cells] = {};  // see FillChord
   // The layers' costs by squared distance, outside the region and behind these inside. Of the hard

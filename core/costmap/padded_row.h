@@ -9,6 +9,14 @@
 
 namespace hardpack {
 
+// A part of a row.
+struct Columns {
+  int begin = 0;
+  int end = 0;
+
+  bool Contain(int x) const { return x >= begin && x < end; }
+};
+
 // A row that is looked at to both sides. Beyond either end a margin stands for what lies beyond the
 // map.
 template <typename T>

@@ -4,11 +4,14 @@
 // vertical distances, and the smallest sum of squares along the row. The way back over the
 // obstacles finishes a row at once and is the first sweep over the regions.
 //
-//   kObstacles, up      vertical distance to the obstacle cells, so far among the rows below
-//   kRegions, down      the same among all rows; hard_distance2 and the regions; vertical distance
-//   to
-//                       the regions' edges, so far among the rows above
-//   kCosts, up          the same among all rows; distances from the regions' edges; depth and cost
+//   kObstacles, up   vertical distance to the obstacle cells, so far among the rows below
+//   kRegions, down   the same among all rows; hard_distance2 and the regions; vertical distance to
+//                    the regions' edges, so far among the rows above
+//   kCosts, up       the same among all rows; distances from the regions' edges; depth and cost
+//
+// Blocks of cells that lie too far from every obstacle of a layer, to either side, are left out.
+#include <bit>
+
 #include "core/base/loop_bound.h"
 #include "core/base/saturate.h"
 #include "core/costmap/costmap.h"
@@ -21,10 +24,18 @@ namespace {
 constexpr uint8_t kFar2 = kMaxDistance2_cells2;
 constexpr uint8_t kFar = 16;  // squared, it is beyond the saturation
 constexpr uint8_t kNoEdge = kFar - 1;
-constexpr uint8_t kFarRows = 250;  // more than any distance that matters
 
 // Costs in one round: a loop over single cells takes as many instructions again to count them.
 constexpr int kAtOnce = 8;
+
+// The rest of a row.
+template <typename T>
+void FillBeside(const Columns& columns, T value, T* row) {
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = 0; x < columns.begin; ++x) row[x] = value;
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = columns.end; x < kMapSize_cells; ++x) row[x] = value;
+}
 
 constexpr int Square(int x) {
   return x * x;
@@ -60,10 +71,11 @@ inline uint8_t SmallestBeside(const uint8_t* center) {
 // row has margins. Once with kBefore = 0, or several times, each after the other's reach, it is
 // min over dx of row[x + dx] + dx^2.
 template <int kBefore, int kReach>
-void SmallestPlusSquare(const uint8_t* __restrict row, uint8_t* __restrict to) {
+void SmallestPlusSquare(const uint8_t* __restrict row, const Columns& columns,
+                        uint8_t* __restrict to) {
   constexpr int kStep = Square(kBefore + 1) - Square(kBefore);
   HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) {
+  for (int x = columns.begin; x < columns.end; ++x) {
     const int beside = SmallestBeside<kBefore, 1, kReach>(row + x) + kStep;
     to[x] = Smaller(row[x], static_cast<uint8_t>(beside));
   }
@@ -82,9 +94,9 @@ inline uint8_t SmallestBeside(const uint8_t* center, const uint8_t* steps) {
 
 template <int kReach>
 void SmallestPlusSteps(const uint8_t* __restrict row, const uint8_t* __restrict steps,
-                       uint8_t* __restrict to) {
+                       const Columns& columns, uint8_t* __restrict to) {
   HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) {
+  for (int x = columns.begin; x < columns.end; ++x) {
     const int beside = SmallestBeside<1, kReach>(row + x, steps) + steps[0];
     to[x] = Smaller(row[x], static_cast<uint8_t>(beside));
   }
@@ -103,13 +115,14 @@ inline uint8_t FromEdge(int changes, uint8_t flag, uint8_t before) {
 }
 
 // Vertical distances to the cells of either kind, so far among the rows that have come. hard and
-// soft hold the row before, and then this one. Returns all flags that the row has.
+// soft hold the row before, and then this one. Returns all flags that these kCells cells have.
+template <int kCells>
 uint8_t SweepFrom(const uint8_t* __restrict flags, uint8_t* __restrict hard,
                   uint8_t* __restrict soft, uint8_t* __restrict hard_plane,
                   uint8_t* __restrict soft_plane) {
   uint8_t all = 0;
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) {
+  HP_LOOP_BOUND(kCells)
+  for (int x = 0; x < kCells; ++x) {
     hard[x] = FromFlag(flags[x], Costmap::kHard, hard[x]);
     soft[x] = FromFlag(flags[x], Costmap::kSoft, soft[x]);
     hard_plane[x] = hard[x];
@@ -164,11 +177,12 @@ void SweepEdgesFrom(const EdgeRows& rows, const uint8_t* __restrict hard_before,
 
 // The smaller of these, and of those the other way, and their squares.
 void SweepEdgesBack(const EdgeRows& rows, uint8_t flag, const uint8_t* __restrict plane,
-                    uint8_t* __restrict distance, uint8_t* __restrict squared) {
+                    const Columns& columns, uint8_t* __restrict distance,
+                    uint8_t* __restrict squared) {
   const uint8_t* __restrict flags = rows.flags;
   const uint8_t* __restrict flags_before = rows.flags_before;
   HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) {
+  for (int x = columns.begin; x < columns.end; ++x) {
     const int changes = flags[x] ^ flags_before[x];
     const uint8_t further = static_cast<uint8_t>(distance[x] + 1);
     const uint8_t here = (changes & flag) == 0 ? further : uint8_t{0};
@@ -182,10 +196,11 @@ void SweepEdgesBack(const EdgeRows& rows, uint8_t flag, const uint8_t* __restric
 // = 1 where a cell beside lies on the other side, else min over |dx| <= 1 of squared[x + dx] +
 // dx^2. Flags and squares have margins.
 void StepFromEdges(const uint8_t* __restrict flags, uint8_t region,
-                   const uint8_t* __restrict squared, uint8_t* __restrict to) {
+                   const uint8_t* __restrict squared, const Columns& columns,
+                   uint8_t* __restrict to) {
   constexpr uint8_t kLimit = kFar2 - 1;
   HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) {
+  for (int x = columns.begin; x < columns.end; ++x) {
     const int changes = (flags[x] ^ flags[x - 1]) | (flags[x] ^ flags[x + 1]);
     const uint8_t beside = Smaller(Smaller(squared[x - 1], squared[x + 1]), kLimit);
     const uint8_t nearest = Smaller(squared[x], static_cast<uint8_t>(beside + 1));
@@ -278,24 +293,20 @@ void CostmapBuilder::CellUnit() {
   }
 }
 
-// How far a row is from the nearest one that holds an obstacle of a layer, so far as rows have
-// come. `next`: of the row before.
-void CostmapBuilder::NoteObstacles(int row, uint8_t flags) {
-  constexpr uint8_t kKinds[kLayers] = {Costmap::kHard, Costmap::kSoft};
-  HP_LOOP_BOUND(kLayers)
-  for (int layer = 0; layer < kLayers; ++layer) {
-    const uint8_t before = row == 0 ? kFarRows : row_gaps_[layer][row - 1];
-    const bool here = (flags & kKinds[layer]) != 0;
-    row_gaps_[layer][row] = here ? 0 : Smaller(static_cast<uint8_t>(before + 1), kFarRows);
-  }
-}
-
-void CostmapBuilder::NoteObstaclesAbove(int row) {
-  if (row == kMapSize_cells - 1) return;
-  HP_LOOP_BOUND(kLayers)
-  for (auto& gaps : row_gaps_) {
-    gaps[row] = Smaller(gaps[row], static_cast<uint8_t>(gaps[row + 1] + 1));
-  }
+// Where in a row something may lie within reach_cells of an obstacle of a layer: from the first to
+// the last of the blocks with one in the rows so near, and the blocks beside them.
+Columns CostmapBuilder::NearObstacles(int layer, int row, int reach_cells) const {
+  static_assert(kBlock_cells >= 2 * kReach_cells && kBlocks == 8);
+  const int first = ClampInt(row - reach_cells, 0, kMapSize_cells - 1);
+  const int last = ClampInt(row + reach_cells, 0, kMapSize_cells - 1);
+  const uint8_t* blocks = row_blocks_[layer];
+  uint8_t any = 0;
+  HP_LOOP_BOUND(4 * kReach_cells + 1)
+  for (int y = first; y <= last; ++y) any = static_cast<uint8_t>(any | blocks[y]);
+  const unsigned near = (any | unsigned{any} << 1 | unsigned{any} >> 1) & 0xff;
+  if (near == 0) return {};
+  return {std::countr_zero(near) * kBlock_cells,
+          static_cast<int>(std::bit_width(near)) * kBlock_cells};
 }
 
 void CostmapBuilder::SweepObstacles(int row) {
@@ -308,8 +319,20 @@ void CostmapBuilder::SweepObstacles(int row) {
     for (auto& padded : padded_) padded.FillMargins();
   }
   const int begin = row * kMapSize_cells;
-  NoteObstacles(row, SweepFrom(map_.flags + begin, hard_row_, soft_row_.cells(),
-                               map_.hard_distance2 + begin, plane_ + begin));
+  unsigned hard_blocks = 0;
+  unsigned soft_blocks = 0;
+  HP_LOOP_BOUND(kBlocks)
+  for (int block = 0; block < kBlocks; ++block) {
+    const int x = block * kBlock_cells;
+    const int cell = begin + x;
+    const unsigned all =
+        SweepFrom<kBlock_cells>(map_.flags + cell, hard_row_ + x, soft_row_.cells() + x,
+                                map_.hard_distance2 + cell, plane_ + cell);
+    hard_blocks |= ((all & Costmap::kHard) != 0 ? 1u : 0u) << block;
+    soft_blocks |= ((all & Costmap::kSoft) != 0 ? 1u : 0u) << block;
+  }
+  row_blocks_[0][row] = static_cast<uint8_t>(hard_blocks);
+  row_blocks_[1][row] = static_cast<uint8_t>(soft_blocks);
 }
 
 void CostmapBuilder::FindRegions(int row) {
@@ -323,21 +346,18 @@ void CostmapBuilder::FindRegions(int row) {
     FillRow(hard_row_, kFar);
     FillRow(soft, kFar);
   }
-  NoteObstaclesAbove(row);
   SweepBack(hard2, plane_ + begin, hard_row_, soft, a);
-  if (row_gaps_[0][row] <= kReach_cells) {
-    SmallestPlusSquare<0, kReach_cells>(a, hard2);
-  } else {
-    FillRow(hard2, kFar2);
-  }
-  if (row_gaps_[1][row] > radius_cells_) {
-    FillRow(b, kFar2);
-  } else if (radius_cells_ <= 5) {
-    SmallestPlusSteps<5>(soft, chord_steps_, b);
+  Columns columns = NearObstacles(0, row, kReach_cells);
+  FillBeside(columns, kFar2, hard2);
+  SmallestPlusSquare<0, kReach_cells>(a, columns, hard2);
+  columns = NearObstacles(1, row, radius_cells_);
+  FillBeside(columns, kFar2, b);
+  if (radius_cells_ <= 5) {
+    SmallestPlusSteps<5>(soft, chord_steps_, columns, b);
   } else if (radius_cells_ <= 10) {
-    SmallestPlusSteps<10>(soft, chord_steps_, b);
+    SmallestPlusSteps<10>(soft, chord_steps_, columns, b);
   } else {
-    SmallestPlusSteps<15>(soft, chord_steps_, b);
+    SmallestPlusSteps<15>(soft, chord_steps_, columns, b);
   }
   FlagRegions(hard2, static_cast<uint8_t>(radius2_cells2_), b, static_cast<uint8_t>(radius_cells_),
               map_.flags + begin);
@@ -351,108 +371,126 @@ void CostmapBuilder::FindRegions(int row) {
                  map_.hard_depth2 + begin, plane_ + begin);
 }
 
-// A region's edge keeps the two sides apart by itself: beside it the distance is 1, and what comes
-// from the other side is more. So one pass gives the distances of both sides.
 void CostmapBuilder::FindCosts(int row) {
   const int begin = row * kMapSize_cells;
-  const uint8_t* flags = map_.flags + begin;
-  const EdgeRows rows = {flags, row == 0 ? flags : flags - kMapSize_cells};
   uint8_t* row_flags = row_flags_.cells();
-  uint8_t* soft = soft_row_.cells();
-  uint8_t* a = padded_[0].cells();
-  uint8_t* b = padded_[1].cells();
-  uint8_t* c = padded_[2].cells();
   if (row == 0) {
     FillRow(hard_row_, kNoEdge);
-    FillRow(soft, kNoEdge);
+    FillRow(soft_row_.cells(), kNoEdge);
     const int halo = ReachOf(soft_cost_q8_);
     const int inside = ReachOf(soft_cost_q8_ + kDistances2);
     soft_reach_cells_ = halo > inside ? halo : inside;
   }
-  CopyRow(flags, row_flags);
+  CopyRow(map_.flags + begin, row_flags);
   row_flags[-1] = row_flags[0];
   row_flags[kMapSize_cells] = row_flags[kMapSize_cells - 1];
 
   // No further than this from an obstacle is a cell whose distance to the region is not saturated.
   const int influence_cells = kReach_cells + radius_cells_;
-  SweepEdgesBack(rows, Costmap::kLethal, map_.hard_depth2 + begin, hard_row_, a);
-  const uint8_t* hard2 = a;
-  if (row_gaps_[0][row] <= influence_cells) {
-    StepFromEdges(row_flags, Costmap::kLethal, a, b);
-    SmallestPlusSquare<1, 7>(b, a);
-    SmallestPlusSquare<8, 7>(a, b);
-    hard2 = b;
+  const Columns near_hard = NearObstacles(0, row, influence_cells);
+  const Columns near_soft = NearObstacles(1, row, influence_cells);
+  const uint8_t* hard2 = HardDistances(row, near_hard);
+  const uint8_t* soft2 = SoftDistances(row, near_soft);
+  KeepInside(row_flags, hard2, map_.hard_depth2 + begin);
+  HP_LOOP_BOUND(kBlocks)
+  for (int x = 0; x < kMapSize_cells; x += kBlock_cells) {
+    if (near_soft.Contain(x)) {
+      AddCosts(row, x, hard2 + x, soft2 + x);
+    } else if (near_hard.Contain(x)) {
+      AddHardCosts(row, x, hard2 + x);
+    } else {
+      AddUnknown(row, x);
+    }
   }
-  SweepEdgesBack(rows, Costmap::kSoftRegion, plane_ + begin, soft, c);
-  if (row_gaps_[1][row] > influence_cells) {
-    AddHardCosts(row, hard2);
-    return;
-  }
-  uint8_t* d = hard2 == a ? b : a;
-  StepFromEdges(row_flags, Costmap::kSoftRegion, c, d);
-  SmallestPlusSquare<1, 4>(d, c);
-  const uint8_t* soft2 = c;
-  if (soft_reach_cells_ > 5) {
-    SmallestPlusSquare<5, 5>(c, d);
-    soft2 = d;
-  }
-  if (soft_reach_cells_ > 10) {
-    SmallestPlusSquare<10, 5>(d, c);
-    soft2 = c;
-  }
-  AddCosts(row, hard2, soft2);
 }
 
-// Depth and cost of a row. A cost is looked up by the squared distance, and by the side of the edge
-// on which it is (and whether the ground is known) as the upper byte.
-void CostmapBuilder::AddCosts(int row, const uint8_t* hard2, const uint8_t* soft2) {
-  constexpr int kBlock = 64;
-  uint16_t hard[kBlock];
-  uint16_t soft[kBlock];
-  const uint8_t* flags = row_flags_.cells();
-  uint16_t* cost_q8 = map_.cost_q8 + row * kMapSize_cells;
-  KeepInside(flags, hard2, map_.hard_depth2 + row * kMapSize_cells);
-  HP_LOOP_BOUND(kMapSize_cells / kBlock)
-  for (int begin = 0; begin < kMapSize_cells; begin += kBlock) {
-    HardEntries<kBlock>(flags + begin, hard2 + begin, hard);
-    SoftEntries<kBlock>(flags + begin, soft2 + begin, soft);
-    HP_LOOP_BOUND(kBlock / kAtOnce)
-    for (int i = 0; i < kBlock; i += kAtOnce) {
-      uint16_t* to = cost_q8 + begin + i;
-      to[0] = CostOf(hard[i], soft[i]);
-      to[1] = CostOf(hard[i + 1], soft[i + 1]);
-      to[2] = CostOf(hard[i + 2], soft[i + 2]);
-      to[3] = CostOf(hard[i + 3], soft[i + 3]);
-      to[4] = CostOf(hard[i + 4], soft[i + 4]);
-      to[5] = CostOf(hard[i + 5], soft[i + 5]);
-      to[6] = CostOf(hard[i + 6], soft[i + 6]);
-      to[7] = CostOf(hard[i + 7], soft[i + 7]);
-    }
+// Squared distances to the edge of the lethal region, from either side. The edge keeps the two
+// sides apart by itself: beside it the distance is 1, and what comes from the other side is more.
+// So one pass gives the distances of both sides.
+const uint8_t* CostmapBuilder::HardDistances(int row, const Columns& columns) {
+  const int begin = row * kMapSize_cells;
+  const uint8_t* flags = map_.flags + begin;
+  const EdgeRows rows = {flags, row == 0 ? flags : flags - kMapSize_cells};
+  uint8_t* a = padded_[0].cells();
+  uint8_t* b = padded_[1].cells();
+  FillBeside(columns, kNoEdge, hard_row_);
+  FillBeside(columns, kFar2, a);
+  FillBeside(columns, kFar2, b);
+  SweepEdgesBack(rows, Costmap::kLethal, map_.hard_depth2 + begin, columns, hard_row_, a);
+  StepFromEdges(row_flags_.cells(), Costmap::kLethal, a, columns, b);
+  SmallestPlusSquare<1, 7>(b, columns, a);
+  SmallestPlusSquare<8, 7>(a, columns, b);
+  return b;
+}
+
+// The same for the soft region, as far as its costs change.
+const uint8_t* CostmapBuilder::SoftDistances(int row, const Columns& columns) {
+  const int begin = row * kMapSize_cells;
+  const uint8_t* flags = map_.flags + begin;
+  const EdgeRows rows = {flags, row == 0 ? flags : flags - kMapSize_cells};
+  uint8_t* a = padded_[0].cells();
+  uint8_t* c = padded_[2].cells();
+  FillBeside(columns, kNoEdge, soft_row_.cells());
+  FillBeside(columns, kFar2, a);
+  FillBeside(columns, kFar2, c);
+  SweepEdgesBack(rows, Costmap::kSoftRegion, plane_ + begin, columns, soft_row_.cells(), c);
+  StepFromEdges(row_flags_.cells(), Costmap::kSoftRegion, c, columns, a);
+  SmallestPlusSquare<1, 4>(a, columns, c);
+  if (soft_reach_cells_ <= 5) return c;
+  SmallestPlusSquare<5, 5>(c, columns, a);
+  if (soft_reach_cells_ <= 10) return a;
+  SmallestPlusSquare<10, 5>(a, columns, c);
+  return c;
+}
+
+// Costs of a block. A cost is looked up by the squared distance, and by the side of the edge on
+// which it is (and whether the ground is known) as the upper byte.
+void CostmapBuilder::AddCosts(int row, int begin, const uint8_t* hard2, const uint8_t* soft2) {
+  uint16_t hard[kBlock_cells];
+  uint16_t soft[kBlock_cells];
+  const uint8_t* flags = row_flags_.cells() + begin;
+  HardEntries<kBlock_cells>(flags, hard2, hard);
+  SoftEntries<kBlock_cells>(flags, soft2, soft);
+  HP_LOOP_BOUND(kBlock_cells / kAtOnce)
+  for (int i = 0; i < kBlock_cells; i += kAtOnce) {
+    uint16_t* to = map_.cost_q8 + row * kMapSize_cells + begin + i;
+    to[0] = CostOf(hard[i], soft[i]);
+    to[1] = CostOf(hard[i + 1], soft[i + 1]);
+    to[2] = CostOf(hard[i + 2], soft[i + 2]);
+    to[3] = CostOf(hard[i + 3], soft[i + 3]);
+    to[4] = CostOf(hard[i + 4], soft[i + 4]);
+    to[5] = CostOf(hard[i + 5], soft[i + 5]);
+    to[6] = CostOf(hard[i + 6], soft[i + 6]);
+    to[7] = CostOf(hard[i + 7], soft[i + 7]);
   }
 }
 
 // The same far from the soft layer.
-void CostmapBuilder::AddHardCosts(int row, const uint8_t* hard2) {
-  constexpr int kBlock = 64;
-  uint16_t hard[kBlock];
-  const uint8_t* flags = row_flags_.cells();
-  uint16_t* cost_q8 = map_.cost_q8 + row * kMapSize_cells;
-  KeepInside(flags, hard2, map_.hard_depth2 + row * kMapSize_cells);
-  HP_LOOP_BOUND(kMapSize_cells / kBlock)
-  for (int begin = 0; begin < kMapSize_cells; begin += kBlock) {
-    HardEntries<kBlock>(flags + begin, hard2 + begin, hard);
-    HP_LOOP_BOUND(kBlock / kAtOnce)
-    for (int i = 0; i < kBlock; i += kAtOnce) {
-      uint16_t* to = cost_q8 + begin + i;
-      to[0] = hard_cost_q8_[hard[i]];
-      to[1] = hard_cost_q8_[hard[i + 1]];
-      to[2] = hard_cost_q8_[hard[i + 2]];
-      to[3] = hard_cost_q8_[hard[i + 3]];
-      to[4] = hard_cost_q8_[hard[i + 4]];
-      to[5] = hard_cost_q8_[hard[i + 5]];
-      to[6] = hard_cost_q8_[hard[i + 6]];
-      to[7] = hard_cost_q8_[hard[i + 7]];
-    }
+void CostmapBuilder::AddHardCosts(int row, int begin, const uint8_t* hard2) {
+  uint16_t hard[kBlock_cells];
+  HardEntries<kBlock_cells>(row_flags_.cells() + begin, hard2, hard);
+  HP_LOOP_BOUND(kBlock_cells / kAtOnce)
+  for (int i = 0; i < kBlock_cells; i += kAtOnce) {
+    uint16_t* to = map_.cost_q8 + row * kMapSize_cells + begin + i;
+    to[0] = hard_cost_q8_[hard[i]];
+    to[1] = hard_cost_q8_[hard[i + 1]];
+    to[2] = hard_cost_q8_[hard[i + 2]];
+    to[3] = hard_cost_q8_[hard[i + 3]];
+    to[4] = hard_cost_q8_[hard[i + 4]];
+    to[5] = hard_cost_q8_[hard[i + 5]];
+    to[6] = hard_cost_q8_[hard[i + 6]];
+    to[7] = hard_cost_q8_[hard[i + 7]];
+  }
+}
+
+// The same far from either layer.
+void CostmapBuilder::AddUnknown(int row, int begin) {
+  const uint16_t unknown_q8 = hard_cost_q8_[kMaxDistance2_cells2];
+  const uint8_t* __restrict flags = row_flags_.cells() + begin;
+  uint16_t* __restrict to = map_.cost_q8 + row * kMapSize_cells + begin;
+  HP_LOOP_BOUND(kBlock_cells)
+  for (int x = 0; x < kBlock_cells; ++x) {
+    to[x] = (flags[x] & Costmap::kObserved) != 0 ? uint16_t{0} : unknown_q8;
   }
 }
 
