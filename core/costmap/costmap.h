@@ -179,8 +179,8 @@ class CostmapBuilder {
   void SweepObstacles(int row);
   void FindRegions(int row);
   void FindCosts(int row);
-  const uint8_t* HardDistances(int row, const Columns& columns);
-  const uint8_t* SoftDistances(int row, const Columns& columns);
+  const uint8_t* HardDistances(int row, Columns columns);
+  const uint8_t* SoftDistances(int row, Columns columns);
   void AddCosts(int row, int begin, const uint8_t* hard2, const uint8_t* soft2);
   void AddHardCosts(int row, int begin, const uint8_t* hard2);
   void AddUnknown(int row, int begin);

@@ -30,7 +30,7 @@ constexpr int kAtOnce = 8;
 
 // The rest of a row.
 template <typename T>
-void FillBeside(const Columns& columns, T value, T* row) {
+void FillBeside(Columns columns, T value, T* row) {
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = 0; x < columns.begin; ++x) row[x] = value;
   HP_LOOP_BOUND(kMapSize_cells)
@@ -71,8 +71,7 @@ inline uint8_t SmallestBeside(const uint8_t* center) {
 // row has margins. Once with kBefore = 0, or several times, each after the other's reach, it is
 // min over dx of row[x + dx] + dx^2.
 template <int kBefore, int kReach>
-void SmallestPlusSquare(const uint8_t* __restrict row, const Columns& columns,
-                        uint8_t* __restrict to) {
+void SmallestPlusSquare(const uint8_t* __restrict row, Columns columns, uint8_t* __restrict to) {
   constexpr int kStep = Square(kBefore + 1) - Square(kBefore);
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = columns.begin; x < columns.end; ++x) {
@@ -94,7 +93,7 @@ inline uint8_t SmallestBeside(const uint8_t* center, const uint8_t* steps) {
 
 template <int kReach>
 void SmallestPlusSteps(const uint8_t* __restrict row, const uint8_t* __restrict steps,
-                       const Columns& columns, uint8_t* __restrict to) {
+                       Columns columns, uint8_t* __restrict to) {
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = columns.begin; x < columns.end; ++x) {
     const int beside = SmallestBeside<1, kReach>(row + x, steps) + steps[0];
@@ -177,8 +176,7 @@ void SweepEdgesFrom(const EdgeRows& rows, const uint8_t* __restrict hard_before,
 
 // The smaller of these, and of those the other way, and their squares.
 void SweepEdgesBack(const EdgeRows& rows, uint8_t flag, const uint8_t* __restrict plane,
-                    const Columns& columns, uint8_t* __restrict distance,
-                    uint8_t* __restrict squared) {
+                    Columns columns, uint8_t* __restrict distance, uint8_t* __restrict squared) {
   const uint8_t* __restrict flags = rows.flags;
   const uint8_t* __restrict flags_before = rows.flags_before;
   HP_LOOP_BOUND(kMapSize_cells)
@@ -196,8 +194,7 @@ void SweepEdgesBack(const EdgeRows& rows, uint8_t flag, const uint8_t* __restric
 // = 1 where a cell beside lies on the other side, else min over |dx| <= 1 of squared[x + dx] +
 // dx^2. Flags and squares have margins.
 void StepFromEdges(const uint8_t* __restrict flags, uint8_t region,
-                   const uint8_t* __restrict squared, const Columns& columns,
-                   uint8_t* __restrict to) {
+                   const uint8_t* __restrict squared, Columns columns, uint8_t* __restrict to) {
   constexpr uint8_t kLimit = kFar2 - 1;
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = columns.begin; x < columns.end; ++x) {
@@ -407,7 +404,7 @@ void CostmapBuilder::FindCosts(int row) {
 // Squared distances to the edge of the lethal region, from either side. The edge keeps the two
 // sides apart by itself: beside it the distance is 1, and what comes from the other side is more.
 // So one pass gives the distances of both sides.
-const uint8_t* CostmapBuilder::HardDistances(int row, const Columns& columns) {
+const uint8_t* CostmapBuilder::HardDistances(int row, Columns columns) {
   const int begin = row * kMapSize_cells;
   const uint8_t* flags = map_.flags + begin;
   const EdgeRows rows = {flags, row == 0 ? flags : flags - kMapSize_cells};
@@ -424,7 +421,7 @@ const uint8_t* CostmapBuilder::HardDistances(int row, const Columns& columns) {
 }
 
 // The same for the soft region, as far as its costs change.
-const uint8_t* CostmapBuilder::SoftDistances(int row, const Columns& columns) {
+const uint8_t* CostmapBuilder::SoftDistances(int row, Columns columns) {
   const int begin = row * kMapSize_cells;
   const uint8_t* flags = map_.flags + begin;
   const EdgeRows rows = {flags, row == 0 ? flags : flags - kMapSize_cells};
