@@ -85,6 +85,19 @@ void WritePicture(const QualityOptions& options, const PlannerParams& params,
   Require(picture::DrawQuality(picture).WritePng(options.out + "/quality_" + number + ".png"));
 }
 
+// Ceres is another library and may do both.
+void RequireNoFailureOfOurOwn(const std::vector<QualityResult>& results) {
+  for (const QualityResult& result : results) {
+    for (const SolverId id : {SolverId::kPaper, SolverId::kPaperConverged, SolverId::kOurs}) {
+      const QualityRun& run = result.of(id);
+      if (run.usable && run.allocations == 0) continue;
+      throw CommandFailure(
+          kWorkFailed, "an optimizer " + std::string(run.usable ? "allocated memory" : "failed") +
+                           " on problem " + std::to_string(result.number));
+    }
+  }
+}
+
 void RunQuality(const QualityOptions& options) {
   if (!options.out.empty()) MakeOutputFolder(options.out);
   const PlannerParams params;
@@ -111,6 +124,7 @@ void RunQuality(const QualityOptions& options) {
   } else {
     PrintQuality(results);
   }
+  RequireNoFailureOfOurOwn(results);
 }
 
 }  // namespace

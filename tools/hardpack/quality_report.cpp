@@ -161,7 +161,6 @@ const QualityRun& QualityResult::of(SolverId id) const {
 
 HeadToHead Compare(const std::vector<QualityResult>& results, SolverId other) {
   HeadToHead head;
-  head.other = other;
   head.problems = static_cast<int>(results.size());
   std::vector<double> shares;
   std::vector<double> speed_ups;

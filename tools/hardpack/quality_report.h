@@ -24,7 +24,6 @@ struct QualityResult {
 
 // Our optimizer beside another solver.
 struct HeadToHead {
-  SolverId other = SolverId::kPaper;
   int no_worse = 0;                // F equal or lower, on so many
   int problems = 0;                // of so many
   double median_cost_share = 0.0;  // F of ours over F of the other
