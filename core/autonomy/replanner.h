@@ -164,7 +164,7 @@ class Replanner {
   static constexpr float kFarBlock_m = 10.0f;
   static constexpr float kNearerEnd_m = 0.5f;  // in the last kTail_m
   static constexpr int kMaxUnits = 2 * Planner::kMaxUnits + PathCheck::kMaxUnits +
-                                   2 * SpeedCaps::kMaxUnits + 4 * Planner::kPortion_units;
+                                   3 * SpeedCaps::kMaxUnits + 4 * Planner::kPortion_units;
 
  private:
   enum class Phase : uint8_t { kIdle, kPlan, kCheck, kExtend, kSpeed };

@@ -105,6 +105,8 @@ bool Replanner::FreshIsUsable() const {
 // Both from the anchor on; see the header, 5.
 void Replanner::CompareCosts() {
   is_cheaper_ = false;
+  round_.committed_cost = 0.0f;
+  round_.new_cost = 0.0f;
   if (rest_.empty() || left_path_ || committed_.is_stop || GoalHasChanged()) return;
   if (!FreshIsUsable() || !(RestIsFree() || ExtensionIsUsable())) return;
   const Plan& extension = planner_.result();

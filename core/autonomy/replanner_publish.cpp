@@ -31,9 +31,12 @@ bool Replanner::HasPassedJoint() const {
 // With the state of this moment, in one unit: so that neither place nor speed has moved on.
 void Replanner::Publish() {
   if (HasPassedJoint()) {
-    // Neither may be chosen again, so this happens once.
-    late_ = true;
-    extension_point_ = -1;
+    // It is not chosen again, so this happens twice at most.
+    if (candidate_.decision == ReplanDecision::kReplaced) {
+      late_ = true;
+    } else {
+      extension_point_ = -1;
+    }
     return Decide();
   }
   Commit(Project(candidate_.path, state_.pose, Stands(), ReachOfRound()));

@@ -38,12 +38,14 @@ void PrintStatus(const char* prefix, Status status);
 void RunBase(Report& report);
 void RunCells(Report& report);
 void RunScenes(Report& report);
+void RunReplan(Report& report);
 
 inline void RunAll() {
   Report report;
   RunBase(report);
   RunCells(report);
   RunScenes(report);
+  RunReplan(report);
   report.PrintTotal();
 }
 
