@@ -57,7 +57,7 @@ class Quality : public testing::Test {
     return pixels;
   }
 
-  const PlannerParams params_;
+  PlannerParams params_;
   std::unique_ptr<CostmapBuilder> builder_ = std::make_unique<CostmapBuilder>();
   QualityPicture picture_;
 };
