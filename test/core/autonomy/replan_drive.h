@@ -34,7 +34,7 @@ struct Drive {
   float speed_mps = 0.0f;
   float along_m = 0.0f;  // of truth, on the committed path
   uint64_t now_ns = 1'000'000'000u;
-  int units = 1000;  // a tick
+  int units = 500;  // a tick
   float jitter_m = 0.0f;
   float jitter_rad = 0.0f;
   bool map_flickers = false;  // each block's sides move by a cell from round to round
