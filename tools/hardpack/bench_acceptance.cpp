@@ -44,7 +44,7 @@ std::vector<Figure> RatiosOf(const std::vector<BenchRow>& rows) {
     const auto best = std::min_element(
         row.peers.begin(), row.peers.end(),
         [](const PeerFigure& a, const PeerFigure& b) { return a.path_cost < b.path_cost; });
-    if (best != row.peers.end()) ratios.push_back({row.scene, Ratio(row, *best)});
+    if (best != row.peers.end()) ratios.push_back({row.scene, best->ratio});
   }
   return ratios;
 }

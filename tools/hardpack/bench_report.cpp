@@ -25,7 +25,7 @@ std::string Remarks(const BenchRow& row) {
   };
   for (const PeerFigure& peer : row.peers) {
     std::string figures =
-        Format("%s %.0f us = x %.1f", peer.name.c_str(), peer.median_us, Ratio(row, peer));
+        Format("%s %.0f us = x %.1f", peer.name.c_str(), peer.median_us, peer.ratio);
     if (peer.path_cost > 0.0) figures += Format(", F %.1f", peer.path_cost);
     add(figures);
   }
@@ -89,7 +89,7 @@ void PrintStageLine(const std::string& stage, const std::vector<BenchRow>& rows)
     median.Take(row.median_us);
     p99.Take(row.p99_us);
     worst.Take(row.worst_us);
-    for (const PeerFigure& peer : row.peers) ratios[peer.name].Take(Ratio(row, peer));
+    for (const PeerFigure& peer : row.peers) ratios[peer.name].Take(peer.ratio);
   }
   std::string beside;
   for (const auto& [name, ratio] : ratios) {
@@ -105,7 +105,7 @@ json PeersToJson(const BenchRow& row) {
     peers.push_back({{"name", peer.name},
                      {"median_us", peer.median_us},
                      {"repetitions", peer.repetitions},
-                     {"ratio", Ratio(row, peer)}});
+                     {"ratio", peer.ratio}});
     if (peer.path_cost > 0.0) peers.back()["path_cost"] = peer.path_cost;
   }
   return peers;

@@ -17,6 +17,7 @@ struct PeerFigure {
   double median_us = 0.0;
   int repetitions = 0;
   double path_cost = 0.0;  // F of its path; optimizers only
+  double ratio = 0.0;      // how many times as long as the stage: the inputs' medians, added up
 };
 
 struct BenchRow {
@@ -38,10 +39,5 @@ struct BenchRow {
   double path_cost = 0.0;         // F of the path
   std::vector<PeerFigure> peers = {};
 };
-
-// How many times as long as the stage the peer takes.
-inline double Ratio(const BenchRow& row, const PeerFigure& peer) {
-  return row.median_us > 0.0 ? peer.median_us / row.median_us : 0.0;
-}
 
 }  // namespace hardpack::command

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <numeric>
 
 #include "tools/hardpack/allocation_counter.h"
 
@@ -34,7 +35,6 @@ class Samples {
   explicit Samples(const Measurement& what)
       : of_input_(static_cast<size_t>(what.inputs)), of_peer_(what.peers.size()) {
     for (auto& times : of_input_) times.reserve(kMostRounds * kRunsARound);
-    for (auto& times : of_peer_) times.reserve(kMostRounds);
   }
 
   void AddRun(double time_us) { of_input_[runs_++ % of_input_.size()].push_back(time_us); }
@@ -51,14 +51,30 @@ class Samples {
     row.median_us = AtShare(all, 0.5);
     row.p99_us = AtShare(all, 0.99);
     row.worst_us = all.back();
+    const double sum_us = std::accumulate(medians.begin(), medians.end(), 0.0);
     for (size_t peer = 0; peer < of_peer_.size(); ++peer) {
-      row.peers.push_back({what.peers[peer]->name, AtShare(of_peer_[peer], 0.5),
-                           static_cast<int>(of_peer_[peer].size()), what.peers[peer]->path_cost});
+      const double ratio = PeerSum_us(of_peer_[peer]) / sum_us;
+      const int repetitions = static_cast<int>(of_peer_[peer].size());
+      row.peers.push_back({what.peers[peer]->name, AtShare(of_peer_[peer], 0.5), repetitions,
+                           what.peers[peer]->path_cost, ratio});
     }
     return medians;
   }
 
  private:
+  // The medians of the inputs, which took turns, added up. There are at least as many times.
+  double PeerSum_us(const std::vector<double>& times_us) const {
+    double sum_us = 0.0;
+    for (size_t input = 0; input < of_input_.size(); ++input) {
+      std::vector<double> of_this;
+      for (size_t i = input; i < times_us.size(); i += of_input_.size()) {
+        of_this.push_back(times_us[i]);
+      }
+      sum_us += AtShare(of_this, 0.5);
+    }
+    return sum_us;
+  }
+
   size_t runs_ = 0;
   std::vector<std::vector<double>> of_input_;
   std::vector<std::vector<double>> of_peer_;

@@ -28,9 +28,9 @@ std::vector<BenchRow> CostmapsBesideOpencv(double slowest_ratio) {
   std::vector<BenchRow> rows;
   for (const char* scene : {"random_10", "random_40", "cells_10", "cells_40", "rellis"}) {
     rows.push_back(Row("costmap", scene, 100.0));
-    rows.back().peers = {{.name = "opencv", .median_us = 900.0}};
+    rows.back().peers = {{.name = "opencv", .ratio = 9.0}};
   }
-  rows.back().peers[0].median_us = slowest_ratio * 100.0;
+  rows.back().peers[0].ratio = slowest_ratio;
   return rows;
 }
 
@@ -54,10 +54,10 @@ TEST(BenchAcceptance, HoldsTheWorstCostmapAgainstTheMedianOfAllMaps) {
 
 TEST(BenchAcceptance, HoldsTheSearchAgainstBoostOnEveryMap) {
   std::vector<BenchRow> rows = {Row("astar", "a", 100.0), Row("astar", "b", 100.0)};
-  rows[0].peers = {{.name = "boost", .median_us = 1000.0}};
-  rows[1].peers = {{.name = "boost", .median_us = 501.0}};
+  rows[0].peers = {{.name = "boost", .ratio = 10.0}};
+  rows[1].peers = {{.name = "boost", .ratio = 5.01}};
   EXPECT_EQ(Promise(rows, "Boost").met, true);
-  rows[1].peers[0].median_us = 499.0;
+  rows[1].peers[0].ratio = 4.99;
   EXPECT_EQ(Promise(rows, "Boost").met, false);
 }
 
@@ -74,8 +74,8 @@ TEST(BenchAcceptance, TakesTheMedianMapsTimeOfAnExpansion) {
 
 TEST(BenchAcceptance, HoldsTheOptimizerAgainstTheMethodWithTheBetterPath) {
   std::vector<BenchRow> rows = {Row("optimizer", "a", 100.0)};
-  rows[0].peers = {{.name = "quick", .median_us = 200.0, .path_cost = 2.0},
-                   {.name = "good", .median_us = 4100.0, .path_cost = 1.0}};
+  rows[0].peers = {{.name = "quick", .path_cost = 2.0, .ratio = 2.0},
+                   {.name = "good", .path_cost = 1.0, .ratio = 41.0}};
   EXPECT_EQ(Promise(rows, "Ceres").met, true);
   rows[0].peers[0].path_cost = 0.5;
   EXPECT_EQ(Promise(rows, "Ceres").met, false);
