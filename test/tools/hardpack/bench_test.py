@@ -25,7 +25,8 @@ class Bench(CommandTest):
             self.assertGreater(row["object_bytes"], 0)
             self.assertGreater(row["repetitions"], 10)
         speed = report["rows"][2]
-        self.assertEqual((speed["scene"], speed["status"], speed["points"]), ("open", "ok", 200))
+        self.assertEqual((speed["scene"], speed["status"]), ("open", "ok"))
+        self.assertAlmostEqual(speed["points"], 200, delta=10)
 
     def test_a_peer_stands_beside_the_stage_where_it_is_installed(self):
         report = self.report("costmap", "astar", *ON_OPEN)
