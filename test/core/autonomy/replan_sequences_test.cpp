@@ -107,7 +107,7 @@ TEST(ReplanSequence, DrivesSlowlyToANarrowingGapAndStopsShortOfAClosedOne) {
   AddYard(drive.world);
   drive.world.Add(100, -25, 101, -10);
   drive.world.Add(100, 11, 101, 25);
-  drive.units = 4000;
+  drive.units = 1500;
   drive.Start();
   while (drive.truth.x_m < 4.0f) drive.Tick();
   EXPECT_FALSE(drive.committed().narrow);
@@ -197,7 +197,7 @@ TEST(ReplanSequence, StopsShortOfAWallThatAppears) {
   while (drive.truth.x_m < 8.0f) drive.Tick();
   const float speed_mps = drive.speed_mps;
   drive.world.Add(90, -25, 91, 25);
-  drive.units = 4000;
+  drive.units = 1500;
   for (int tick = 0; tick < 300; ++tick) {
     drive.Tick();
     ASSERT_GT(drive.Clearance(), 0.0);
