@@ -4,6 +4,7 @@
 
 #include "core/autonomy/mapper.h"
 #include "core/autonomy/planner.h"
+#include "core/autonomy/replanner.h"
 
 namespace {
 
@@ -28,12 +29,14 @@ int main() {
   using namespace hardpack;
   std::fputs(kIntroduction, stdout);
   PrintRow("`HeightGrid`", sizeof(HeightGrid), "heights of returns, a cell");
-  PrintRow("`Planner`", sizeof(Planner), "all of planning but the heights; of it:");
+  PrintRow("`Replanner`", sizeof(Replanner),
+           "all of planning but the heights: the committed plan, and of it:");
+  PrintRow("`Planner`", sizeof(Planner), "one plan; of it:");
   PrintRow("&nbsp; `CostmapBuilder`", sizeof(CostmapBuilder),
            "costs, flags, distances, and the scratch of their passes");
   PrintRow("&nbsp; `AstarSearch`", sizeof(AstarSearch), "64 bits a cell and 4096 buckets");
   PrintRow("&nbsp; `PathSampler`", sizeof(PathSampler), "the base path");
-  PrintRow("&nbsp; `Optimizer`", sizeof(Optimizer), "the path and the windows tried on it");
+  PrintRow("&nbsp; `Optimizer`", sizeof(Optimizer), "both optimizers: paths, and what is tried on them");
   PrintRow("&nbsp; `PathCheck`", sizeof(PathCheck), "the check's progress");
   PrintRow("&nbsp; `Plan`", sizeof(Plan), "the result");
   PrintRow("`Mapper`", sizeof(Mapper), "all of perception, `HeightGrid` included; of it:");
@@ -42,9 +45,9 @@ int main() {
   PrintRow("&nbsp; `Segmenter`", sizeof(Segmenter), "the directions that are looked at together");
   PrintRow("&nbsp; `BeamModel`", sizeof(BeamModel), "the lidar's geometry");
   PrintRow("&nbsp; `PoseHistory`", sizeof(PoseHistory), "poses for motion compensation");
-  const size_t planning = sizeof(Planner) + sizeof(HeightGrid);
+  const size_t planning = sizeof(Replanner) + sizeof(HeightGrid);
   std::printf(
-      "\nPlanning (`Planner` and `HeightGrid`) takes %zu of its %d bytes (%.2f of 6 MiB).\n",
+      "\nPlanning (`Replanner` and `HeightGrid`) takes %zu of its %d bytes (%.2f of 6 MiB).\n",
       planning, kPlanningBudget_bytes, static_cast<double>(planning) / (1024.0 * 1024.0));
   return 0;
 }
