@@ -173,6 +173,7 @@ int AstarSearch::MoveGoal(const Costmap& map, int units) {
     Finish(Status::kStartEnclosed);  // every cell is lethal, the start too
     return units;
   }
+  row_ = 0;
   goal_ = nearest_goal_;
   result_.goal = window_.FromIndex(static_cast<int>(goal_));
   phase_ = Phase::kSearch;

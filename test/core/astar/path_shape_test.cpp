@@ -140,6 +140,19 @@ TEST_F(AstarPath, KeepsCountOfTheDearestCosts) {
   SolveAndCheck(*map, {2, 100}, {6, 400});
 }
 
+TEST_F(AstarPath, KeepsCountOfDearCostsToAGoalThatWasMoved) {
+  // Both the search for a free goal and the move of the labels go through the map row by row.
+  const auto map = Comb(1);
+  for (uint16_t& cost_q8 : map->cost_q8) cost_q8 = kMaxCost_q8;
+  const AstarResult& result = Solve(*search_, *map, {0, 0}, {41, 200});
+  ASSERT_EQ(result.status, Status::kGoalMoved);
+  EXPECT_EQ(FaultOfPath(*map, *search_), "");
+  ReferenceSearch reference(*map);
+  reference.Solve(0, 0);
+  EXPECT_EQ(result.cost, reference.CostTo(result.goal.x, result.goal.y));
+  EXPECT_GT(result.cost, int64_t{10000} * 70 * 40);
+}
+
 TEST_F(AstarPath, IsNotDisturbedByADearQueryGivenUpAnywhere) {
   const auto map = Comb(1);
   for (uint16_t& cost_q8 : map->cost_q8) cost_q8 = kMaxCost_q8;
