@@ -171,7 +171,8 @@ void Replanner::Decide() {
   const bool is_new =
       decision == ReplanDecision::kReplaced || decision == ReplanDecision::kExtended;
   if (is_new && !ComesToRest()) {
-    const bool may_keep = RestIsFree() && !rest_.empty() && !left_path_ && !GoalHasChanged();
+    const bool may_keep =
+        RestIsFree() && !rest_.empty() && !left_path_ && !committed_.is_stop && !GoalHasChanged();
     decision = may_keep ? ReplanDecision::kKept
                         : (rest_.empty() ? ReplanDecision::kNone : ReplanDecision::kStop);
     MakeCandidate(decision, ReplanReason::kNone);

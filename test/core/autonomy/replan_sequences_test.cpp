@@ -230,6 +230,31 @@ TEST(ReplanSequence, SaysStopWhereItIsTooLateToStop) {
   EXPECT_LT(LengthOf(plan.path), 2.5f);
 }
 
+// The same with a way around it: a plan that first turns where the stop ends is none for a vehicle
+// that cannot stop by then, and must not make it take the stop for a path that is kept.
+//            _#_
+//   o ----->| # |
+//            \#/
+TEST(ReplanSequence, SaysStopUntilItStandsWhereAPlanBeginsWithATurn) {
+  Drive drive({37.1f, 0.1f});
+  drive.Start();
+  while (drive.truth.x_m < 8.0f) drive.Tick();
+  const int x = static_cast<int>(drive.truth.x_m * 5.0f) + 14;
+  drive.world.Add(x, -25, x + 10, 25);
+  drive.units = 1 << 20;
+  for (int tick = 0; tick < 2; ++tick) drive.Tick();  // one is of the map before
+  drive.world.blocks.back().low.x += 5;               // leaves room to turn, not to stop
+  bool could_turn = false;
+  while (drive.speed_mps > 1.0f) {
+    drive.Tick();
+    could_turn = could_turn || IsUsable(drive.outcome().plan_status);
+    ASSERT_EQ(drive.outcome().decision, ReplanDecision::kStop);
+    EXPECT_FALSE(IsUsable(drive.outcome().status));
+    EXPECT_TRUE(drive.committed().is_stop);
+  }
+  EXPECT_TRUE(could_turn);
+}
+
 TEST(ReplanSequence, KeepsOnePathInOpenGroundWhateverThePosesJitter) {
   Drive drive({40.1f, 10.1f}, {0.1f, 0.1f, 0.3f});
   drive.jitter_m = 0.03f;
