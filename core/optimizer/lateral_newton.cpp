@@ -41,6 +41,10 @@ constexpr float kSpreadWidth = 0.05f;
 // Once the kinks are narrow, a step that gains no more than this share of F is the last.
 constexpr float kLeastGain = 3.0e-4f;
 
+// Shares of F are of what turning by so much costs at least. On open ground F falls towards 0, and
+// there is a share of it left to gain long after nothing is left of it that counts.
+constexpr float kLeastTurning_rad = 1.0f;
+
 }  // namespace
 
 Status LateralNewton::Begin(const Costmap& map, const OptimizerParams& params,
@@ -215,11 +219,12 @@ void LateralNewton::NextStep() {
   phase_ = Phase::kDerive;
   solves_ = 0;
   const float gain = cost_before_ - cost_;
+  const float whole = Max(cost_before_, kLeastTurning_rad * params_.curvature_alpha);
   const bool any = result_.sweeps > 0;
   const bool narrow = width_share_ <= kLastWidth;
-  settled_ = last_free() < 2 || (any && gain <= params_.min_relative_decrease * cost_before_);
+  settled_ = last_free() < 2 || (any && narrow && gain <= params_.min_relative_decrease * whole);
   if (last_free() < 2 || result_.sweeps >= params_.max_newton_steps ||
-      (any && narrow && gain <= kLeastGain * cost_before_)) {
+      (any && narrow && gain <= kLeastGain * whole)) {
     phase_ = Phase::kFinish;
   }
   if (any) width_share_ = Max(kNarrowing * width_share_, kLastWidth);

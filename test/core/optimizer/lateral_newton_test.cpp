@@ -333,9 +333,25 @@ TEST_F(LateralNewtonTest, SaysWhenTheStepLimitEndsIt) {
   params_.max_newton_steps = 2;
   EXPECT_EQ(Run(seed).status, Status::kIterationLimit);
   EXPECT_EQ(newton_->result().sweeps, 2);
+  params_.min_relative_decrease = 0.5f;  // while the kinks are wide, that tells nothing
+  EXPECT_EQ(Run(seed).status, Status::kIterationLimit);
   params_.max_newton_steps = 0;
   EXPECT_EQ(Run(seed).status, Status::kIterationLimit);
   EXPECT_TRUE(SamePoints(newton_->path(), seed));
+}
+
+// There is always a share of next to nothing left to gain.
+TEST_F(LateralNewtonTest, IsDoneWhereNextToNoCostIsLeft) {
+  //        .-'-.
+  //  -----'     '-----      on open ground: straight it would cost nothing
+  for (int tenths_m = 5; tenths_m <= 30; ++tenths_m) {
+    SCOPED_TRACE(tenths_m);
+    const float aside_m = 0.1f * static_cast<float>(tenths_m);
+    const OptimizerResult& result =
+        Run(Along({{-20.0f, 0.0f}, {-10.0f, 0.0f}, {0.0f, aside_m}, {10.0f, 0.0f}, {20.0f, 0.0f}}));
+    EXPECT_LT(result.after.total(), 0.05f);
+    EXPECT_EQ(result.status, Status::kOk);
+  }
 }
 
 TEST_F(LateralNewtonTest, TakesTheShortestAndTheLongestSeed) {
