@@ -90,9 +90,9 @@ Status CheckCostmapParams(const CostmapParams& params);
 
 // Builds a Costmap from a HeightGrid or from occupancy, resumable. A unit is one row of one pass;
 // kUnits units build a map from heights, kCellUnits from cells, whatever it holds. The time of a
-// unit is bounded by the work on a row, which has no branches; it is less (by up to half) where the
-// row has no return that could be an obstacle, or lies far from every obstacle of a layer. Step
-// with any split of the units gives the same map.
+// unit is bounded by the work on a row; it is less where blocks of the row have no return that
+// could be an obstacle, or lie far from every obstacle, or all near to one. Step with any split of
+// the units gives the same map.
 class CostmapBuilder {
  public:
   // From heights, a row is classed when the rows that its ground may come from have been loaded.
@@ -150,6 +150,8 @@ class CostmapBuilder {
   static_assert(kReach_cells <= PaddedRow<uint8_t>::kMargin);
   static constexpr int kBlock_cells = 64;  // of a row, classed together
   static constexpr int kBlocks = kMapSize_cells / kBlock_cells;
+  static constexpr int kRowBlocks = kMapSize_cells / kRowBlock_cells;
+  static constexpr int kGroup_rows = 4;  // of which it is known in which blocks obstacles are
   static constexpr int kLayers = 2;
   static constexpr int kPaddedRows = 3;
   static constexpr int kDistances2 = kMaxDistance2_cells2 + 1;
@@ -160,6 +162,13 @@ class CostmapBuilder {
     int32_t from[4];
   };
   static Cover CoverOf(int half);
+
+  // Of a row's blocks, those near an obstacle of either layer, a bit each.
+  struct Blocks {
+    uint16_t hard;
+    uint16_t soft;
+  };
+  static_assert(kRowBlocks == 16);
 
   enum class Pass : uint8_t { kHeights, kObstacles, kRegions, kCosts, kDone };
 
@@ -175,12 +184,13 @@ class CostmapBuilder {
   void FindLimitsInCell();
   void FlagRow(int row);
   void CellUnit();
-  Columns NearObstacles(int layer, int row, int reach_cells) const;
+  Blocks NearObstacles(int row, int reach_cells) const;
   void SweepObstacles(int row);
   void FindRegions(int row);
+  void SweepEdges(int row);
   void FindCosts(int row);
-  const uint8_t* HardDistances(int row, Columns columns);
-  const uint8_t* SoftDistances(int row, Columns columns);
+  const uint8_t* HardDistances(int row, unsigned blocks);
+  const uint8_t* SoftDistances(int row, unsigned blocks);
   void AddCosts(int row, int begin, const uint8_t* hard2, const uint8_t* soft2);
   void AddHardCosts(int row, int begin, const uint8_t* hard2);
   void AddUnknown(int row, int begin);
@@ -230,10 +240,9 @@ class CostmapBuilder {
   PaddedRow<uint8_t> soft_row_;
   PaddedRow<uint8_t> padded_[kPaddedRows];
   PaddedRow<uint8_t> row_flags_;
-  // By layer and row: which of its blocks hold an obstacle, a bit each.
-  uint8_t row_blocks_[kLayers][kMapSize_cells] = {};
-  bool any_returns_[kBlocks] = {};          // of a row's blocks, while classing
-  uint8_t chord_steps_[kReach_cells] = {};  // see FillChord
+  Blocks group_blocks_[kMapSize_cells / kGroup_rows] = {};  // those that hold an obstacle
+  bool any_returns_[kBlocks] = {};                          // of a row's blocks, while classing
+  uint8_t chord_steps_[kReach_cells] = {};                  // see FillChord
   // The layers' costs by squared distance, outside the region and behind these inside. Of the hard
   // layer first where the ground is unknown, with what that costs, and then where it is not.
   uint16_t hard_cost_q8_[4 * kDistances2] = {};

@@ -9,12 +9,13 @@
 
 namespace hardpack {
 
+// The sweeps leave out parts of a row in blocks of so many cells.
+inline constexpr int kRowBlock_cells = 32;
+
 // A part of a row.
 struct Columns {
   int begin = 0;
   int end = 0;
-
-  bool Contain(int x) const { return x >= begin && x < end; }
 };
 
 // A row that is looked at to both sides. Beyond either end a margin stands for what lies beyond the

@@ -9,7 +9,8 @@
 //                    the regions' edges, so far among the rows above
 //   kCosts, up       the same among all rows; distances from the regions' edges; depth and cost
 //
-// Blocks of cells that lie too far from every obstacle of a layer, to either side, are left out.
+// Blocks of cells that lie too far from every obstacle of a layer are left out: what they hold is
+// filled in.
 #include <bit>
 
 #include "core/base/loop_bound.h"
@@ -17,87 +18,37 @@
 #include "core/costmap/costmap.h"
 #include "core/costmap/padded_row.h"
 #include "core/costmap/rows.h"
+#include "core/costmap/square_sums.h"
 
 namespace hardpack {
 namespace {
 
-constexpr uint8_t kFar2 = kMaxDistance2_cells2;
 constexpr uint8_t kFar = 16;  // squared, it is beyond the saturation
 constexpr uint8_t kNoEdge = kFar - 1;
 
 // Costs in one round: a loop over single cells takes as many instructions again to count them.
 constexpr int kAtOnce = 8;
 
-// The rest of a row.
-template <typename T>
-void FillBeside(Columns columns, T value, T* row) {
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < columns.begin; ++x) row[x] = value;
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = columns.end; x < kMapSize_cells; ++x) row[x] = value;
+// Runs of blocks that follow one another, at most; and a bit for each block.
+constexpr int kRuns = kMapSize_cells / kRowBlock_cells / 2;
+constexpr unsigned kAllBlocks = 0xffff;
+
+// Takes the first blocks that follow one another out of a row's `blocks`, of which there are some.
+inline Columns TakeRun(unsigned& blocks) {
+  const int first = std::countr_zero(blocks);
+  const int last = first + std::countr_one(blocks >> first);
+  blocks &= ~0u << last;
+  return {first * kRowBlock_cells, last * kRowBlock_cells};
 }
 
-constexpr int Square(int x) {
-  return x * x;
-}
-
-// 0 .. kFar. 16 * 16 is 0 in a byte, and less one 255.
-inline uint8_t Squared(uint8_t distance) {
-  return static_cast<uint8_t>(distance * distance - (distance >> 4));
-}
-
-// The smaller of the elements dx to the left and to the right.
-template <int kDx>
-inline uint8_t Beside(const uint8_t* center) {
-  return Smaller(center[-kDx], center[kDx]);
-}
-
-// min over kDx <= |dx| <= kLast of center[dx] + (kBefore + dx)^2 - (kBefore + kDx)^2, limited so
-// that (kBefore + kDx)^2 - kBefore^2 can be added without a carry. From the outside to the inside,
-// which takes one limit for all.
-template <int kBefore, int kDx, int kLast>
-inline uint8_t SmallestBeside(const uint8_t* center) {
-  if constexpr (kDx == kLast) {
-    constexpr uint8_t kLimit = kFar2 - (Square(kBefore + kLast) - Square(kBefore));
-    return Smaller(Beside<kDx>(center), kLimit);
-  } else {
-    constexpr int kStep = Square(kBefore + kDx + 1) - Square(kBefore + kDx);
-    const int further = SmallestBeside<kBefore, kDx + 1, kLast>(center) + kStep;
-    return Smaller(Beside<kDx>(center), static_cast<uint8_t>(further));
-  }
-}
-
-// to[x] = min over |dx| <= kReach of row[x + dx] + (kBefore + |dx|)^2 - kBefore^2, saturated; the
-// row has margins. Once with kBefore = 0, or several times, each after the other's reach, it is
-// min over dx of row[x + dx] + dx^2.
-template <int kBefore, int kReach>
-void SmallestPlusSquare(const uint8_t* __restrict row, Columns columns, uint8_t* __restrict to) {
-  constexpr int kStep = Square(kBefore + 1) - Square(kBefore);
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = columns.begin; x < columns.end; ++x) {
-    const int beside = SmallestBeside<kBefore, 1, kReach>(row + x) + kStep;
-    to[x] = Smaller(row[x], static_cast<uint8_t>(beside));
-  }
-}
-
-// As above, where what is added from one dx to the next is given.
-template <int kDx, int kLast>
-inline uint8_t SmallestBeside(const uint8_t* center, const uint8_t* steps) {
-  if constexpr (kDx == kLast) {
-    return Beside<kDx>(center);
-  } else {
-    const int further = SmallestBeside<kDx + 1, kLast>(center, steps) + steps[kDx];
-    return Smaller(Beside<kDx>(center), static_cast<uint8_t>(further));
-  }
-}
-
-template <int kReach>
-void SmallestPlusSteps(const uint8_t* __restrict row, const uint8_t* __restrict steps,
-                       Columns columns, uint8_t* __restrict to) {
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = columns.begin; x < columns.end; ++x) {
-    const int beside = SmallestBeside<1, kReach>(row + x, steps) + steps[0];
-    to[x] = Smaller(row[x], static_cast<uint8_t>(beside));
+// Fills the blocks of a row that are not among these.
+void FillOutside(unsigned blocks, uint8_t value, uint8_t* row) {
+  unsigned left = ~blocks & kAllBlocks;
+  HP_LOOP_BOUND(kRuns)
+  while (left != 0) {
+    const Columns columns = TakeRun(left);
+    HP_LOOP_BOUND(kMapSize_cells)
+    for (int x = columns.begin; x < columns.end; ++x) row[x] = value;
   }
 }
 
@@ -133,9 +84,10 @@ uint8_t SweepFrom(const uint8_t* __restrict flags, uint8_t* __restrict hard,
 
 // The smaller of these and of those the other way; of the hard ones the squares.
 void SweepBack(const uint8_t* __restrict hard_plane, const uint8_t* __restrict soft_plane,
-               uint8_t* __restrict hard, uint8_t* __restrict soft, uint8_t* __restrict hard2) {
+               Columns columns, uint8_t* __restrict hard, uint8_t* __restrict soft,
+               uint8_t* __restrict hard2) {
   HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) {
+  for (int x = columns.begin; x < columns.end; ++x) {
     const uint8_t distance = Smaller(hard_plane[x], static_cast<uint8_t>(hard[x] + 1));
     hard[x] = distance;
     hard2[x] = Squared(distance);
@@ -146,9 +98,9 @@ void SweepBack(const uint8_t* __restrict hard_plane, const uint8_t* __restrict s
 // Adds the regions to flags, from squared distances to hard cells and from what of the disc's half
 // chord was used up to reach soft ones.
 void FlagRegions(const uint8_t* __restrict hard2, uint8_t radius2, const uint8_t* __restrict soft,
-                 uint8_t chord, uint8_t* __restrict flags) {
+                 uint8_t chord, Columns columns, uint8_t* __restrict flags) {
   HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) {
+  for (int x = columns.begin; x < columns.end; ++x) {
     const int lethal = hard2[x] <= radius2 ? Costmap::kLethal : 0;
     const int region = soft[x] <= chord ? Costmap::kSoftRegion : 0;
     flags[x] = static_cast<uint8_t>(flags[x] | lethal | region);
@@ -162,12 +114,12 @@ struct EdgeRows {
   const uint8_t* flags_before;
 };
 void SweepEdgesFrom(const EdgeRows& rows, const uint8_t* __restrict hard_before,
-                    const uint8_t* __restrict soft_before, uint8_t* __restrict hard,
-                    uint8_t* __restrict soft) {
+                    const uint8_t* __restrict soft_before, Columns columns,
+                    uint8_t* __restrict hard, uint8_t* __restrict soft) {
   const uint8_t* __restrict flags = rows.flags;
   const uint8_t* __restrict flags_before = rows.flags_before;
   HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) {
+  for (int x = columns.begin; x < columns.end; ++x) {
     const int changes = flags[x] ^ flags_before[x];
     hard[x] = FromEdge(changes, Costmap::kLethal, hard_before[x]);
     soft[x] = FromEdge(changes, Costmap::kSoftRegion, soft_before[x]);
@@ -290,20 +242,21 @@ void CostmapBuilder::CellUnit() {
   }
 }
 
-// Where in a row something may lie within reach_cells of an obstacle of a layer: from the first to
-// the last of the blocks with one in the rows so near, and the blocks beside them.
-Columns CostmapBuilder::NearObstacles(int layer, int row, int reach_cells) const {
-  static_assert(kBlock_cells >= 2 * kReach_cells && kBlocks == 8);
-  const int first = ClampInt(row - reach_cells, 0, kMapSize_cells - 1);
-  const int last = ClampInt(row + reach_cells, 0, kMapSize_cells - 1);
-  const uint8_t* blocks = row_blocks_[layer];
-  uint8_t any = 0;
-  HP_LOOP_BOUND(4 * kReach_cells + 1)
-  for (int y = first; y <= last; ++y) any = static_cast<uint8_t>(any | blocks[y]);
-  const unsigned near = (any | unsigned{any} << 1 | unsigned{any} >> 1) & 0xff;
-  if (near == 0) return {};
-  return {std::countr_zero(near) * kBlock_cells,
-          static_cast<int>(std::bit_width(near)) * kBlock_cells};
+// In which of a row's blocks something may lie within reach_cells of an obstacle: those with one in
+// the rows so near, and those beside them.
+CostmapBuilder::Blocks CostmapBuilder::NearObstacles(int row, int reach_cells) const {
+  static_assert(kRowBlock_cells >= 2 * kReach_cells);
+  const int first = ClampInt(row - reach_cells, 0, kMapSize_cells - 1) / kGroup_rows;
+  const int last = ClampInt(row + reach_cells, 0, kMapSize_cells - 1) / kGroup_rows;
+  unsigned hard = 0;
+  unsigned soft = 0;
+  HP_LOOP_BOUND(4 * kReach_cells / kGroup_rows + 2)
+  for (int group = first; group <= last; ++group) {
+    hard |= group_blocks_[group].hard;
+    soft |= group_blocks_[group].soft;
+  }
+  return {static_cast<uint16_t>(hard | hard << 1 | hard >> 1),
+          static_cast<uint16_t>(soft | soft << 1 | soft >> 1)};
 }
 
 void CostmapBuilder::SweepObstacles(int row) {
@@ -318,54 +271,88 @@ void CostmapBuilder::SweepObstacles(int row) {
   const int begin = row * kMapSize_cells;
   unsigned hard_blocks = 0;
   unsigned soft_blocks = 0;
-  HP_LOOP_BOUND(kBlocks)
-  for (int block = 0; block < kBlocks; ++block) {
-    const int x = block * kBlock_cells;
+  HP_LOOP_BOUND(kRowBlocks)
+  for (int block = 0; block < kRowBlocks; ++block) {
+    const int x = block * kRowBlock_cells;
     const int cell = begin + x;
     const unsigned all =
-        SweepFrom<kBlock_cells>(map_.flags + cell, hard_row_ + x, soft_row_.cells() + x,
-                                map_.hard_distance2 + cell, plane_ + cell);
+        SweepFrom<kRowBlock_cells>(map_.flags + cell, hard_row_ + x, soft_row_.cells() + x,
+                                   map_.hard_distance2 + cell, plane_ + cell);
     hard_blocks |= ((all & Costmap::kHard) != 0 ? 1u : 0u) << block;
     soft_blocks |= ((all & Costmap::kSoft) != 0 ? 1u : 0u) << block;
   }
-  row_blocks_[0][row] = static_cast<uint8_t>(hard_blocks);
-  row_blocks_[1][row] = static_cast<uint8_t>(soft_blocks);
+  Blocks& blocks = group_blocks_[row / kGroup_rows];
+  if (row % kGroup_rows == 0) blocks = {};
+  blocks.hard = static_cast<uint16_t>(blocks.hard | hard_blocks);
+  blocks.soft = static_cast<uint16_t>(blocks.soft | soft_blocks);
 }
 
+// What lies beyond the reach of every obstacle is filled in, here and below: farther than counts.
 void CostmapBuilder::FindRegions(int row) {
-  const bool first = row == kMapSize_cells - 1;
   const int begin = row * kMapSize_cells;
   uint8_t* soft = soft_row_.cells();
   uint8_t* a = padded_[0].cells();
   uint8_t* b = padded_[1].cells();
   uint8_t* hard2 = map_.hard_distance2 + begin;
-  if (first) {
+  if (row == kMapSize_cells - 1) {
     FillRow(hard_row_, kFar);
     FillRow(soft, kFar);
   }
-  SweepBack(hard2, plane_ + begin, hard_row_, soft, a);
-  Columns columns = NearObstacles(0, row, kReach_cells);
-  FillBeside(columns, kFar2, hard2);
-  SmallestPlusSquare<0, kReach_cells>(a, columns, hard2);
-  columns = NearObstacles(1, row, radius_cells_);
-  FillBeside(columns, kFar2, b);
-  if (radius_cells_ <= 5) {
-    SmallestPlusSteps<5>(soft, chord_steps_, columns, b);
-  } else if (radius_cells_ <= 10) {
-    SmallestPlusSteps<10>(soft, chord_steps_, columns, b);
-  } else {
-    SmallestPlusSteps<15>(soft, chord_steps_, columns, b);
-  }
-  FlagRegions(hard2, static_cast<uint8_t>(radius2_cells2_), b, static_cast<uint8_t>(radius_cells_),
-              map_.flags + begin);
+  const Blocks near = NearObstacles(row, kReach_cells);
+  unsigned left = near.hard | near.soft;
+  FillOutside(left, kFar, hard_row_);
+  FillOutside(left, kFar, soft);
+  FillOutside(left, kFar2, a);
+  HP_LOOP_BOUND(kRuns)
+  while (left != 0) SweepBack(hard2, plane_ + begin, TakeRun(left), hard_row_, soft, a);
 
+  left = near.hard;
+  FillOutside(left, kFar2, hard2);
+  HP_LOOP_BOUND(kRuns)
+  while (left != 0) SmallestPlusSquare(a, TakeRun(left), hard2);
+
+  left = near.soft;
+  FillOutside(left, kFar2, b);
+  HP_LOOP_BOUND(kRuns)
+  while (left != 0) {
+    const Columns columns = TakeRun(left);
+    if (radius_cells_ <= 5) {
+      SmallestPlusSteps<5>(soft, chord_steps_, columns, b);
+    } else if (radius_cells_ <= 10) {
+      SmallestPlusSteps<10>(soft, chord_steps_, columns, b);
+    } else {
+      SmallestPlusSteps<15>(soft, chord_steps_, columns, b);
+    }
+  }
+
+  left = near.hard | near.soft;
+  HP_LOOP_BOUND(kRuns)
+  while (left != 0) {
+    FlagRegions(hard2, static_cast<uint8_t>(radius2_cells2_), b,
+                static_cast<uint8_t>(radius_cells_), TakeRun(left), map_.flags + begin);
+  }
+  SweepEdges(row);
+}
+
+// Vertical distances to the regions' edges among the rows that have come.
+void CostmapBuilder::SweepEdges(int row) {
+  const bool first = row == kMapSize_cells - 1;
+  const int begin = row * kMapSize_cells;
   // Beyond the last row there is no edge: as if that row went on.
   const uint8_t* flags = map_.flags + begin;
+  uint8_t* a = padded_[0].cells();
   if (first) FillRow(a, kNoEdge);
   const uint8_t* hard_above = first ? a : map_.hard_depth2 + begin + kMapSize_cells;
   const uint8_t* soft_above = first ? a : plane_ + begin + kMapSize_cells;
-  SweepEdgesFrom({flags, first ? flags : flags + kMapSize_cells}, hard_above, soft_above,
-                 map_.hard_depth2 + begin, plane_ + begin);
+  const Blocks near = NearObstacles(row, kReach_cells + radius_cells_);
+  unsigned left = near.hard | near.soft;
+  FillOutside(left, kNoEdge, map_.hard_depth2 + begin);
+  FillOutside(left, kNoEdge, plane_ + begin);
+  HP_LOOP_BOUND(kRuns)
+  while (left != 0) {
+    SweepEdgesFrom({flags, first ? flags : flags + kMapSize_cells}, hard_above, soft_above,
+                   TakeRun(left), map_.hard_depth2 + begin, plane_ + begin);
+  }
 }
 
 void CostmapBuilder::FindCosts(int row) {
@@ -383,17 +370,16 @@ void CostmapBuilder::FindCosts(int row) {
   row_flags[kMapSize_cells] = row_flags[kMapSize_cells - 1];
 
   // No further than this from an obstacle is a cell whose distance to the region is not saturated.
-  const int influence_cells = kReach_cells + radius_cells_;
-  const Columns near_hard = NearObstacles(0, row, influence_cells);
-  const Columns near_soft = NearObstacles(1, row, influence_cells);
-  const uint8_t* hard2 = HardDistances(row, near_hard);
-  const uint8_t* soft2 = SoftDistances(row, near_soft);
+  const Blocks near = NearObstacles(row, kReach_cells + radius_cells_);
+  const uint8_t* hard2 = HardDistances(row, near.hard);
+  const uint8_t* soft2 = SoftDistances(row, near.soft);
   KeepInside(row_flags, hard2, map_.hard_depth2 + begin);
-  HP_LOOP_BOUND(kBlocks)
-  for (int x = 0; x < kMapSize_cells; x += kBlock_cells) {
-    if (near_soft.Contain(x)) {
+  HP_LOOP_BOUND(kRowBlocks)
+  for (int block = 0; block < kRowBlocks; ++block) {
+    const int x = block * kRowBlock_cells;
+    if ((near.soft >> block & 1) != 0) {
       AddCosts(row, x, hard2 + x, soft2 + x);
-    } else if (near_hard.Contain(x)) {
+    } else if ((near.hard >> block & 1) != 0) {
       AddHardCosts(row, x, hard2 + x);
     } else {
       AddUnknown(row, x);
@@ -404,52 +390,61 @@ void CostmapBuilder::FindCosts(int row) {
 // Squared distances to the edge of the lethal region, from either side. The edge keeps the two
 // sides apart by itself: beside it the distance is 1, and what comes from the other side is more.
 // So one pass gives the distances of both sides.
-const uint8_t* CostmapBuilder::HardDistances(int row, Columns columns) {
+const uint8_t* CostmapBuilder::HardDistances(int row, unsigned blocks) {
   const int begin = row * kMapSize_cells;
   const uint8_t* flags = map_.flags + begin;
   const EdgeRows rows = {flags, row == 0 ? flags : flags - kMapSize_cells};
   uint8_t* a = padded_[0].cells();
   uint8_t* b = padded_[1].cells();
-  FillBeside(columns, kNoEdge, hard_row_);
-  FillBeside(columns, kFar2, a);
-  FillBeside(columns, kFar2, b);
-  SweepEdgesBack(rows, Costmap::kLethal, map_.hard_depth2 + begin, columns, hard_row_, a);
-  StepFromEdges(row_flags_.cells(), Costmap::kLethal, a, columns, b);
-  SmallestPlusSquare<1, 7>(b, columns, a);
-  SmallestPlusSquare<8, 7>(a, columns, b);
+  FillOutside(blocks, kNoEdge, hard_row_);
+  FillOutside(blocks, kFar2, a);
+  FillOutside(blocks, kFar2, b);
+  unsigned left = blocks;
+  HP_LOOP_BOUND(kRuns)
+  while (left != 0) {
+    const Columns columns = TakeRun(left);
+    SweepEdgesBack(rows, Costmap::kLethal, map_.hard_depth2 + begin, columns, hard_row_, a);
+    StepFromEdges(row_flags_.cells(), Costmap::kLethal, a, columns, b);
+    SmallestPlusSquare<1, 7>(b, columns, a);
+    SmallestPlusSquare<8, 7>(a, columns, b);
+  }
   return b;
 }
 
 // The same for the soft region, as far as its costs change.
-const uint8_t* CostmapBuilder::SoftDistances(int row, Columns columns) {
+const uint8_t* CostmapBuilder::SoftDistances(int row, unsigned blocks) {
   const int begin = row * kMapSize_cells;
   const uint8_t* flags = map_.flags + begin;
   const EdgeRows rows = {flags, row == 0 ? flags : flags - kMapSize_cells};
   uint8_t* a = padded_[0].cells();
   uint8_t* c = padded_[2].cells();
-  FillBeside(columns, kNoEdge, soft_row_.cells());
-  FillBeside(columns, kFar2, a);
-  FillBeside(columns, kFar2, c);
-  SweepEdgesBack(rows, Costmap::kSoftRegion, plane_ + begin, columns, soft_row_.cells(), c);
-  StepFromEdges(row_flags_.cells(), Costmap::kSoftRegion, c, columns, a);
-  SmallestPlusSquare<1, 4>(a, columns, c);
-  if (soft_reach_cells_ <= 5) return c;
-  SmallestPlusSquare<5, 5>(c, columns, a);
-  if (soft_reach_cells_ <= 10) return a;
-  SmallestPlusSquare<10, 5>(a, columns, c);
-  return c;
+  FillOutside(blocks, kNoEdge, soft_row_.cells());
+  FillOutside(blocks, kFar2, a);
+  FillOutside(blocks, kFar2, c);
+  const bool two_steps = soft_reach_cells_ > 5 && soft_reach_cells_ <= 10;
+  unsigned left = blocks;
+  HP_LOOP_BOUND(kRuns)
+  while (left != 0) {
+    const Columns columns = TakeRun(left);
+    SweepEdgesBack(rows, Costmap::kSoftRegion, plane_ + begin, columns, soft_row_.cells(), c);
+    StepFromEdges(row_flags_.cells(), Costmap::kSoftRegion, c, columns, a);
+    SmallestPlusSquare<1, 4>(a, columns, c);
+    if (soft_reach_cells_ > 5) SmallestPlusSquare<5, 5>(c, columns, a);
+    if (soft_reach_cells_ > 10) SmallestPlusSquare<10, 5>(a, columns, c);
+  }
+  return two_steps ? a : c;
 }
 
 // Costs of a block. A cost is looked up by the squared distance, and by the side of the edge on
 // which it is (and whether the ground is known) as the upper byte.
 void CostmapBuilder::AddCosts(int row, int begin, const uint8_t* hard2, const uint8_t* soft2) {
-  uint16_t hard[kBlock_cells];
-  uint16_t soft[kBlock_cells];
+  uint16_t hard[kRowBlock_cells];
+  uint16_t soft[kRowBlock_cells];
   const uint8_t* flags = row_flags_.cells() + begin;
-  HardEntries<kBlock_cells>(flags, hard2, hard);
-  SoftEntries<kBlock_cells>(flags, soft2, soft);
-  HP_LOOP_BOUND(kBlock_cells / kAtOnce)
-  for (int i = 0; i < kBlock_cells; i += kAtOnce) {
+  HardEntries<kRowBlock_cells>(flags, hard2, hard);
+  SoftEntries<kRowBlock_cells>(flags, soft2, soft);
+  HP_LOOP_BOUND(kRowBlock_cells / kAtOnce)
+  for (int i = 0; i < kRowBlock_cells; i += kAtOnce) {
     uint16_t* to = map_.cost_q8 + row * kMapSize_cells + begin + i;
     to[0] = CostOf(hard[i], soft[i]);
     to[1] = CostOf(hard[i + 1], soft[i + 1]);
@@ -464,10 +459,10 @@ void CostmapBuilder::AddCosts(int row, int begin, const uint8_t* hard2, const ui
 
 // The same far from the soft layer.
 void CostmapBuilder::AddHardCosts(int row, int begin, const uint8_t* hard2) {
-  uint16_t hard[kBlock_cells];
-  HardEntries<kBlock_cells>(row_flags_.cells() + begin, hard2, hard);
-  HP_LOOP_BOUND(kBlock_cells / kAtOnce)
-  for (int i = 0; i < kBlock_cells; i += kAtOnce) {
+  uint16_t hard[kRowBlock_cells];
+  HardEntries<kRowBlock_cells>(row_flags_.cells() + begin, hard2, hard);
+  HP_LOOP_BOUND(kRowBlock_cells / kAtOnce)
+  for (int i = 0; i < kRowBlock_cells; i += kAtOnce) {
     uint16_t* to = map_.cost_q8 + row * kMapSize_cells + begin + i;
     to[0] = hard_cost_q8_[hard[i]];
     to[1] = hard_cost_q8_[hard[i + 1]];
@@ -485,8 +480,8 @@ void CostmapBuilder::AddUnknown(int row, int begin) {
   const uint16_t unknown_q8 = hard_cost_q8_[kMaxDistance2_cells2];
   const uint8_t* __restrict flags = row_flags_.cells() + begin;
   uint16_t* __restrict to = map_.cost_q8 + row * kMapSize_cells + begin;
-  HP_LOOP_BOUND(kBlock_cells)
-  for (int x = 0; x < kBlock_cells; ++x) {
+  HP_LOOP_BOUND(kRowBlock_cells)
+  for (int x = 0; x < kRowBlock_cells; ++x) {
     to[x] = (flags[x] & Costmap::kObserved) != 0 ? uint16_t{0} : unknown_q8;
   }
 }
