@@ -11,6 +11,8 @@ namespace {
 
 // How much longer a round may take than the longest of the last ones.
 constexpr float kLatencyMargin = 1.5f;
+// An owner that paused does not move the anchors out of sight for the next rounds.
+constexpr float kLongestRound_s = 3.0f;
 // What is kept of the longest round from one to the next: half after eleven.
 constexpr float kLatencyFade = 0.9375f;
 // Beside what the vehicle drives from tick to tick.
@@ -66,6 +68,8 @@ Status Replanner::Configure(const PlannerParams& params) {
 }
 
 void Replanner::Forget() {
+  has_state_ = false;
+  now_ns_ = 0;
   committed_ = kNothingCommitted;
   phase_ = Phase::kIdle;
   outcome_ = ReplanOutcome{};
@@ -315,7 +319,7 @@ void Replanner::BeginExtension() {
 
 // How far along a path that it was on when the round began the vehicle may be by now.
 float Replanner::ReachOfRound() const {
-  const float took_s = ToFloat(now_ns_ - begun_ns_) * kNanosecond_s;
+  const float took_s = Min(ToFloat(now_ns_ - begun_ns_) * kNanosecond_s, kLongestRound_s);
   return kSearchAhead_m + took_s * Max(state_.speed_mps, params_.speed.max_speed_mps);
 }
 

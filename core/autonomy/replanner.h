@@ -127,7 +127,8 @@ class Replanner {
   // Drops what there is. kParameterOutOfRange: nothing changes.
   Status Configure(const PlannerParams& params);
 
-  // Drops the committed plan and the round under way: after a jump of the odometry, say.
+  // Drops the committed plan, the round under way and the newest state: after a jump of the
+  // odometry or of the clock, say. The next round needs an Update.
   void Forget();
 
   // Every tick. kInvalidArgument: the time runs backwards, a speed is below -kStanding_mps or above

@@ -209,9 +209,7 @@ void Replanner::MakeCandidate(ReplanDecision decision, ReplanReason reason) {
   candidate_.joint = -1;
   candidate_.status = committed_.status;
   const int slow_rest = committed_.slow_points - dropped_;
-  // Where it collides, the overlap is what it collides with.
-  const bool passed = !rest_.empty() && IsUsable(check_.result().status);
-  const int overlap = passed ? check_.result().overlap_points : 0;
+  const int overlap = rest_.empty() ? 0 : check_.result().overlap_points;
   candidate_.slow_points = slow_rest > overlap ? slow_rest : overlap;
   switch (decision) {
     case ReplanDecision::kNone:

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <limits>
+
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/optimizer/branch_free.h"
+#include "core/optimizer/cost_terms.h"
 #include "core/optimizer/lateral_newton.h"
 #include "core/optimizer/map_samples.h"
 
@@ -45,7 +48,7 @@ float TermOf(float value, float alpha, float beta, float max) {
 }  // namespace
 
 // F of a line but for the rounding, and all that its derivatives need. Not a number where a chord
-// has no length.
+// is shorter than a seed's may be: what comes behind would take it for a turn on the spot.
 float LateralNewton::CostOfLine(const Costmap& map, Line& line) const {
   MeasureChords(line);
   MeasureCurvatures(line);
@@ -64,7 +67,11 @@ float LateralNewton::CostOfLine(const Costmap& map, Line& line) const {
   float cost = 0.0f;
   HP_LOOP_BOUND(kMaxPathPoints)
   for (int k = 0; k < points; ++k) cost += line.ds_m[k] * (line.map_cost[k] + line.path_cost[k]);
-  return cost;
+  float shortest_m = line.length_m[0];
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 1; k + 1 < points; ++k) shortest_m = Min(shortest_m, line.length_m[k]);
+  return shortest_m >= cost_terms::kShortestChord_m ? cost
+                                                    : std::numeric_limits<float>::quiet_NaN();
 }
 
 void LateralNewton::MeasureChords(Line& line) {

@@ -228,7 +228,8 @@ void PathCheck::JudgeOverlap(float clearance_m, DiscOverlap& disc) {
   const float deepest_m = clearance_m - kDeeperTolerance_m;
   disc.deepest_m = disc.overlapped ? Max(disc.deepest_m, deepest_m) : deepest_m;
   disc.overlapped = true;
-  result_.overlap_points = point_ + 2;  // The chord's end too: until there it overlaps.
+  // The chord's end too: until there it overlaps.
+  if (result_.collision_point < 0) result_.overlap_points = point_ + 2;
 }
 
 void PathCheck::Collide() {

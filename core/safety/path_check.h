@@ -33,7 +33,8 @@ struct PathCheckResult {
   // The first point at which, or on the chord behind which, it collides; -1 when it does not, or
   // only does because it never gets clear of the start.
   int32_t collision_point = -1;
-  // Points from the start on until the footprint is, and stays, clear; 0 when it always is.
+  // Points from the start on until the footprint is, and stays, clear, or until it collides; 0 when
+  // it is clear until then.
   int32_t overlap_points = 0;
   float curvature_excess_per_m = 0.0f;        // largest |kappa| - max, 0 when within
   float curvature_rate_excess_per_m2 = 0.0f;  // the same for |kappa'|

@@ -138,6 +138,10 @@ TEST(Replanner, ForgetsOnRequest) {
   EXPECT_EQ(TheReplanner().committed().number, 0u);
   EXPECT_FALSE(TheReplanner().busy());
   EXPECT_EQ(TheReplanner().outcome().decision, ReplanDecision::kNone);
+  // The state too, and its time: the clock may have begun anew.
+  EXPECT_EQ(TheReplanner().BeginCells(kWindow), Status::kNotStarted);
+  EXPECT_EQ(TheReplanner().Update(1, {{0.1f, 0.1f, 0.0f}, 0.0f, 0.0f}, {{10.1f, 0.1f}}),
+            Status::kOk);
 }
 
 TEST(Replanner, PlansOnHeights) {

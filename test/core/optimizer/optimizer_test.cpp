@@ -370,6 +370,33 @@ TEST_F(OptimizerTest, SurvivesAnyScale) {
   }
 }
 
+// A chord without length would be driven as a turn on the spot. On dear ground, where all draws a
+// path together.
+TEST_F(OptimizerTest, MakesNoChordShorterThanASeedsMayBe) {
+  for (uint16_t& cost_q8 : map_->cost_q8) cost_q8 = kMaxCost_q8;
+  path_params_.step_m = 0.05f;
+  params_.curvature_beta = 10000.0f;
+  params_.curvature_rate_beta = 10000.0f;
+  for (unsigned seed_number = 1; seed_number <= 60; ++seed_number) {
+    SCOPED_TRACE("seed " + std::to_string(seed_number));
+    std::mt19937 random(seed_number);
+    WorldPath seed;
+    Vec2 at = {0.0f, 0.0f};
+    start_curvature_per_m_ = std::uniform_real_distribution<float>(-20.0f, 20.0f)(random);
+    params_.curvature_alpha = seed_number % 2 == 0 ? 0.0f : 1000.0f;
+    params_.curvature_rate_alpha = seed_number % 3 == 0 ? 0.0f : 1000.0f;
+    for (int k = 0; k < kMaxPathPoints; ++k) {
+      ASSERT_EQ(seed.PushBack({at.x_m, at.y_m, 0.0f}), Status::kOk);
+      const float heading_rad = std::uniform_real_distribution<float>(-3.1f, 3.1f)(random);
+      at.x_m += 0.05f * std::cos(heading_rad);
+      at.y_m += 0.05f * std::sin(heading_rad);
+    }
+    ASSERT_EQ(Begin(seed), Status::kOk);
+    ASSERT_EQ(optimizer_->Step(*map_, kAllUnits), Progress::kDone);
+    EXPECT_GE(ShapeOf(optimizer_->path(), 0.0f).shortest_step_m, 1e-4f);
+  }
+}
+
 TEST_F(OptimizerTest, RefusesParametersOutOfRange) {
   const WorldPath seed = Along({{0.0f, 0.0f}, {10.0f, 0.0f}});
   const OptimizerParams good = TestParams();

@@ -255,6 +255,18 @@ TEST(PathCheck, SeesTheLastCellsOfTheMapFromBeyondItsEdge) {
   EXPECT_LT(result.smallest_clearance_m, 0.2f);
 }
 
+//   # inside the footprint, behind the middle, and one on the way
+TEST(PathCheck, KeepsTheOverlapAtTheStartApartFromALaterCollision) {
+  Ground ground;
+  ground.SetHard({-5, 0});
+  ground.SetHard({30, 0});
+  const PathCheckResult result = Check(ground, StraightPath({0.0f, 0.1f, 0.0f}, 30, 0.25f));
+  EXPECT_EQ(result.status, Status::kCollision);
+  EXPECT_GT(result.collision_point, 10);
+  EXPECT_GE(result.overlap_points, 2);
+  EXPECT_LE(result.overlap_points, 4);
+}
+
 //   # inside the footprint, behind the middle: driving on leaves it, turning back does not
 TEST(PathCheck, LetsAVehicleDriveOutOfAnOverlapAtItsStart) {
   Ground ground;
