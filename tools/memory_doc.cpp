@@ -36,7 +36,8 @@ int main() {
            "costs, flags, distances, and the scratch of their passes");
   PrintRow("&nbsp; `AstarSearch`", sizeof(AstarSearch), "64 bits a cell and 4096 buckets");
   PrintRow("&nbsp; `PathSampler`", sizeof(PathSampler), "the base path");
-  PrintRow("&nbsp; `Optimizer`", sizeof(Optimizer), "both optimizers: paths, and what is tried on them");
+  PrintRow("&nbsp; `Optimizer`", sizeof(Optimizer),
+           "both optimizers: paths, and what is tried on them");
   PrintRow("&nbsp; `PathCheck`", sizeof(PathCheck), "the check's progress");
   PrintRow("&nbsp; `Plan`", sizeof(Plan), "the result");
   PrintRow("`Mapper`", sizeof(Mapper), "all of perception, `HeightGrid` included; of it:");
