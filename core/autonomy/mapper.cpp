@@ -12,11 +12,6 @@ namespace hardpack {
 namespace {
 
 constexpr float kMillisecondsPerSecond = 1000.0f;
-constexpr float kSecondsPerNanosecond = 1.0e-9f;
-
-float SecondsBetween(uint64_t earlier_ns, uint64_t later_ns) {
-  return ToFloat(later_ns - earlier_ns) * kSecondsPerNanosecond;
-}
 
 // Where the body frame's origin lies in the sensor frame.
 Vec3 BodyOriginInSensor(const Transform3& body_from_sensor) {

@@ -45,13 +45,13 @@ inline float Sqrt(float value) {
   return value > 0.0f ? __builtin_sqrtf(value) : 0.0f;
 }
 
-// Clears the sign: one instruction, also for four values at once.
 // The same of what cannot be negative: no check, so that a loop around it is vectorised. Negative
 // or NaN gives NaN.
 inline float SqrtUnchecked(float value) {
   return __builtin_sqrtf(value);
 }
 
+// Clears the sign: one instruction, also for four values at once.
 constexpr float Abs(float value) {
   return __builtin_fabsf(value);
 }

@@ -4,8 +4,10 @@
 #include <cstdint>
 
 #include "core/base/saturate.h"
+#include "core/base/wide_int.h"
 
-// Between metres and the integer units in which the sensor gives ranges and the map keeps heights.
+// Between metres and seconds and the integer units in which the sensor gives ranges, the map keeps
+// heights and clocks count.
 
 namespace hardpack {
 
@@ -23,6 +25,12 @@ constexpr float FromCentimeters(int32_t length_cm) {
 
 constexpr float FromMillimeters(uint32_t length_mm) {
   return static_cast<float>(length_mm) / kMillimetersPerMeter;
+}
+
+// Precondition: earlier_ns <= later_ns.
+constexpr float SecondsBetween(uint64_t earlier_ns, uint64_t later_ns) {
+  constexpr float kSecondsPerNanosecond = 1.0e-9f;
+  return ToFloat(later_ns - earlier_ns) * kSecondsPerNanosecond;
 }
 
 }  // namespace hardpack

@@ -3,13 +3,13 @@
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/saturate.h"
+#include "core/base/units.h"
 #include "core/costmap/cell_walk.h"
 #include "core/costmap/height_grid.h"
 
 namespace hardpack {
 namespace {
 
-constexpr float kCentimetersPerMeter = 100.0f;
 constexpr float kCellReach_cm = 14.142136f;  // from a cell's middle to its corner
 
 bool IsFinitePoint(const Vec3& point) {

@@ -4,12 +4,12 @@
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/saturate.h"
+#include "core/base/units.h"
 #include "core/costmap/cell_walk.h"
 
 namespace hardpack {
 namespace {
 
-constexpr float kCentimetersPerMeter = 100.0f;
 constexpr float kMaxAssumed_m = 50.0f;
 
 // kNone is above every height, so the first return needs no case of its own here ...
@@ -92,7 +92,7 @@ Status HeightGrid::Recenter(Vec2 center_odom) {
 
 int16_t HeightGrid::Stored(float z_m) const {
   constexpr int32_t kMost_cm = kMaxHeight_cm + kMaxShift_cm;
-  const int32_t height_cm = ClampInt(RoundToInt(z_m * kCentimetersPerMeter), -kMost_cm, kMost_cm);
+  const int32_t height_cm = ClampInt(InCentimeters(z_m), -kMost_cm, kMost_cm);
   return static_cast<int16_t>(ClampInt(height_cm - datum_cm_, -kMaxHeight_cm, kMaxHeight_cm));
 }
 
@@ -280,7 +280,7 @@ Status HeightGrid::AssumeGround(const Vec3& center_odom, float radius_m, Vec2 sl
 
 Status HeightGrid::ShiftHeights(float dz_m) {
   if (!IsFinite(dz_m)) return Status::kNotFinite;
-  const int32_t shift_cm = RoundToInt(dz_m * kCentimetersPerMeter);
+  const int32_t shift_cm = InCentimeters(dz_m);
   if (shift_cm < -kMaxShift_cm || shift_cm > kMaxShift_cm) return Status::kInvalidArgument;
   const int32_t datum_cm = datum_cm_ + shift_cm;
   if (datum_cm < -kMaxShift_cm || datum_cm > kMaxShift_cm) return Status::kInvalidArgument;

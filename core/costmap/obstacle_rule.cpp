@@ -7,6 +7,7 @@
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/saturate.h"
+#include "core/base/units.h"
 #include "core/costmap/costmap.h"
 #include "core/costmap/padded_row.h"
 #include "core/costmap/rows.h"
@@ -14,7 +15,6 @@
 namespace hardpack {
 namespace {
 
-constexpr float kCentimetersPerMeter = 100.0f;
 constexpr int16_t kNone = HeightGrid::kNone;
 constexpr int kMargin = PaddedRow<int16_t>::kMargin;
 
@@ -127,7 +127,7 @@ inline int16_t Raised(int16_t height_cm, int16_t rise_cm) {
 }
 
 int16_t RoundedCm(float height_m) {
-  return static_cast<int16_t>(RoundToInt(height_m * kCentimetersPerMeter));
+  return static_cast<int16_t>(InCentimeters(height_m));
 }
 
 }  // namespace
