@@ -4,6 +4,7 @@
 #include "config/validate.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
+#include "core/base/units.h"
 #include "core/base/wide_int.h"
 
 namespace hardpack {
@@ -17,7 +18,6 @@ constexpr float kLongestRound_s = 3.0f;
 constexpr float kLatencyFade = 0.9375f;
 // Beside what the vehicle drives from tick to tick.
 constexpr float kSearchAhead_m = 3.0f;
-constexpr float kNanosecond_s = 1.0e-9f;
 // A search's cost of one metre at cost 0.
 constexpr float kWayCostPerMeter = kStraightLength * kCellsPerMeter;
 
@@ -84,7 +84,7 @@ Status Replanner::Update(uint64_t now_ns, const VehicleState& state, const PlanG
     ++counters_.refused;
     return status;
   }
-  const float since_s = has_state_ ? ToFloat(now_ns - now_ns_) * kNanosecond_s : 0.0f;
+  const float since_s = has_state_ ? SecondsBetween(now_ns_, now_ns) : 0.0f;
   has_state_ = true;
   now_ns_ = now_ns;
   state_ = state;
@@ -319,7 +319,7 @@ void Replanner::BeginExtension() {
 
 // How far along a path that it was on when the round began the vehicle may be by now.
 float Replanner::ReachOfRound() const {
-  const float took_s = Min(ToFloat(now_ns_ - begun_ns_) * kNanosecond_s, kLongestRound_s);
+  const float took_s = SecondsBetween(begun_ns_, now_ns_);
   return kSearchAhead_m + took_s * Max(state_.speed_mps, params_.speed.max_speed_mps);
 }
 
@@ -347,7 +347,7 @@ void Replanner::EndRound() {
     case ReplanDecision::kNone:
       break;
   }
-  const float took_s = ToFloat(now_ns_ - begun_ns_) * kNanosecond_s;
+  const float took_s = Min(SecondsBetween(begun_ns_, now_ns_), kLongestRound_s);
   longest_s_ = Max(took_s, kLatencyFade * longest_s_);
   latency_s_ = Max(params_.replan.min_latency_s, kLatencyMargin * longest_s_);
 }

@@ -144,6 +144,20 @@ TEST(Replanner, ForgetsOnRequest) {
             Status::kOk);
 }
 
+TEST(Replanner, DoesNotTakeAPauseOfItsOwnerForItsPace) {
+  Replanner& replanner = TheReplanner();
+  replanner = Replanner{};
+  ASSERT_EQ(replanner.Configure(PlannerParams{}), Status::kOk);
+  const VehicleState state = {{0.1f, 0.1f, 0.0f}, 0.0f, 0.0f};
+  ASSERT_EQ(replanner.Update(1, state, {{10.1f, 0.1f}}), Status::kOk);
+  ASSERT_EQ(replanner.BeginCells(kWindow), Status::kOk);
+  ASSERT_EQ(replanner.Update(60'000'000'000u, state, {{10.1f, 0.1f}}), Status::kOk);
+  while (replanner.StepCells(1000) == Progress::kBusy) {
+  }
+  ASSERT_TRUE(IsUsable(replanner.outcome().status));
+  EXPECT_LE(replanner.latency_s(), 5.0f);
+}
+
 TEST(Replanner, PlansOnHeights) {
   static const std::unique_ptr<HeightGrid> heights = std::make_unique<HeightGrid>();
   Replanner& replanner = TheReplanner();
