@@ -46,6 +46,18 @@ constexpr Named kNames[] = {
     {Status::kLate, "late"},
     {Status::kSensorRestarted, "sensor_restarted"},
     {Status::kNoPose, "no_pose"},
+    {Status::kEmpty, "empty"},
+    {Status::kExpired, "expired"},
+    {Status::kInterfaceDown, "interface_down"},
+    {Status::kBusOff, "bus_off"},
+    {Status::kNotPermitted, "not_permitted"},
+    {Status::kSystemError, "system_error"},
+    {Status::kWrongSender, "wrong_sender"},
+    {Status::kTimedOut, "timed_out"},
+    {Status::kAborted, "aborted"},
+    {Status::kDeviceFault, "device_fault"},
+    {Status::kWrongDevice, "wrong_device"},
+    {Status::kStale, "stale"},
 };
 constexpr int kNameCount = sizeof(kNames) / sizeof(kNames[0]);
 

@@ -51,6 +51,20 @@ enum class [[nodiscard]] Status : uint8_t{
     kLate,             // It came after it was last of use.
     kSensorRestarted,  // The sensor counts anew: what is known of it has to be set up again.
     kNoPose,           // The vehicle's pose at that time is not known.
+
+    // Buses, sockets and devices.
+    kEmpty,          // Nothing is there to be taken now.
+    kExpired,        // Its deadline passed before it could be sent; it was dropped.
+    kInterfaceDown,  // The network interface is down or gone.
+    kBusOff,         // The CAN controller has cut itself off from the bus.
+    kNotPermitted,   // The caller, or the present mode, may not do that.
+    kSystemError,    // The operating system refused, for a reason that is none of the others.
+    kWrongSender,    // It comes from an address that is not the configured one.
+    kTimedOut,       // The answer did not come in time.
+    kAborted,        // The device refused, and said so.
+    kDeviceFault,    // The device reports a fault, or behaves against what it was told.
+    kWrongDevice,    // The device is not the one that the configuration describes.
+    kStale,          // What it would rely upon is too old.
 };
 
 // True when there is a result to use (possibly not quite the one asked for).

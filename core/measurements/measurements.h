@@ -66,6 +66,81 @@ struct ImuSample {
   Vec3 angular_rate_radps;
 };
 
+// How far an inertial navigation system (INS) stands by its solution.
+enum class InsMode : uint8_t {
+  kNotTracking = 0,  // no solution yet; the yaw is a magnetic compass's at best
+  kAligning = 1,     // the heading is still being found
+  kTracking = 2,     // all of the solution is as specified
+  kGnssLost = 3,     // satellites lost for long: position and velocity drift, attitude still good
+};
+
+struct InsStatus {
+  InsMode mode = InsMode::kNotTracking;
+  bool gnss_fix = false;
+  bool time_error = false;  // its filter overruns its time
+  bool imu_error = false;
+  bool magnetometer_or_pressure_error = false;
+  bool gnss_error = false;
+  bool gnss_heading = false;  // the direction between its two antennas aids the heading
+  bool gnss_compass = false;  // that direction is known at present
+  uint16_t word = 0;          // as sent, with the bits that are not told above
+};
+
+// What one message of an inertial navigation system says. A message carries some of the groups; the
+// others' flags are false and their values zero. Nothing is converted to the vehicle's frames here:
+// attitude and velocity are against the level frame north, east, down (NED), and what is measured
+// is in the sensor's own frame, whose axes point forward, right and down when it is level. The way
+// from there to body -> odom is odometry's. All values are finite.
+struct InsSample {
+  bool has_timestamp = false;
+  uint64_t timestamp_ns = 0;  // sensor's clock, since its start
+  bool has_gps_time = false;
+  uint64_t gps_time_ns = 0;  // since 1980-01-06 00:00 UTC, without leap seconds
+
+  bool has_attitude = false;  // sensor -> NED as Rz(yaw) Ry(pitch) Rx(roll)
+  float roll_rad = 0.0f;      // (-pi, pi], right side down positive
+  float pitch_rad = 0.0f;     // [-pi/2, pi/2], nose up positive
+  float yaw_rad = 0.0f;       // (-pi, pi], from north, CLOCKWISE seen from above
+
+  bool has_angular_rate = false;
+  Vec3 angular_rate_radps;
+  bool has_acceleration = false;
+  Vec3 acceleration_mps2;  // specific force: level and at rest (0, 0, -9.81)
+
+  bool has_position = false;   // WGS 84
+  int64_t latitude_ndeg = 0;   // 1e-9 degree (0.11 mm), north positive, at most 90 degrees
+  int64_t longitude_ndeg = 0;  // 1e-9 degree, east positive, at most 180 degrees
+  float altitude_m = 0.0f;     // above the ellipsoid
+  bool has_velocity = false;
+  Vec3 velocity_ned_mps;  // x north, y east, z down
+
+  bool has_status = false;
+  InsStatus status;
+
+  // One standard deviation, as the sensor estimates it.
+  bool has_attitude_uncertainty = false;
+  float attitude_uncertainty_rad = 0.0f;
+  bool has_position_uncertainty = false;
+  float position_uncertainty_m = 0.0f;
+  bool has_velocity_uncertainty = false;
+  float velocity_uncertainty_mps = 0.0f;
+};
+
+// Wheel angular speeds of the two sides, as the drives report them: forward positive, front and
+// rear wheel of a side alike.
+struct WheelFeedback {
+  bool valid = false;    // both sides reported, neither longer ago than the drives' time-out
+  uint64_t time_ns = 0;  // our clock; of the older of the two
+  float left_radps = 0.0f;
+  float right_radps = 0.0f;
+};
+
+// What the wheels are to do: forward positive.
+struct WheelCommand {
+  float left_radps = 0.0f;
+  float right_radps = 0.0f;
+};
+
 // Where the vehicle was: body -> odom, as position and as Rz(yaw) Ry(pitch) Rx(roll).
 struct StampedPose {
   uint64_t time_ns = 0;  // our clock
