@@ -31,12 +31,16 @@ struct ParameterEntry {
   const char* description;
   float Group::*not_above;  // null, or a member that this one must not exceed
 
-  // A whole number beyond 2^24 may come out rounded, and is as far out of every range as before.
+  // A whole number beyond 2^24 may come out rounded: GetWhole gives it exactly.
   // Not inlined: GCC 12 would warn of the members' types that a group does not have.
   [[gnu::noinline]] constexpr float Get(const Group& group) const {
     if (number != nullptr) return group.*number;
-    const int32_t value = whole != nullptr ? group.*whole : static_cast<int32_t>(group.*rule);
-    return static_cast<float>(value);
+    return static_cast<float>(GetWhole(group));
+  }
+
+  // Precondition: number is not set.
+  [[gnu::noinline]] constexpr int32_t GetWhole(const Group& group) const {
+    return whole != nullptr ? group.*whole : static_cast<int32_t>(group.*rule);
   }
 };
 

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "config/onboard_parameters.h"
+#include "config/onboard_tables.h"
 #include "config/parameter_tables.h"
 #include "config/parameters.h"
 #include "core/base/loop_bound.h"
@@ -18,11 +20,63 @@
 
 namespace hardpack {
 
+// The table of a group of parameters.
+constexpr const auto& TableOf(const VehicleParams&) {
+  return kVehicleTable;
+}
+constexpr const auto& TableOf(const CostmapParams&) {
+  return kCostmapTable;
+}
+constexpr const auto& TableOf(const AstarParams&) {
+  return kAstarTable;
+}
+constexpr const auto& TableOf(const PathParams&) {
+  return kPathTable;
+}
+constexpr const auto& TableOf(const OptimizerParams&) {
+  return kOptimizerTable;
+}
+constexpr const auto& TableOf(const SpeedParams&) {
+  return kSpeedTable;
+}
+constexpr const auto& TableOf(const ReplanParams&) {
+  return kReplanTable;
+}
+constexpr const auto& TableOf(const LidarMountParams&) {
+  return kLidarMountTable;
+}
+constexpr const auto& TableOf(const SegmentationParams&) {
+  return kSegmentationTable;
+}
+constexpr const auto& TableOf(const MappingParams&) {
+  return kMappingTable;
+}
+constexpr const auto& TableOf(const DriveParams&) {
+  return kDriveTable;
+}
+constexpr const auto& TableOf(const InsParams&) {
+  return kInsTable;
+}
+constexpr const auto& TableOf(const OdometryParams&) {
+  return kOdometryTable;
+}
+constexpr const auto& TableOf(const TrackingParams&) {
+  return kTrackingTable;
+}
+constexpr const auto& TableOf(const SafetyParams&) {
+  return kSafetyTable;
+}
+constexpr const auto& TableOf(const TickParams&) {
+  return kTickTable;
+}
+
 // Calls visit(group, table) for each group of parameters, in the order of the structs. Params:
-// PlannerParams, PerceptionParams or one group of the latter, const or not.
+// PlannerParams, PerceptionParams, OnboardParams or one group of them, const or not.
 template <typename Params, typename Visit>
 constexpr void VisitParameters(Params& params, Visit&& visit) {
-  if constexpr (requires { params.vehicle; }) {
+  if constexpr (requires { TableOf(params); }) {
+    visit(params, TableOf(params));
+  } else if constexpr (requires { params.vehicle; }) {
     visit(params.vehicle, kVehicleTable);
     visit(params.costmap, kCostmapTable);
     visit(params.astar, kAstarTable);
@@ -34,20 +88,25 @@ constexpr void VisitParameters(Params& params, Visit&& visit) {
     visit(params.mount, kLidarMountTable);
     visit(params.segmentation, kSegmentationTable);
     visit(params.mapping, kMappingTable);
-  } else if constexpr (requires { params.self_min_x_m; }) {
-    visit(params, kLidarMountTable);
-  } else if constexpr (requires { params.bridge_factor; }) {
-    visit(params, kSegmentationTable);
   } else {
-    visit(params, kMappingTable);
+    visit(params.drive, kDriveTable);
+    visit(params.ins, kInsTable);
+    visit(params.odometry, kOdometryTable);
+    visit(params.tracking, kTrackingTable);
+    visit(params.safety, kSafetyTable);
+    visit(params.tick, kTickTable);
   }
 }
 
-// False for NaN too.
+// False for NaN too. A whole number is compared as one: a float may not hold it.
 template <typename Group>
 constexpr bool IsInRange(const ParameterEntry<Group>& entry, const Group& group) {
-  const float value = entry.Get(group);
-  return value >= entry.low && value <= entry.high;
+  if (entry.number != nullptr) {
+    const float value = group.*entry.number;
+    return value >= entry.low && value <= entry.high;
+  }
+  const int32_t value = entry.GetWhole(group);
+  return value >= RoundToInt(entry.low) && value <= RoundToInt(entry.high);
 }
 
 // Whether it does not exceed the member that it must not exceed.
@@ -78,6 +137,7 @@ constexpr const char* FirstInvalidParameter(const Params& params) {
 // A default outside its range does not compile.
 static_assert(FirstInvalidParameter(PlannerParams{}) == nullptr);
 static_assert(FirstInvalidParameter(PerceptionParams{}) == nullptr);
+static_assert(FirstInvalidParameter(OnboardParams{}) == nullptr);
 
 inline constexpr int kMaxParameterName = 48;  // letters of a full name
 
@@ -88,22 +148,29 @@ constexpr bool IsNamed(const char* full_name, const char* name) {
   return *full_name == *name;
 }
 
-// Sets one parameter of a group to a value as it was typed or read from a file.
-// kNotFinite; kParameterOutOfRange: outside the entry's range, or a fraction of what is counted.
-// On a failure the group is as it was. Does not compare it with others: FirstInvalidParameter does.
+// Sets one parameter of a group to a value as it was typed or read from a file, a whole number
+// exactly. kNotFinite; kParameterOutOfRange: outside the entry's range, or a fraction of what is
+// counted. On a failure the group is as it was. Does not compare it with others:
+// FirstInvalidParameter does.
 template <typename Group>
 constexpr Status SetParameter(const ParameterEntry<Group>& entry, double value, Group& group) {
   if (!(value - value == 0.0)) return Status::kNotFinite;
-  constexpr double kLargest = static_cast<double>(std::numeric_limits<float>::max());
-  if (value < -kLargest || value > kLargest) return Status::kParameterOutOfRange;
-  // As a float: a limit of 0.1f admits a typed 0.1, although that double is the lesser of the two.
-  const float number = static_cast<float>(value);
-  if (number < entry.low || number > entry.high) return Status::kParameterOutOfRange;
   if (entry.number != nullptr) {
+    constexpr double kLargest = static_cast<double>(std::numeric_limits<float>::max());
+    if (value < -kLargest || value > kLargest) return Status::kParameterOutOfRange;
+    // As a float: a limit of 0.1f admits a typed 0.1, although that double is the lesser of the
+    // two.
+    const float number = static_cast<float>(value);
+    if (number < entry.low || number > entry.high) return Status::kParameterOutOfRange;
     group.*entry.number = number;
     return Status::kOk;
   }
-  const int32_t whole = RoundToInt(number);
+  // The ends of the range are int32_t, so what lies between them can be cast.
+  if (value < static_cast<double>(RoundToInt(entry.low)) ||
+      value > static_cast<double>(RoundToInt(entry.high))) {
+    return Status::kParameterOutOfRange;
+  }
+  const int32_t whole = static_cast<int32_t>(value);
   if (static_cast<double>(whole) != value) return Status::kParameterOutOfRange;
   if (entry.whole != nullptr) {
     group.*entry.whole = whole;

@@ -33,7 +33,8 @@ void ForEachParameter(Visit visit) {
 template <typename Visit>
 void ForEachParameter(Visit visit) {
   ForEachParameter<PlannerParams>(visit);
-  ForEachParameter<LidarMountParams>(visit);
+  ForEachParameter<PerceptionParams>(visit);
+  ForEachParameter<OnboardParams>(visit);
 }
 
 TEST(Parameters, HaveNamesOfTheirOwnThatFit) {
@@ -44,7 +45,8 @@ TEST(Parameters, HaveNamesOfTheirOwnThatFit) {
     EXPECT_TRUE(std::string(entry.full_name).ends_with(std::string(".") + entry.name));
     EXPECT_GT(std::strlen(entry.description), 5u) << entry.full_name;
   });
-  EXPECT_EQ(names.size(), (sizeof(PlannerParams) + sizeof(LidarMountParams)) / 4);
+  EXPECT_EQ(names.size(),
+            (sizeof(PlannerParams) + sizeof(PerceptionParams) + sizeof(OnboardParams)) / 4);
 }
 
 TEST(Parameters, HaveRangesThatHoldTheirDefaults) {
@@ -52,10 +54,26 @@ TEST(Parameters, HaveRangesThatHoldTheirDefaults) {
     EXPECT_LT(entry.low, entry.high) << entry.full_name;
     EXPECT_GE(entry.Get(group), entry.low) << entry.full_name;
     EXPECT_LE(entry.Get(group), entry.high) << entry.full_name;
-    EXPECT_LE(entry.high, 1 << 24) << "whole numbers beyond are not exact: " << entry.full_name;
   });
   EXPECT_EQ(FirstInvalidParameter(PlannerParams{}), nullptr);
-  EXPECT_EQ(FirstInvalidParameter(LidarMountParams{}), nullptr);
+  EXPECT_EQ(FirstInvalidParameter(PerceptionParams{}), nullptr);
+  EXPECT_EQ(FirstInvalidParameter(OnboardParams{}), nullptr);
+}
+
+TEST(Parameters, OfOneGroupAreVisitedAlone) {
+  const PerceptionParams perception;
+  VisitParameters(perception, [](const auto& group, const auto& table) {
+    int visits = 0;
+    VisitParameters(group, [&](const auto& same_group, const auto& same_table) {
+      ++visits;
+      EXPECT_EQ(static_cast<const void*>(&same_group), static_cast<const void*>(&group));
+      EXPECT_EQ(static_cast<const void*>(&same_table), static_cast<const void*>(&table));
+    });
+    EXPECT_EQ(visits, 1);
+  });
+  InsParams ins;
+  EXPECT_EQ(SetParameter("ins.yaw_rad", 1.0, ins), Status::kOk);
+  EXPECT_EQ(ins.yaw_rad, 1.0f);
 }
 
 // Also those that must not exceed, or not be exceeded by, another: it is not the other that is
@@ -164,6 +182,29 @@ TEST(SetParameter, RefusesFractionsOfCounts) {
   EXPECT_EQ(params.optimizer.window_steps, OptimizerParams{}.window_steps);
   EXPECT_EQ(SetParameter("optimizer.window_steps", 20, params), Status::kOk);
   EXPECT_EQ(params.optimizer.window_steps, 20);
+}
+
+// float has 24 bits: 16777217 and 2147483519 are not among its values.
+TEST(SetParameter, SetsWholeNumbersBeyondTwoTo24Exactly) {
+  OnboardParams params;
+  for (const int32_t code : {16777215, 16777216, 16777217, 123456789, 2147483519, 2147483520}) {
+    ASSERT_EQ(SetParameter("drive.product_code", code, params), Status::kOk) << code;
+    EXPECT_EQ(params.drive.product_code, code);
+    EXPECT_EQ(FirstInvalidParameter(params), nullptr) << code;
+  }
+}
+
+// Rounded to a float, 2147483521 would be the upper end of the range.
+TEST(SetParameter, HoldsWholeNumbersBeyondTwoTo24ToTheirRange) {
+  OnboardParams params;
+  params.drive.product_code = 5;
+  for (const double code :
+       {2147483521.0, 2147483647.0, 2147483648.0, 1e18, -1.0, 0.5, 16777216.5}) {
+    EXPECT_EQ(SetParameter("drive.product_code", code, params), Status::kParameterOutOfRange);
+    EXPECT_EQ(params.drive.product_code, 5) << code;
+  }
+  params.drive.product_code = 2147483521;
+  EXPECT_STREQ(FirstInvalidParameter(params), "drive.product_code");
 }
 
 TEST(SetParameter, DoesNotKnowOtherNames) {

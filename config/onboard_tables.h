@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+#include "config/onboard_parameters.h"
+#include "config/parameter_tables.h"
+
+// The table of config/onboard_parameters.h, as config/parameter_tables.h is of planning.
+
+namespace hardpack {
+
+#define HP_ENTRY(group, type, member, ...) \
+  MakeEntry(group "." #member, #member, &type::member, __VA_ARGS__)
+
+#define HP_DRIVE(...) HP_ENTRY("drive", DriveParams, __VA_ARGS__)
+inline constexpr std::array kDriveTable = {
+    HP_DRIVE(left_node, 1.0f, 127.0f, "CANopen node of the left drive."),
+    HP_DRIVE(right_node, 1.0f, 127.0f, "CANopen node of the right drive."),
+    HP_DRIVE(master_node, 1.0f, 127.0f, "Our node: its heartbeat is what the drives watch."),
+    HP_DRIVE(left_sign, -1.0f, 1.0f,
+             "1: a positive motor speed drives the left side forward; -1: backward."),
+    HP_DRIVE(right_sign, -1.0f, 1.0f, "The same on the right."),
+    HP_DRIVE(gear_ratio, 0.1f, 500.0f, "Motor turns per wheel turn; not public: measure it."),
+    HP_DRIVE(max_motor_speed_rpm, 1.0f, 20000.0f, "No command exceeds this."),
+    HP_DRIVE(motor_acceleration_rpmps, 0.0f, 32767.0f,
+             "Maximum acceleration rate (6083h) that is written; 0: left as it is."),
+    HP_DRIVE(max_torque_permille, 1.0f, 1000.0f, "Torque limit in every command."),
+    HP_DRIVE(operation_mode, 3.0f, 4.0f, "6060h: 3 profile velocity, 4 torque profile."),
+    HP_DRIVE(command_period_ms, 10.0f, 100.0f, "Between two commands to a drive."),
+    HP_DRIVE(sync_period_ms, 0.0f, 100.0f, "Between two SYNC of ours; 0: another node sends it."),
+    HP_DRIVE(heartbeat_period_ms, 10.0f, 1000.0f, "Of our heartbeat, and of the drives'."),
+    HP_DRIVE(heartbeat_timeout_ms, 20.0f, 3000.0f, "A node not heard for this long is gone."),
+    HP_DRIVE(command_timeout_ms, 20.0f, 1000.0f,
+             "A drive that gets no command for this long stops by itself (1400h:5, where it is)."),
+    HP_DRIVE(command_timeout_scheme, 1.0f, 3.0f,
+             "What it does then (5902h): 1 warn and slow down, 2 inhibit, 3 severe."),
+    HP_DRIVE(feedback_timeout_ms, 20.0f, 1000.0f, "A reported speed older than this is none."),
+    HP_DRIVE(sdo_timeout_ms, 10.0f, 2000.0f, "An answer to a question is waited for so long."),
+    HP_DRIVE(sdo_retries, 0.0f, 10.0f, "And asked again so often."),
+    HP_DRIVE(vendor_id, 0.0f, 16777216.0f, "1018h:1 that a drive has to have; 0: any."),
+    HP_DRIVE(product_code, 0.0f, 2147483520.0f, "1018h:2 that a drive has to have; 0: any."),
+    HP_DRIVE(login_user, 0.0f, 65535.0f, "5000h: user number for writing the configuration."),
+    HP_DRIVE(login_password, 0.0f, 65535.0f, "5000h: the password."),
+    HP_DRIVE(bit_rate_kbps, 20.0f, 1000.0f, "Bit rate of the bus, to compute its load."),
+    HP_DRIVE(max_bus_load_percent, 1.0f, 90.0f, "Load of what we send and ask for, at most."),
+    HP_DRIVE(opposite_speed_radps, 0.1f, 20.0f,
+             "A wheel that turns against its command faster than this ..."),
+    HP_DRIVE(opposite_time_s, 0.05f, 5.0f, "... for this long is a fault."),
+    HP_DRIVE(standstill_radps, 0.01f, 5.0f, "Wheel speeds below this are standstill."),
+    HP_DRIVE(disable_delay_s, 0.0f, 10.0f,
+             "Standstill lasts this long before drives are disabled."),
+    HP_DRIVE(enable_timeout_s, 0.1f, 30.0f, "Drives that are not enabled after this are faulty.")};
+#undef HP_DRIVE
+
+#define HP_INS(...) HP_ENTRY("ins", InsParams, __VA_ARGS__)
+inline constexpr std::array kInsTable = {
+    HP_INS(yaw_rad, -3.1415927f, 3.1415927f,
+           "How the INS is turned in the body frame, Rz(yaw) Ry(pitch) Rx(roll) with its x forward "
+           "and its z down as in NED: yaw, anticlockwise seen from above."),
+    HP_INS(pitch_rad, -1.5f, 1.5f, "The same: pitch."),
+    HP_INS(roll_rad, -3.1415927f, 3.1415927f, "The same: roll.")};
+#undef HP_INS
+
+#define HP_ODOMETRY(...) HP_ENTRY("odometry", OdometryParams, __VA_ARGS__)
+inline constexpr std::array kOdometryTable = {
+    HP_ODOMETRY(ground_per_wheel, 0.5f, 1.5f,
+                "Ground speed over wheel rim speed, straight on; the default is the recorded one."),
+    HP_ODOMETRY(max_rate_age_s, 0.005f, 1.0f,
+                "A yaw rate of the INS that is older is not used: then the wheels tell it.")};
+#undef HP_ODOMETRY
+
+#define HP_TRACKING(...) HP_ENTRY("tracking", TrackingParams, __VA_ARGS__)
+inline constexpr std::array kTrackingTable = {
+    HP_TRACKING(lookahead_s, 0.05f, 3.0f,
+                "The point of the path that is aimed at lies this long ahead ..."),
+    HP_TRACKING(min_lookahead_m, 0.2f, 10.0f, "... and at least so far."),
+    HP_TRACKING(heading_gain_per_s, 0.1f, 10.0f, "Turns on the spot: yaw rate per heading error."),
+    HP_TRACKING(max_pivot_rate_radps, 0.05f, 4.0f, "Turns on the spot: largest yaw rate."),
+    HP_TRACKING(prediction_s, 0.0f, 1.0f,
+                "The pose is carried on by the dead time of the drives.")};
+#undef HP_TRACKING
+
+#define HP_SAFETY(...) HP_ENTRY("safety", SafetyParams, __VA_ARGS__)
+inline constexpr std::array kSafetyTable = {
+    HP_SAFETY(max_lidar_age_s, 0.02f, 2.0f,
+              "Age of the newest lidar column beyond which the vehicle stops."),
+    HP_SAFETY(max_odometry_age_s, 0.02f, 2.0f, "The same of the wheel speeds."),
+    HP_SAFETY(max_ins_age_s, 0.02f, 2.0f, "The same of the INS."),
+    HP_SAFETY(needs_ins, 0.0f, 1.0f, "1: a silent INS stops the vehicle; 0: it does not."),
+    HP_SAFETY(max_plan_age_s, 0.1f, 10.0f,
+              "The same of the map on which the committed plan was checked."),
+    HP_SAFETY(operator_timeout_s, 0.0f, 60.0f,
+              "The same of the operator's last message; 0: the operator may be silent."),
+    HP_SAFETY(max_stop_s, 0.5f, 30.0f,
+              "A safe stop along the path that takes longer becomes zero speed."),
+    HP_SAFETY(hard_age_factor, 1.0f, 20.0f,
+              "An age beyond this many times its limit: zero speed at once.")};
+#undef HP_SAFETY
+
+#define HP_TICK(...) HP_ENTRY("tick", TickParams, __VA_ARGS__)
+inline constexpr std::array kTickTable = {
+    HP_TICK(period_ms, 5.0f, 100.0f, "Between two ticks."),
+    HP_TICK(planning_units, 64.0f, 1000000.0f,
+            "Units of planning in every tick: fixed, so that a replay repeats.")};
+#undef HP_TICK
+
+#undef HP_ENTRY
+
+static_assert(NamesAllMembers(kDriveTable));
+static_assert(NamesAllMembers(kInsTable));
+static_assert(NamesAllMembers(kOdometryTable));
+static_assert(NamesAllMembers(kTrackingTable));
+static_assert(NamesAllMembers(kSafetyTable));
+static_assert(NamesAllMembers(kTickTable));
+
+}  // namespace hardpack
