@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "config/drive_parameters.h"
+#include "core/base/decision_hash.h"
+#include "core/base/status.h"
+#include "core/measurements/measurements.h"
+#include "hal/can_batch.h"
+#include "hal/can_frame.h"
+#include "hal/sevcon/drive.h"
+#include "hal/sevcon/drive_report.h"
+
+// The CANopen master of a vehicle with two Sevcon Gen4 traction controllers, one a side (CiA 301,
+// CiA 402; REFERENCES.md; docs/vehicle.md says what of the Warthog's bus is public). Frames in,
+// frames out; no clock, no bus: time and frames come in as arguments. It brings the drives up
+// (identify, log in, write what differs, read back, verify the process data, start), follows their
+// state machines, commands wheel speeds, watches them, and brings them to rest. It does not decide
+// whether the vehicle may move (core/safety); but a fault of one drive sends zero to both in the
+// same tick, whatever is asked for.
+//
+//   TakeFrame (each frame that came), then Tick once: frames to be sent, in order.
+
+namespace hardpack::sevcon {
+
+// What is asked of the pair in one tick.
+struct DriveDemand {
+  bool enable = false;        // torque wanted; false: zero, standstill, disable, in this order
+  bool reset_faults = false;  // one attempt when it becomes true; only with enable false
+  WheelCommand wheels;        // what is beyond the drives' limits is clamped there
+};
+
+struct PairCounters {
+  uint32_t frames_taken = 0;
+  uint32_t frames_ignored = 0;    // of identifiers that are none of ours
+  uint32_t frames_malformed = 0;  // wrong length, remote, extended, or a value that cannot be
+  uint32_t foreign_frames = 0;    // with identifiers that only we send
+};
+
+class DrivePair {
+ public:
+  // Forgets everything and begins with silent drives. kParameterOutOfRange; kInvalidArgument: two
+  // nodes are the same, a sign is neither 1 nor -1, or a time-out is no longer than what it waits
+  // for; kCapacityExceeded: the load of the bus would be above max_bus_load_percent. On a failure
+  // nothing is taken and nothing sent.
+  Status Configure(const DriveParams& params);
+
+  // A frame that came since the last tick, in order. Cost: constant.
+  void TakeFrame(const CanFrame& frame, uint64_t now_ns);
+
+  // One tick: adds what is to be sent now, at most kMaxFramesPerTick, for which there has to be
+  // room. Only zero speed goes out unless both drives are enabled, neither has a fault and the
+  // demand asks for it. A demand that is not finite is a fault of the asker and is taken for zero.
+  // now_ns does not run backwards. Cost: constant.
+  void Tick(uint64_t now_ns, const DriveDemand& demand, CanBatch& out);
+
+  // Both are ready (or further), and neither has a fault.
+  bool ready() const;
+  bool enabled() const;     // both follow commands
+  bool standstill() const;  // both report it, freshly
+  // kOk: none has a fault; kDeviceFault; kWrongDevice: identity, mapping or a foreign sender;
+  // kTimedOut: silent.
+  Status health() const;
+  // Somebody else sends with identifiers of ours, or did within the last kForeignHold_ns: not to be
+  // driven on this bus. The drives' faults stay until they are reset.
+  bool foreign_sender() const;
+  const DriveReport& report(Side side) const;
+  WheelFeedback feedback(uint64_t now_ns) const;
+  WheelCommand commanded() const;  // of the last Tick, as sent: clamped, or zero
+  const PairCounters& counters() const;
+  // Of what we send and ask for, as configured.
+  int32_t bus_load_percent() const;
+
+  // A master that beats once a second is always heard.
+  static constexpr uint64_t kForeignHold_ns = 2'000'000'000;
+  // To each drive a command, an NMT command and a question; SYNC, and our heartbeat.
+  static constexpr int kMaxFramesPerTick = 8;
+
+ private:
+  enum class Sender : uint8_t { kOther, kDrive, kUs };
+
+  void Forget();
+  Sender SenderOf(uint32_t id, int& side) const;
+  bool TakeFromDrive(Drive& drive, const CanFrame& frame, uint64_t now_ns);
+  bool has_fault() const;
+  bool RestOf(const Drive& drive) const;
+  void Sequence(const DriveDemand& demand);
+  void SendCommands(const DriveDemand& demand, CanBatch& out);
+  void SendPeriodic(CanBatch& out);
+
+  // When something that is sent again and again is due next.
+  struct Beat {
+    uint64_t next_ns = 0;
+    bool IsDue(uint64_t now_ns, int32_t period_ms);
+  };
+
+  DriveParams params_;
+  bool configured_ = false;
+  bool was_foreign_heard_ = false;
+  bool was_reset_asked_ = false;
+  uint64_t now_ns_ = 0;
+  uint64_t foreign_ns_ = 0;
+  Drive drives_[kSides];
+  WheelCommand commanded_;
+  Beat command_beat_;
+  Beat sync_beat_;
+  Beat heartbeat_beat_;
+  int32_t bus_load_percent_ = 0;
+  PairCounters counters_;
+};
+static_assert(std::is_trivially_copyable_v<DrivePair>);
+static_assert(sizeof(DrivePair) <= 1024);
+
+// Adds what was decided: states, faults, what was commanded.
+void AddToHash(const DrivePair& pair, DecisionHash& hash);
+
+}  // namespace hardpack::sevcon
