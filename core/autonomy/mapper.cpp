@@ -11,8 +11,6 @@
 namespace hardpack {
 namespace {
 
-constexpr float kMillisecondsPerSecond = 1000.0f;
-
 // Where the body frame's origin lies in the sensor frame.
 Vec3 BodyOriginInSensor(const Transform3& body_from_sensor) {
   const float* r = body_from_sensor.rotation;

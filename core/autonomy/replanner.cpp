@@ -63,6 +63,8 @@ Status Replanner::Configure(const PlannerParams& params) {
   configured_ = true;
   latency_s_ = params.replan.min_latency_s;
   longest_s_ = 0.0f;
+  last_number_ = 0;
+  counters_ = ReplanCounters{};
   Forget();
   return Status::kOk;
 }

@@ -15,7 +15,6 @@ static_assert(std::is_trivially_copyable_v<Metadata>);
 static_assert(std::is_trivially_copyable_v<PacketLayout>);
 static_assert(kMaxPacketBytes <= static_cast<int32_t>(kMaxCrcBytes));
 
-constexpr int32_t kMaxColumnsPerPacket = 64;
 constexpr uint16_t kLidarPacketType = 1;
 constexpr float kStandardGravity_mps2 = 9.80665f;
 

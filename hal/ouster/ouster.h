@@ -83,6 +83,7 @@ struct PacketLayout {
 
 // The largest packet, for buffers and loop bounds: 16 columns of 128 DUAL beams are 33,024 B.
 inline constexpr int32_t kMaxPacketBytes = 33280;
+inline constexpr int32_t kMaxColumnsPerPacket = 64;
 
 // kUnsupported: no profile of the list; kInvalidArgument: a count out of range; kCapacityExceeded:
 // more columns a frame than kMaxColumnsPerRevolution, or packets beyond kMaxPacketBytes. On

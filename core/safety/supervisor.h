@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "config/onboard_parameters.h"
+#include "core/base/status.h"
+
+// Whether the vehicle may move, and how it stops (docs/safety.md). Owns the modes; sees ages, flags
+// and the operator's wishes; commands no wheel. Times are ours.
+//
+//             arm                goal, plan, enabled
+//   standby ------> armed --------------------------> driving
+//      ^  ^           ^  <--------------------------     |
+//      |  |  disarm   |     arrived, or told to stop     | input too old, operator silent
+//      |  +-----------+                                  v
+//      |  at rest     +----------- at rest --------- safe stop
+//      |
+//      +--- disarm --- fault, emergency stop <--- from any other
+//
+// Nothing but the operator's arm leaves standby, and no goal outlives a stop: after a safe stop the
+// vehicle waits for a new one. A plan that is blocked does not leave driving: the vehicle stops
+// along its path, waits, and goes on when there is a way. Emergency stop and fault are left by the
+// operator's disarm alone. A fault of a drive in standby stays there: arming resets it. A goal that
+// still waits for its plan is dropped by a stop, too. Once zero speed was commanded for want of a
+// path, nothing is followed before the vehicle is at rest: a plan from a state at rest is no plan
+// for one that rolls.
+
+namespace hardpack {
+
+enum class Mode : uint8_t { kStandby = 0, kArmed, kDriving, kSafeStop, kEmergencyStop, kFault };
+inline constexpr int kModes = 6;
+
+// Why the vehicle does not move, or may not: the first that applies.
+enum class StopReason : uint8_t {
+  kNone = 0,
+  kOperator,        // told to stop
+  kLidarOld,        // no column lately
+  kOdometryOld,     // no wheel speeds lately
+  kInsOld,          // no message of the INS lately
+  kPlanOld,         // the committed plan has not been checked lately
+  kNoPlan,          // there is no way, or none yet
+  kOperatorSilent,  // the operator's program was to speak, and does not
+  kStopTooLong,     // a safe stop took longer than it may
+  kDrives,          // a drive has a fault or is silent
+  kForeignSender,   // another node sends with our identifiers
+  kBus,             // the CAN bus is down or off
+  kEmergency,       // told to, by the operator
+  kMoving,          // it still moves: not to be armed yet
+};
+inline constexpr int kStopReasons = 14;
+
+// What is asked of the drives.
+enum class Motion : uint8_t {
+  kOff = 0,    // zero, and no torque once at rest
+  kHold,       // torque, zero speed
+  kFollow,     // along the committed plan
+  kStopAlong,  // come to rest along the committed plan, as fast as the limits allow
+  kZero,       // zero speed at once, the path is not followed
+};
+
+struct OperatorWishes {
+  bool arm = false;  // of this tick
+  bool disarm = false;
+  bool go = false;  // a new goal was given
+  bool stop = false;
+  bool emergency_stop = false;
+};
+
+struct SupervisorInput {
+  uint64_t now_ns = 0;
+  // Newest of each; 0: none yet.
+  uint64_t lidar_ns = 0;
+  uint64_t odometry_ns = 0;
+  uint64_t ins_ns = 0;
+  uint64_t plan_checked_ns = 0;
+  uint64_t operator_ns = 0;
+  bool bus_active = false;
+  bool drives_ready = false;
+  bool drives_enabled = false;
+  bool drives_faulty = false;
+  bool foreign_sender = false;
+  bool at_rest = false;
+  bool has_goal = false;
+  bool has_plan = false;  // a checked, committed plan that may be driven
+  bool has_path = false;  // a committed path along which to stop
+  bool arrived = false;   // at the last goal
+  OperatorWishes wishes;
+};
+
+struct Permission {
+  Mode mode = Mode::kStandby;
+  StopReason reason = StopReason::kNone;
+  Motion motion = Motion::kOff;
+  bool drop_goal = false;            // the goals are void from this tick on
+  bool reset_faults = false;         // of the drives: arming begins with it
+  Status wish_status = Status::kOk;  // of this tick's wishes: kNotPermitted with `reason`
+};
+
+class Supervisor {
+ public:
+  // Drives may take so long to reset their faults when arming.
+  static constexpr uint64_t kResetTime_ns = 3'000'000'000;
+
+  // Standby. kParameterOutOfRange.
+  Status Configure(const SafetyParams& params);
+
+  // Once a tick. Constant cost.
+  Permission Judge(const SupervisorInput& input);
+
+  Mode mode() const { return mode_; }
+  // Why the last stop was made; kept until the next goal is taken.
+  StopReason last_stop() const { return last_stop_; }
+
+ private:
+  StopReason OldInput(const SupervisorInput& input) const;
+  bool IsFarTooOld(const SupervisorInput& input) const;
+  StopReason Unfit(const SupervisorInput& input) const;
+  StopReason MayNotArm(const SupervisorInput& input) const;
+  void TakeWishes(const SupervisorInput& input, Permission& permission);
+  void Change(Mode mode, StopReason reason, uint64_t now_ns);
+  void StepArmed(const SupervisorInput& input);
+  void StepDriving(const SupervisorInput& input);
+  void StepSafeStop(const SupervisorInput& input);
+  Motion MotionOf(const SupervisorInput& input) const;
+
+  SafetyParams params_;
+  bool configured_ = false;
+  Mode mode_ = Mode::kStandby;
+  StopReason reason_ = StopReason::kNone;
+  StopReason last_stop_ = StopReason::kNone;
+  uint64_t since_ns_ = 0;   // of the mode
+  bool disarming_ = false;  // a safe stop that ends in standby
+  bool zero_ = false;       // no path is followed before the vehicle is at rest
+};
+static_assert(std::is_trivially_copyable_v<Supervisor>);
+
+}  // namespace hardpack

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/vehicle_loop/vehicle_loop.h"
+
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
+#include "core/base/units.h"
+#include "hal/labels/labels.h"
+
+namespace hardpack {
+
+Status VehicleLoop::Configure(const VehicleConfig& config) {
+  configured_ = false;
+  index_ = 0;
+  now_ns_ = 0;
+  lidar_ns_ = 0;
+  ins_ns_ = 0;
+  operator_ns_ = 0;
+  before_ns_ = 0;
+  tick_s_ = 0.0f;
+  is_gap_ = false;
+  is_located_ = false;
+  config_ = config;
+  wishes_ = {};
+  goals_.Clear();
+  goal_index_ = 0;
+  newest_ins_ = {};
+  ins_.Reset();
+  lidar_time_.Reset();
+  tracking_output_ = {};
+  permission_ = {};
+  hash_ = {};
+  counters_ = {};
+  const OnboardParams& onboard = config.onboard;
+  const ouster::Metadata& lidar = config.lidar;
+  Status status = drives_.Configure(onboard.drive);
+  if (IsUsable(status)) status = lidar_packets_.Configure(lidar);
+  if (IsUsable(status)) status = replanner_.Configure(config.planner);
+  if (IsUsable(status)) {
+    status = odometry_.Configure(config.planner.vehicle, onboard.odometry, onboard.ins);
+  }
+  if (IsUsable(status)) {
+    status = tracker_.Configure(config.planner.vehicle, config.planner.speed, onboard.odometry,
+                                onboard.tracking);
+  }
+  if (IsUsable(status)) status = supervisor_.Configure(onboard.safety);
+  if (IsUsable(status)) {
+    const auto beams = static_cast<size_t>(lidar.beams);
+    status = MakeBeamModel({lidar.beam_altitude_deg, beams}, {lidar.beam_azimuth_deg, beams},
+                           lidar.columns_per_frame, lidar.lidar_origin_to_beam_origin_m,
+                           lidar.sensor_from_lidar, beam_model_);
+  }
+  if (IsUsable(status)) status = ConfigureMapper();
+  configured_ = IsUsable(status);
+  return status;
+}
+
+// With an empty map.
+Status VehicleLoop::ConfigureMapper() {
+  return mapper_.Configure(config_.perception, config_.planner.costmap, config_.labels, beam_model_,
+                           config_.lidar.column_window_first, config_.lidar.column_window_last);
+}
+
+Status VehicleLoop::Tick(const TickInput& input, TickOutput& output) {
+  output.frames.Clear();
+  output.has_answer = false;
+  if (!configured_) return Status::kNotStarted;
+  if (IsRefused(input)) {
+    ++counters_.refused_ticks;
+    return Status::kInvalidArgument;
+  }
+  tick_s_ = static_cast<float>(config_.onboard.tick.period_ms) / kMillisecondsPerSecond;
+  if (counters_.ticks > 0) {
+    counters_.missed_ticks += input.index - index_ - 1;
+    tick_s_ = Min(SecondsBetween(now_ns_, input.now_ns), kLongestTick_s);
+  }
+  before_ns_ = counters_.ticks > 0 ? now_ns_ : input.now_ns;
+  ++counters_.ticks;
+  index_ = input.index;
+  now_ns_ = input.now_ns;
+  wishes_ = {};
+
+  TakeFrames(input);
+  TakeDatagrams(input, InputSource::kIns);
+  AddPose();
+  TakeDatagrams(input, InputSource::kLabels);
+  TakeDatagrams(input, InputSource::kLidar);
+  mapper_.Advance(now_ns_);
+  TakeCommand(input.command, output);
+  AdvanceGoal();
+  UpdatePlanner();
+  permission_ = supervisor_.Judge(Situation(input));
+  if (permission_.drop_goal) DropGoals();
+  if (output.has_answer && IsUsable(output.answer)) {
+    output.answer = permission_.wish_status;
+    output.reason = permission_.reason;
+    if (!IsUsable(output.answer)) ++counters_.refused_commands;
+  }
+  Move();
+  Command(output);
+  StepPlanner();
+  AddToHash(output);
+  return Status::kOk;
+}
+
+bool VehicleLoop::IsRefused(const TickInput& input) {
+  return (counters_.ticks > 0 && (input.index <= index_ || input.now_ns <= now_ns_)) ||
+         input.datagrams.size() > kMaxDatagramsPerTick ||
+         input.frames.size() > CanBus::kMaxFramesPerTick;
+}
+
+void VehicleLoop::TakeFrames(const TickInput& input) {
+  HP_LOOP_BOUND(CanBus::kMaxFramesPerTick)
+  for (const CanFrame& frame : input.frames) drives_.TakeFrame(frame, now_ns_);
+}
+
+void VehicleLoop::TakeDatagrams(const TickInput& input, InputSource source) {
+  const auto place = static_cast<size_t>(source);
+  HP_LOOP_BOUND(kMaxDatagramsPerTick)
+  for (const TickDatagram& datagram : input.datagrams) {
+    if (datagram.source != source) continue;
+    ++counters_.datagrams[place];
+    Status status = Status::kOk;
+    if (source == InputSource::kIns) status = TakeIns(datagram.bytes);
+    if (source == InputSource::kLabels) status = TakeLabels(datagram.bytes);
+    if (source == InputSource::kLidar) status = TakeLidar(datagram.bytes);
+    if (!IsUsable(status)) ++counters_.refused_datagrams[place];
+  }
+}
+
+// A bridge cuts the stream where it likes: what comes before and behind a message is counted by the
+// parser, and no reason to refuse a datagram.
+Status VehicleLoop::TakeIns(std::span<const uint8_t> bytes) {
+  if (bytes.size() > kMaxInsDatagram_bytes) return Status::kOversized;
+  std::span<const uint8_t> rest = bytes;
+  HP_LOOP_BOUND(kMaxInsFeeds)
+  for (int feed = 0; feed < kMaxInsFeeds && !rest.empty(); ++feed) {
+    rest = rest.subspan(ins_.Feed(rest));
+    HP_LOOP_BOUND(kMaxInsMessages)
+    for (int message = 0; message < kMaxInsMessages; ++message) {
+      if (!IsUsable(ins_.Next(ins_sample_))) break;
+      if (!IsUsable(odometry_.TakeIns(ins_sample_, now_ns_))) continue;
+      const bool repeats = ins_ns_ != 0 && ins_sample_.has_timestamp && newest_ins_.has_timestamp &&
+                           ins_sample_.timestamp_ns == newest_ins_.timestamp_ns;
+      newest_ins_ = ins_sample_;
+      if (!repeats) ins_ns_ = now_ns_;
+    }
+  }
+  return rest.empty() ? Status::kOk : Status::kCapacityExceeded;
+}
+
+Status VehicleLoop::TakeLabels(std::span<const uint8_t> bytes) {
+  labels::Header header;
+  const Status status =
+      labels::CheckDatagram(bytes, config_.lidar.beams, config_.lidar.columns_per_frame, header);
+  if (!IsUsable(status)) return status;
+  HP_LOOP_BOUND(labels::kMaxColumns)
+  for (int i = 0; i < header.columns; ++i) {
+    if (!IsUsable(labels::DecodeColumn(header, bytes, i, labels_))) continue;
+    if (!IsUsable(mapper_.AddLabels(labels_))) ++counters_.refused_labels;
+  }
+  return Status::kOk;
+}
+
+// The newest stamp of the packet, which was delayed the least.
+Status VehicleLoop::ObserveLidarClock(std::span<const uint8_t> bytes) {
+  const ouster::PacketLayout& layout = lidar_packets_.layout();
+  const Status decoded =
+      ouster::DecodeColumn(layout, bytes, layout.columns_per_packet - 1, column_);
+  if (!IsUsable(decoded)) return Status::kOk;  // what an invalid column says is no stamp
+  const Status status = lidar_time_.Observe(column_.timestamp_ns, now_ns_);
+  if (status == Status::kClockJumped) ++counters_.clock_jumps;
+  return status;
+}
+
+Status VehicleLoop::TakeLidar(std::span<const uint8_t> bytes) {
+  ouster::PacketHeader header;
+  Status status = lidar_packets_.Check(bytes, header);
+  if (status == Status::kSensorRestarted && supervisor_.mode() == Mode::kStandby) {
+    // Its clock began anew. What the sensor is and where it sits is taken to be as it was: the
+    // operator sees the count, and has to arm again.
+    ++counters_.lidar_restarts;
+    lidar_packets_.Resume();
+    lidar_time_.Reset();
+    status = lidar_packets_.Check(bytes, header);
+  }
+  if (!IsUsable(status)) return status;
+  status = ObserveLidarClock(bytes);
+  if (!IsUsable(status)) return status;
+  const ouster::PacketLayout& layout = lidar_packets_.layout();
+  HP_LOOP_BOUND(ouster::kMaxColumnsPerPacket)
+  for (int i = 0; i < layout.columns_per_packet; ++i) {
+    if (!IsUsable(ouster::DecodeColumn(layout, bytes, i, column_))) continue;
+    if (lidar_time_.suspect()) {
+      ++counters_.suspect_columns;
+      continue;
+    }
+    const Result<uint64_t> time_ns = lidar_time_.ToHost(column_.timestamp_ns);
+    if (!time_ns.ok() || !IsUsable(mapper_.AddColumn(column_, time_ns.value()))) {
+      ++counters_.refused_columns;
+    } else if (time_ns.value() > lidar_ns_) {
+      lidar_ns_ = time_ns.value();
+    }
+  }
+  return Status::kOk;
+}
+
+// The pose of this tick, ahead of the columns that were taken before it. Where the vehicle went in
+// a gap nobody knows: what was mapped before it no longer has a place.
+void VehicleLoop::AddPose() {
+  const uint32_t gaps = odometry_.gaps();
+  static_cast<void>(odometry_.Advance(now_ns_, drives_.feedback(now_ns_)));
+  is_gap_ = odometry_.gaps() != gaps;
+  if (is_gap_) {
+    ++counters_.odometry_gaps;
+    replanner_.Forget();
+    static_cast<void>(ConfigureMapper());  // as when it was configured: it cannot fail
+  }
+  static_cast<void>(mapper_.AddPose(odometry_.pose()));
+}
+
+void VehicleLoop::AddToHash(const TickOutput& output) {
+  hash_.AddU64(index_);
+  hash_.AddU8(static_cast<uint8_t>(permission_.mode));
+  hash_.AddU8(static_cast<uint8_t>(permission_.reason));
+  hash_.AddU8(static_cast<uint8_t>(permission_.motion));
+  hash_.AddU8(output.has_answer ? static_cast<uint8_t>(output.answer) : uint8_t{0xff});
+  hash_.AddFloat(odometry_.pose().position.x_m);
+  hash_.AddFloat(odometry_.pose().position.y_m);
+  hash_.AddFloat(odometry_.pose().yaw_rad);
+  HP_LOOP_BOUND(kMaxFramesOut)
+  for (const CanFrame& frame : output.frames) {
+    hash_.AddU32(frame.id);
+    hash_.AddU8(frame.size);
+    HP_LOOP_BOUND(kMaxCanData_bytes)
+    for (int i = 0; i < frame.size && i < kMaxCanData_bytes; ++i) hash_.AddU8(frame.data[i]);
+  }
+}
+
+}  // namespace hardpack

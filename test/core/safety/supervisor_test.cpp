@@ -1,0 +1,428 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/safety/supervisor.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <random>
+
+namespace hardpack {
+namespace {
+
+constexpr uint64_t kTick_ns = 10'000'000;
+
+// A vehicle with which everything is well, until a test says otherwise.
+struct Vehicle {
+  Supervisor supervisor;
+  SupervisorInput input;
+  Permission permission;
+  bool lidar_comes = true;
+  bool odometry_comes = true;
+  bool ins_comes = true;
+  bool plan_is_checked = true;
+
+  explicit Vehicle(const SafetyParams& params = {}) {
+    EXPECT_EQ(supervisor.Configure(params), Status::kOk);
+    input.now_ns = 5'000'000'000;
+    input.bus_active = true;
+    input.drives_ready = true;
+    input.at_rest = true;
+  }
+
+  Permission Tick(const OperatorWishes& wishes = {}) {
+    input.now_ns += kTick_ns;
+    if (lidar_comes) input.lidar_ns = input.now_ns;
+    if (odometry_comes) input.odometry_ns = input.now_ns;
+    if (ins_comes) input.ins_ns = input.now_ns;
+    if (plan_is_checked) input.plan_checked_ns = input.now_ns;
+    input.wishes = wishes;
+    permission = supervisor.Judge(input);
+    if (permission.drop_goal) {
+      input.has_goal = false;
+      input.has_plan = false;
+      input.has_path = false;
+    }
+    return permission;
+  }
+  Permission Ticks(int count) {
+    for (int i = 0; i < count; ++i) Tick();
+    return permission;
+  }
+  void Arm() {
+    EXPECT_EQ(Tick({.arm = true}).mode, Mode::kArmed);
+    input.drives_enabled = true;
+  }
+  void Drive() {
+    Arm();
+    Tick({.go = true});
+    input.has_goal = true;
+    input.has_plan = true;
+    input.has_path = true;
+    EXPECT_EQ(Tick().mode, Mode::kDriving);
+    input.at_rest = false;
+    EXPECT_EQ(Tick().motion, Motion::kFollow);
+  }
+};
+
+TEST(Supervisor, BeginsInStandbyWithoutTorque) {
+  Vehicle vehicle;
+  EXPECT_EQ(vehicle.Tick().mode, Mode::kStandby);
+  EXPECT_EQ(vehicle.permission.motion, Motion::kOff);
+}
+
+TEST(Supervisor, ArmsWhenAllIsFreshAndHoldsStill) {
+  Vehicle vehicle;
+  const Permission armed = vehicle.Tick({.arm = true});
+  EXPECT_EQ(armed.mode, Mode::kArmed);
+  EXPECT_EQ(armed.motion, Motion::kHold);
+  EXPECT_TRUE(armed.reset_faults);
+  EXPECT_FALSE(vehicle.Tick().reset_faults);
+  EXPECT_EQ(vehicle.Ticks(100).motion, Motion::kHold);
+}
+
+TEST(Supervisor, SaysWhyItDoesNotArm) {
+  struct Case {
+    StopReason reason;
+    void (*spoil)(Vehicle&);
+  };
+  const Case cases[] = {
+      {StopReason::kLidarOld, [](Vehicle& v) { v.lidar_comes = false; }},
+      {StopReason::kOdometryOld, [](Vehicle& v) { v.odometry_comes = false; }},
+      {StopReason::kInsOld, [](Vehicle& v) { v.ins_comes = false; }},
+      {StopReason::kBus, [](Vehicle& v) { v.input.bus_active = false; }},
+      {StopReason::kDrives, [](Vehicle& v) { v.input.drives_ready = false; }},
+      {StopReason::kDrives,  // a silent one: its fault may be reset, but it says nothing
+       [](Vehicle& v) {
+         v.input.drives_ready = v.odometry_comes = false;
+         v.input.drives_faulty = true;
+       }},
+      {StopReason::kForeignSender, [](Vehicle& v) { v.input.foreign_sender = true; }},
+      {StopReason::kMoving, [](Vehicle& v) { v.input.at_rest = false; }},
+  };
+  for (const Case& one : cases) {
+    Vehicle vehicle;
+    one.spoil(vehicle);
+    const Permission permission = vehicle.Tick({.arm = true});
+    EXPECT_EQ(permission.mode, Mode::kStandby);
+    EXPECT_EQ(permission.wish_status, Status::kNotPermitted);
+    EXPECT_EQ(permission.reason, one.reason);
+    EXPECT_EQ(permission.motion, Motion::kOff);
+  }
+}
+
+TEST(Supervisor, RefusesAGoalUnlessArmed) {
+  Vehicle vehicle;
+  EXPECT_EQ(vehicle.Tick({.go = true}).wish_status, Status::kNotPermitted);
+  EXPECT_TRUE(vehicle.permission.drop_goal);
+  EXPECT_EQ(vehicle.permission.mode, Mode::kStandby);
+}
+
+TEST(Supervisor, DrivesOnlyWithAPlanAndEnabledDrives) {
+  Vehicle vehicle;
+  vehicle.Arm();
+  vehicle.input.drives_enabled = false;
+  vehicle.Tick({.go = true});
+  vehicle.input.has_goal = true;
+  EXPECT_EQ(vehicle.Tick().mode, Mode::kArmed);
+  EXPECT_EQ(vehicle.permission.reason, StopReason::kNoPlan);
+  vehicle.input.has_plan = true;
+  vehicle.input.has_path = true;
+  EXPECT_EQ(vehicle.Tick().mode, Mode::kArmed);
+  vehicle.input.drives_enabled = true;
+  EXPECT_EQ(vehicle.Tick().mode, Mode::kDriving);
+}
+
+TEST(Supervisor, WaitsArmedAfterArriving) {
+  Vehicle vehicle;
+  vehicle.Drive();
+  vehicle.input.arrived = true;
+  EXPECT_EQ(vehicle.Tick().mode, Mode::kDriving);  // still rolls
+  vehicle.input.at_rest = true;
+  EXPECT_EQ(vehicle.Tick().mode, Mode::kArmed);
+  EXPECT_TRUE(vehicle.permission.drop_goal);
+  EXPECT_EQ(vehicle.permission.motion, Motion::kHold);
+}
+
+TEST(Supervisor, StopsAlongThePathAndGoesOnWhenBlocked) {
+  Vehicle vehicle;
+  vehicle.Drive();
+  vehicle.input.has_plan = false;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kStopAlong);
+  EXPECT_EQ(vehicle.permission.mode, Mode::kDriving);
+  EXPECT_EQ(vehicle.permission.reason, StopReason::kNoPlan);
+  EXPECT_FALSE(vehicle.permission.drop_goal);
+  vehicle.input.at_rest = true;
+  vehicle.Ticks(1000);
+  EXPECT_EQ(vehicle.permission.mode, Mode::kDriving);
+  vehicle.input.has_path = false;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kZero);
+  vehicle.input.has_plan = vehicle.input.has_path = true;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kFollow);
+}
+
+TEST(Supervisor, StopsSafelyWhenAnInputGrowsOldAndForgetsTheGoal) {
+  struct Case {
+    StopReason reason;
+    bool Vehicle::*comes;
+    float age_s;
+  };
+  const SafetyParams params;
+  const Case cases[] = {
+      {StopReason::kLidarOld, &Vehicle::lidar_comes, params.max_lidar_age_s},
+      {StopReason::kOdometryOld, &Vehicle::odometry_comes, params.max_odometry_age_s},
+      {StopReason::kInsOld, &Vehicle::ins_comes, params.max_ins_age_s},
+      {StopReason::kPlanOld, &Vehicle::plan_is_checked, params.max_plan_age_s},
+  };
+  for (const Case& one : cases) {
+    Vehicle vehicle;
+    vehicle.Drive();
+    vehicle.*one.comes = false;
+    const int ticks = static_cast<int>(one.age_s * 100.0f) - 1;
+    EXPECT_EQ(vehicle.Ticks(ticks).mode, Mode::kDriving);
+    EXPECT_EQ(vehicle.Ticks(3).mode, Mode::kSafeStop);
+    EXPECT_EQ(vehicle.permission.reason, one.reason);
+    EXPECT_EQ(vehicle.permission.motion, Motion::kStopAlong);
+    EXPECT_FALSE(vehicle.permission.drop_goal);  // its path is followed
+    vehicle.*one.comes = true;                   // comes back: the vehicle stops all the same
+    EXPECT_EQ(vehicle.Tick().mode, Mode::kSafeStop);
+    vehicle.input.at_rest = true;
+    EXPECT_EQ(vehicle.Tick().mode, Mode::kArmed);
+    EXPECT_TRUE(vehicle.permission.drop_goal);
+    EXPECT_EQ(vehicle.supervisor.last_stop(), one.reason);
+    EXPECT_EQ(vehicle.Ticks(100).motion, Motion::kHold);  // and waits for a new goal
+  }
+}
+
+TEST(Supervisor, ZeroSpeedWhenAnInputIsFarTooOld) {
+  Vehicle vehicle;
+  vehicle.Drive();
+  vehicle.lidar_comes = false;
+  EXPECT_EQ(vehicle.Ticks(40).motion, Motion::kStopAlong);
+  EXPECT_EQ(vehicle.Ticks(55).motion, Motion::kZero);  // 0.9 s
+}
+
+TEST(Supervisor, ZeroSpeedWhenASafeStopTakesTooLong) {
+  Vehicle vehicle;
+  vehicle.Drive();
+  vehicle.Tick({.stop = true});
+  EXPECT_EQ(vehicle.Ticks(790).motion, Motion::kStopAlong);
+  EXPECT_EQ(vehicle.Ticks(20).motion, Motion::kZero);
+  EXPECT_EQ(vehicle.permission.reason, StopReason::kStopTooLong);
+}
+
+TEST(Supervisor, AStopDropsAGoalThatWaitsForItsPlan) {
+  Vehicle vehicle;
+  vehicle.Arm();
+  vehicle.Tick({.go = true});
+  vehicle.input.has_goal = true;
+  EXPECT_FALSE(vehicle.Ticks(5).drop_goal);
+  vehicle.input.has_plan = true;  // in the very tick
+  vehicle.input.has_path = true;
+  EXPECT_TRUE(vehicle.Tick({.stop = true}).drop_goal);
+  EXPECT_EQ(vehicle.permission.mode, Mode::kArmed);
+  EXPECT_EQ(vehicle.permission.motion, Motion::kHold);
+  EXPECT_EQ(vehicle.permission.wish_status, Status::kOk);
+  EXPECT_EQ(vehicle.Ticks(100).motion, Motion::kHold);
+}
+
+TEST(Supervisor, FollowsNoNewPathBeforeItStandsOnceItHadNone) {
+  Vehicle vehicle;
+  vehicle.Drive();
+  vehicle.input.has_plan = false;
+  vehicle.input.has_path = false;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kZero);
+  vehicle.input.has_plan = true;
+  vehicle.input.has_path = true;
+  EXPECT_EQ(vehicle.Ticks(30).motion, Motion::kZero);
+  EXPECT_EQ(vehicle.permission.mode, Mode::kDriving);
+  vehicle.input.at_rest = true;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kFollow);
+}
+
+TEST(Supervisor, DoesNotSetOutOnAPlanThatNobodyHasCheckedLately) {
+  Vehicle vehicle;
+  vehicle.Arm();
+  vehicle.Tick({.go = true});
+  vehicle.input.has_goal = true;
+  vehicle.input.has_plan = true;
+  vehicle.input.has_path = true;
+  vehicle.plan_is_checked = false;
+  vehicle.input.plan_checked_ns = vehicle.input.now_ns - 2'000'000'000;
+  EXPECT_EQ(vehicle.Ticks(50).mode, Mode::kArmed);
+  EXPECT_EQ(vehicle.permission.reason, StopReason::kPlanOld);
+  vehicle.plan_is_checked = true;
+  EXPECT_EQ(vehicle.Tick().mode, Mode::kDriving);
+}
+
+TEST(Supervisor, TellsTheLastStopUntilTheNextGoal) {
+  Vehicle vehicle;
+  vehicle.Drive();
+  vehicle.Tick({.stop = true});
+  vehicle.input.at_rest = true;
+  EXPECT_EQ(vehicle.Ticks(3).mode, Mode::kArmed);
+  EXPECT_EQ(vehicle.supervisor.last_stop(), StopReason::kOperator);
+  vehicle.Tick({.go = true});
+  EXPECT_EQ(vehicle.supervisor.last_stop(), StopReason::kNone);
+}
+
+TEST(Supervisor, SilentOperatorStopsOnlyWhereItHasToSpeak) {
+  Vehicle free;
+  free.Drive();
+  EXPECT_EQ(free.Ticks(1000).mode, Mode::kDriving);
+  SafetyParams params;
+  params.operator_timeout_s = 0.5f;
+  Vehicle watched(params);
+  watched.input.operator_ns = watched.input.now_ns;
+  watched.Drive();
+  EXPECT_EQ(watched.Ticks(60).mode, Mode::kSafeStop);
+  EXPECT_EQ(watched.permission.reason, StopReason::kOperatorSilent);
+}
+
+TEST(Supervisor, AFaultIsZeroInTheSameTickAndIsLeftByDisarmAlone) {
+  struct Case {
+    StopReason reason;
+    void (*spoil)(SupervisorInput&);
+    void (*mend)(SupervisorInput&);
+  };
+  const Case cases[] = {
+      {StopReason::kDrives, [](SupervisorInput& i) { i.drives_faulty = true; },
+       [](SupervisorInput& i) { i.drives_faulty = false; }},
+      {StopReason::kDrives, [](SupervisorInput& i) { i.drives_enabled = false; },
+       [](SupervisorInput& i) { i.drives_enabled = true; }},
+      {StopReason::kBus, [](SupervisorInput& i) { i.bus_active = false; },
+       [](SupervisorInput& i) { i.bus_active = true; }},
+      {StopReason::kForeignSender, [](SupervisorInput& i) { i.foreign_sender = true; },
+       [](SupervisorInput& i) { i.foreign_sender = false; }},
+  };
+  for (const Case& one : cases) {
+    Vehicle vehicle;
+    vehicle.Drive();
+    one.spoil(vehicle.input);
+    EXPECT_EQ(vehicle.Tick().mode, Mode::kFault);
+    EXPECT_EQ(vehicle.permission.motion, Motion::kOff);
+    EXPECT_EQ(vehicle.permission.reason, one.reason);
+    EXPECT_TRUE(vehicle.permission.drop_goal);
+    one.mend(vehicle.input);
+    vehicle.input.at_rest = true;
+    EXPECT_EQ(vehicle.Ticks(100).mode, Mode::kFault);
+    EXPECT_EQ(vehicle.Tick({.arm = true}).wish_status, Status::kNotPermitted);
+    EXPECT_EQ(vehicle.Tick({.disarm = true}).mode, Mode::kStandby);
+    EXPECT_EQ(vehicle.Tick({.arm = true}).mode, Mode::kArmed);
+  }
+}
+
+TEST(Supervisor, GivesDrivesTimeToResetTheirFaultsWhenArming) {
+  Vehicle vehicle;
+  vehicle.input.drives_faulty = true;
+  vehicle.input.drives_ready = false;
+  EXPECT_EQ(vehicle.Tick({.arm = true}).mode, Mode::kArmed);
+  EXPECT_EQ(vehicle.Ticks(200).mode, Mode::kArmed);
+  EXPECT_EQ(vehicle.Ticks(200).mode, Mode::kFault);
+}
+
+TEST(Supervisor, EmergencyStopWorksInEveryModeAndBeatsEveryOtherWish) {
+  for (int mode = 0; mode < 4; ++mode) {
+    Vehicle vehicle;
+    if (mode == 1) vehicle.Arm();
+    if (mode >= 2) vehicle.Drive();
+    if (mode == 3) vehicle.Tick({.stop = true});
+    const Permission permission =
+        vehicle.Tick({.arm = true, .disarm = true, .go = true, .emergency_stop = true});
+    EXPECT_EQ(permission.mode, Mode::kEmergencyStop);
+    EXPECT_EQ(permission.motion, Motion::kOff);
+    EXPECT_TRUE(permission.drop_goal);
+    EXPECT_EQ(vehicle.Ticks(1000).mode, Mode::kEmergencyStop);
+    EXPECT_EQ(vehicle.Tick({.arm = true}).mode, Mode::kEmergencyStop);
+    EXPECT_EQ(vehicle.Tick({.disarm = true}).mode, Mode::kStandby);
+  }
+}
+
+TEST(Supervisor, DisarmingWhileDrivingStopsFirst) {
+  Vehicle vehicle;
+  vehicle.Drive();
+  EXPECT_EQ(vehicle.Tick({.disarm = true}).mode, Mode::kSafeStop);
+  EXPECT_EQ(vehicle.Ticks(50).motion, Motion::kStopAlong);
+  vehicle.input.at_rest = true;
+  EXPECT_EQ(vehicle.Tick().mode, Mode::kStandby);
+  EXPECT_EQ(vehicle.permission.motion, Motion::kOff);
+}
+
+// Whatever happens in whatever order: no motion but with everything that it needs.
+TEST(Supervisor, NeverLetsMoveWhatMayNot) {
+  constexpr uint32_t kSeed = 20240611;
+  SCOPED_TRACE(kSeed);
+  std::mt19937 random(kSeed);
+  const auto chance = [&](double share) { return std::bernoulli_distribution(share)(random); };
+  Vehicle vehicle;
+  const SafetyParams params;
+  int moved = 0;
+  for (int i = 0; i < 300'000; ++i) {
+    if (chance(0.02)) vehicle.lidar_comes = chance(0.8);
+    if (chance(0.02)) vehicle.odometry_comes = chance(0.8);
+    if (chance(0.02)) vehicle.ins_comes = chance(0.8);
+    if (chance(0.02)) vehicle.plan_is_checked = chance(0.9);
+    if (chance(0.02)) vehicle.input.bus_active = chance(0.95);
+    if (chance(0.02)) vehicle.input.drives_ready = chance(0.95);
+    if (chance(0.02)) vehicle.input.drives_faulty = chance(0.05);
+    if (chance(0.02)) vehicle.input.foreign_sender = chance(0.05);
+    if (chance(0.05)) vehicle.input.drives_enabled = chance(0.9);
+    if (chance(0.05)) vehicle.input.at_rest = chance(0.5);
+    if (chance(0.05)) vehicle.input.arrived = chance(0.1);
+    if (vehicle.input.has_goal && chance(0.1)) {
+      vehicle.input.has_plan = chance(0.8);
+      vehicle.input.has_path = vehicle.input.has_plan || chance(0.5);
+    }
+    OperatorWishes wishes;
+    const bool speaks = chance(0.1);
+    const int wish = std::uniform_int_distribution(0, 4)(random);
+    wishes.arm = speaks && wish == 0;
+    wishes.go = speaks && wish == 1;
+    wishes.disarm = speaks && wish == 2 && chance(0.3);
+    wishes.stop = speaks && wish == 3 && chance(0.3);
+    wishes.emergency_stop = speaks && wish == 4 && chance(0.1);
+    const Mode before = vehicle.supervisor.mode();
+    const SupervisorInput seen = [&] {
+      vehicle.Tick(wishes);
+      return vehicle.input;
+    }();
+    if (wishes.go && (before == Mode::kArmed || before == Mode::kDriving)) {
+      vehicle.input.has_goal = !vehicle.permission.drop_goal;
+    }
+    const Permission& permission = vehicle.permission;
+    if (permission.motion == Motion::kFollow) {
+      ++moved;
+      ASSERT_EQ(permission.mode, Mode::kDriving) << "step " << i;
+      ASSERT_TRUE(seen.has_plan && seen.bus_active && seen.drives_enabled) << "step " << i;
+      ASSERT_FALSE(seen.drives_faulty || seen.foreign_sender) << "step " << i;
+      ASSERT_LE(static_cast<float>(seen.now_ns - seen.lidar_ns) * 1e-9f,
+                params.max_lidar_age_s + 0.001f)
+          << "step " << i;
+      ASSERT_LE(static_cast<float>(seen.now_ns - seen.odometry_ns) * 1e-9f,
+                params.max_odometry_age_s + 0.001f)
+          << "step " << i;
+    }
+    if (permission.mode == Mode::kStandby || permission.mode == Mode::kFault ||
+        permission.mode == Mode::kEmergencyStop) {
+      ASSERT_EQ(permission.motion, Motion::kOff) << "step " << i;
+    }
+    if (permission.mode == Mode::kArmed) {
+      ASSERT_EQ(permission.motion, Motion::kHold) << "step " << i;
+    }
+    // Nothing but a wish to arm leaves standby.
+    if (before == Mode::kStandby && permission.mode != Mode::kStandby) {
+      ASSERT_TRUE(wishes.arm || wishes.emergency_stop) << "step " << i;
+    }
+  }
+  EXPECT_GT(moved, 1000);
+}
+
+TEST(Supervisor, RefusesParametersOutOfRangeAndPermitsNothingWithout) {
+  Supervisor supervisor;
+  SupervisorInput input;
+  input.wishes.arm = true;
+  EXPECT_EQ(supervisor.Judge(input).motion, Motion::kOff);
+  EXPECT_EQ(supervisor.Configure({.max_lidar_age_s = 100.0f}), Status::kParameterOutOfRange);
+}
+
+}  // namespace
+}  // namespace hardpack
