@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "port_linux/control_socket.h"
+
+#include <fcntl.h>
+#include <grp.h>
+#include <sys/file.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <vector>
+
+namespace hardpack {
+namespace {
+
+// Answers that a client has not taken yet, in the kernel's measure: some ten of the largest.
+constexpr int kSendBuffer_bytes = 64 * 1024;
+constexpr int kBacklog = ControlSocket::kMaxClients;
+constexpr size_t kMaxGroupEntryBytes = 64 * 1024;
+
+OpenOutcome Failure(Status status, const std::string& path, const std::string& what) {
+  return {status, "control socket " + path + ": " + what, {}};
+}
+
+OpenOutcome SystemFailure(const std::string& path, const char* what) {
+  const int code = errno;
+  const bool permission = code == EACCES || code == EPERM || code == EROFS;
+  return Failure(permission ? Status::kNotPermitted : Status::kSystemError, path,
+                 std::string(what) + " (" + std::strerror(code) + ")");
+}
+
+sockaddr_un AddressOf(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::copy(path.begin(), path.end(), address.sun_path);
+  return address;
+}
+
+bool FindGroup(const std::string& name, gid_t& id) {
+  std::vector<char> text(kMaxGroupEntryBytes);
+  group entry{};
+  group* found = nullptr;
+  if (getgrnam_r(name.c_str(), &entry, text.data(), text.size(), &found) != 0) return false;
+  if (found != nullptr) id = found->gr_gid;
+  return found != nullptr;
+}
+
+}  // namespace
+
+OpenOutcome ControlSocket::Open(const ControlSocketOptions& options) {
+  if (options.path.empty() || options.path.size() >= sizeof(sockaddr_un::sun_path)) {
+    return Failure(Status::kInvalidArgument, options.path,
+                   "a path of 1 to " + std::to_string(sizeof(sockaddr_un::sun_path) - 1) +
+                       " characters is needed");
+  }
+  owner_ = geteuid();
+  OpenOutcome outcome = Lock(options.path);
+  if (outcome.ok()) outcome = RemoveStale(options.path);
+  if (outcome.ok()) outcome = Bind(options.path, options.group);
+  if (!outcome.ok()) Close();
+  return outcome;
+}
+
+// The lock tells a living instance from a file that one has left behind, without a race: the kernel
+// lets go of it with the process. The file stays: removing it would let two hold "the" lock.
+OpenOutcome ControlSocket::Lock(const std::string& path) {
+  const std::string name = path + ".lock";
+  lock_.Reset(open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!lock_.valid()) return SystemFailure(path, "its lock cannot be made");
+  if (flock(lock_.get(), LOCK_EX | LOCK_NB) == 0) return {};
+  if (errno != EWOULDBLOCK) return SystemFailure(path, "its lock cannot be taken");
+  lock_.Reset();
+  return Failure(Status::kSystemError, path, "another instance is running");
+}
+
+OpenOutcome ControlSocket::RemoveStale(const std::string& path) {
+  struct stat found {};
+  if (lstat(path.c_str(), &found) != 0) {
+    return errno == ENOENT ? OpenOutcome{} : SystemFailure(path, "cannot be looked at");
+  }
+  if (!S_ISSOCK(found.st_mode)) {
+    return Failure(Status::kInvalidArgument, path, "something else than a socket is there");
+  }
+  const FileDescriptor probe(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  const sockaddr_un address = AddressOf(path);
+  // Any other answer than that nobody listens is somebody's: of another type of socket, too busy.
+  if (!probe.valid() ||
+      connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0 ||
+      errno != ECONNREFUSED) {
+    return Failure(Status::kSystemError, path, "another program listens there");
+  }
+  return unlink(path.c_str()) == 0 ? OpenOutcome{} : SystemFailure(path, "cannot be replaced");
+}
+
+// Before listen nobody can connect, whatever the file's mode is by then.
+OpenOutcome ControlSocket::Bind(const std::string& path, const std::string& group) {
+  has_group_ = !group.empty();
+  if (has_group_ && !FindGroup(group, group_)) {
+    return Failure(Status::kInvalidArgument, path, "there is no group '" + group + "'");
+  }
+  socket_.Reset(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  const sockaddr_un address = AddressOf(path);
+  if (!socket_.valid() ||
+      bind(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
+    return SystemFailure(path, "cannot be made");
+  }
+  struct stat made {};
+  if (lstat(path.c_str(), &made) != 0) return SystemFailure(path, "cannot be looked at");
+  path_ = path;
+  device_ = made.st_dev;
+  inode_ = made.st_ino;
+  if (has_group_ && lchown(path.c_str(), static_cast<uid_t>(-1), group_) != 0) {
+    return SystemFailure(path, ("cannot be given to group '" + group + "'").c_str());
+  }
+  if (chmod(path.c_str(), has_group_ ? 0660 : 0600) != 0 || listen(socket_.get(), kBacklog) != 0) {
+    return SystemFailure(path, "cannot be opened for others");
+  }
+  return {Status::kOk, "control socket " + path + (has_group_ ? ", group " + group : ""), {}};
+}
+
+bool ControlSocket::Receive(ControlMessage& message) {
+  ++calls_;
+  if (!socket_.valid()) return false;
+  for (size_t i = 0; i < clients_.size(); ++i) {
+    polled_[i] = {clients_[i].socket.get(), POLLIN, 0};  // negative: left out
+  }
+  polled_[kMaxClients] = {socket_.get(), POLLIN, 0};
+  if (poll(polled_.data(), polled_.size(), 0) <= 0) return false;
+  const int first = next_place_;
+  bool given = false;
+  for (int i = 0; i < kMaxClients && !given; ++i) {
+    const int place = (first + i) % kMaxClients;
+    if (polled_[static_cast<size_t>(place)].revents == 0) continue;
+    next_place_ = (place + 1) % kMaxClients;
+    given = TakeFrom(place, message);
+  }
+  // After the messages: a place that is given to another is one whose client had nothing to say.
+  if (polled_[kMaxClients].revents != 0) Accept();
+  return given;
+}
+
+// At most kMaxClients a call, so that a flood of connections takes a bounded time.
+void ControlSocket::Accept() {
+  for (int i = 0; i < kMaxClients; ++i) {
+    FileDescriptor accepted(accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+    if (!accepted.valid()) {
+      if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED) ++counters_.system_errors;
+      return;
+    }
+    uint32_t user = UINT32_MAX;  // where the kernel does not tell
+    const bool may_command = MayCommand(accepted.get(), user);
+    const int place = PlaceFor(may_command);
+    if (place < 0) {
+      ++counters_.turned_away;
+      continue;
+    }
+    setsockopt(accepted.get(), SOL_SOCKET, SO_SNDBUF, &kSendBuffer_bytes,
+               sizeof(kSendBuffer_bytes));
+    Client& client = clients_[static_cast<size_t>(place)];
+    client.socket = std::move(accepted);
+    client.number = ++last_number_;
+    client.last_call = calls_;
+    client.user = user;
+    client.may_command = may_command;
+    ++counters_.clients;
+    ++counters_.connected;
+  }
+}
+
+bool ControlSocket::MayCommand(int socket, uint32_t& user) {
+  ucred peer{};
+  socklen_t size = sizeof(peer);
+  if (getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) {
+    ++counters_.system_errors;
+    return false;
+  }
+  user = peer.uid;
+  if (peer.uid == 0 || peer.uid == owner_) return true;
+  if (!has_group_) return false;
+  if (peer.gid == group_) return true;
+  size = sizeof(groups_);
+  if (getsockopt(socket, SOL_SOCKET, SO_PEERGROUPS, groups_.data(), &size) != 0) {
+    ++counters_.system_errors;
+    return false;
+  }
+  const auto end = groups_.begin() + static_cast<std::ptrdiff_t>(size / sizeof(gid_t));
+  return std::find(groups_.begin(), end, group_) != end;
+}
+
+// Forgotten connections must not keep an emergency stop out: where there is no free place, one who
+// may command gets that of the client that has been silent for longest.
+int ControlSocket::PlaceFor(bool may_command) {
+  int longest = 0;
+  for (int place = 0; place < kMaxClients; ++place) {
+    const Client& client = clients_[static_cast<size_t>(place)];
+    if (!client.socket.valid()) return place;
+    if (client.last_call < clients_[static_cast<size_t>(longest)].last_call) longest = place;
+  }
+  if (!may_command) return -1;
+  ++counters_.displaced;
+  Drop(longest);
+  return longest;
+}
+
+void ControlSocket::Drop(int place) {
+  Client& client = clients_[static_cast<size_t>(place)];
+  if (!client.socket.valid()) return;
+  client.socket.Reset();
+  --counters_.connected;
+}
+
+// Whether it had a message that is to be given.
+bool ControlSocket::TakeFrom(int place, ControlMessage& message) {
+  Client& client = clients_[static_cast<size_t>(place)];
+  iovec part = {buffer_.data(), buffer_.size()};
+  msghdr packet{};
+  packet.msg_iov = &part;
+  packet.msg_iovlen = 1;
+  const ssize_t received = recvmsg(client.socket.get(), &packet, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+  if (received < 0 && (errno == EAGAIN || errno == EINTR)) return false;
+  // The end of the connection; an empty packet cannot be told from it.
+  if (received <= 0) {
+    Drop(place);
+    return false;
+  }
+  client.last_call = calls_;
+  const std::span<const uint8_t> bytes(buffer_.data(), static_cast<size_t>(received));
+  control::Header header;
+  Status status = ReadHeader(bytes, header);
+  if ((packet.msg_flags & MSG_TRUNC) != 0) status = Status::kOversized;
+  if (IsUsable(status) && IsAnswer(header.kind)) status = Status::kWrongPacketType;
+  // Somebody sends descriptors or credentials along: nothing of ours does.
+  if ((packet.msg_flags & MSG_CTRUNC) != 0) status = Status::kInvalidArgument;
+  if (!IsUsable(status)) {
+    ++counters_.malformed;
+    AnswerDone(place, header.sequence, status);
+    return false;
+  }
+  if (IsCommand(header.kind) && !client.may_command) {
+    ++counters_.not_permitted;
+    AnswerDone(place, header.sequence, Status::kNotPermitted);
+    return false;
+  }
+  ++counters_.messages;
+  message = {{place, client.number}, client.user, header, bytes};
+  return true;
+}
+
+void ControlSocket::AnswerDone(int place, uint32_t sequence, Status status) {
+  std::array<uint8_t, 32> bytes{};
+  int size_bytes = 0;
+  if (!IsUsable(Encode(control::Done{sequence, status, 0}, bytes, size_bytes))) return;
+  Answer({place, clients_[static_cast<size_t>(place)].number},
+         std::span(bytes).first(static_cast<size_t>(size_bytes)));
+}
+
+void ControlSocket::Answer(const ControlClient& client, std::span<const uint8_t> bytes) {
+  if (client.place < 0 || client.place >= kMaxClients) return;
+  const Client& asked = clients_[static_cast<size_t>(client.place)];
+  if (!asked.socket.valid() || asked.number != client.number) return;
+  const ssize_t sent =
+      send(asked.socket.get(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (sent == static_cast<ssize_t>(bytes.size())) return;
+  // EPIPE, ECONNRESET: it has gone without waiting, which is its right.
+  if (errno == EAGAIN || errno == ENOBUFS) {
+    ++counters_.dropped_slow;
+  } else if (errno != EPIPE && errno != ECONNRESET) {
+    ++counters_.system_errors;
+  }
+  Drop(client.place);
+}
+
+void ControlSocket::Close() {
+  for (int place = 0; place < kMaxClients; ++place) Drop(place);
+  struct stat found {};
+  if (!path_.empty() && lstat(path_.c_str(), &found) == 0 && found.st_dev == device_ &&
+      found.st_ino == inode_) {
+    unlink(path_.c_str());
+  }
+  path_.clear();
+  socket_.Reset();
+  lock_.Reset();
+}
+
+}  // namespace hardpack

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "hal/flight_log/flight_log.h"
+#include "hal/ouster/ouster.h"
+#include "hal/vehicle_loop/vehicle_loop.h"
+#include "port_linux/configuration.h"
+#include "port_linux/control_socket.h"
+#include "port_linux/file_recorder.h"
+#include "port_linux/monotonic_clock.h"
+#include "port_linux/onboard.h"
+#include "port_linux/realtime.h"
+#include "port_linux/service_watchdog.h"
+#include "port_linux/socket_can_bus.h"
+#include "port_linux/udp_socket.h"
+
+namespace hardpack {
+
+// What the program was started with, read and found good.
+struct Startup {
+  Configuration configuration;
+  std::string configuration_text;  // as TOML, every key
+  std::string metadata_text;       // the lidar's JSON, as read
+  ouster::Metadata lidar;
+};
+
+// Everything that hardpackd opens: buses, sockets, recorder, watchdog. Each problem is one line on
+// stderr that says what to do about it; what is not fatal is a warning there.
+class Devices {
+ public:
+  // False: something that cannot be done without could not be opened.
+  bool Open(const Startup& startup);
+
+  // After Open, before the first tick: from here on the tick thread is as punctual as it is
+  // permitted to be.
+  void BecomeRealtime(const ProcessConfiguration& process);
+
+  // Ends what was opened: the log is written to its end.
+  void Close();
+
+  OnboardDevices ForOnboard();
+  const RealtimeOutcome& realtime() const { return realtime_; }
+
+ private:
+  bool OpenSensors(const Configuration& configuration);
+  bool OpenLog(const Startup& startup);
+
+  MonotonicClock clock_;
+  SocketCanBus can_;
+  UdpSocket ins_;
+  UdpSocket labels_;
+  UdpSocket lidar_;
+  bool has_ins_ = false;
+  bool has_labels_ = false;
+  FileRecorder recorder_;
+  std::unique_ptr<uint8_t[]> snapshot_;
+  std::unique_ptr<flight_log::FlightLog> flight_log_;
+  ServiceWatchdog watchdog_;
+  ControlSocket control_;
+  RealtimeOutcome realtime_;
+};
+
+std::span<const uint8_t> BytesOf(std::string_view text);
+
+// "hardpackd: ..." on stderr, one line.
+void Say(std::string_view text);
+
+}  // namespace hardpack

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <atomic>
+#include <csignal>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "core/base/assert.h"
+#include "port_linux/hardpackd/allocation_guard.h"
+#include "port_linux/hardpackd/devices.h"
+#include "port_linux/hardpackd/revision.h"
+#include "port_linux/ouster_metadata.h"
+#include "port_linux/read_file.h"
+
+// The onboard program: reads its configuration, opens everything, ticks until it is told to end.
+
+namespace hardpack {
+namespace {
+
+constexpr const char* kHelp =
+    "usage: hardpackd --config FILE\n"
+    "       hardpackd --check-config FILE     says what is wrong with it, opens nothing\n"
+    "       hardpackd --print-config FILE     every key with the value that it would have\n"
+    "       hardpackd --version | --help\n"
+    "\n"
+    "Takes lidar and INS datagrams and CAN frames, drives the vehicle, writes the flight log\n"
+    "(docs/onboard.md). `hardpack ctl` talks to it. SIGTERM or SIGINT bring the vehicle to rest,\n"
+    "disable the drives and end it; a second one does not wait.\n"
+    "\n"
+    "Exit codes: 0 ended as asked; 1 something could not be opened or set up; 2 bad usage or\n"
+    "configuration. Each reason is a line on stderr.\n";
+
+enum ExitCode : int { kDone = 0, kFailed = 1, kBadInput = 2 };
+
+std::atomic<bool> g_stop = false;
+
+extern "C" void OnStopSignal(int /*signal*/) {
+  constexpr int kSignalled = 130;
+  if (g_stop.exchange(true)) std::_Exit(kSignalled);
+}
+
+// The drives' own time-outs bring the vehicle to rest; a service manager starts us again.
+[[noreturn]] void OnAssertion(const char* file, int line, const char* expression) {
+  std::fprintf(stderr, "hardpackd: %s:%d: assertion failed: %s\n", file, line, expression);
+  std::abort();
+}
+
+void PrepareSignals() {
+  struct sigaction action = {};
+  action.sa_handler = OnStopSignal;
+  sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGINT, &action, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+int Fail(ExitCode code, const ReadOutcome& outcome) {
+  size_t begin = 0;
+  while (begin < outcome.message.size()) {
+    const size_t end = outcome.message.find('\n', begin);
+    Say(std::string_view(outcome.message).substr(begin, end - begin));
+    if (end == std::string::npos) break;
+    begin = end + 1;
+  }
+  return code;
+}
+
+ReadOutcome ReadStartup(const std::string& path, Startup& startup) {
+  ReadOutcome outcome = ReadConfiguration(path, startup.configuration);
+  if (!outcome.ok()) return outcome;
+  startup.configuration_text = ToToml(startup.configuration);
+  const std::string& metadata = startup.configuration.lidar.metadata;
+  outcome = ReadFile(metadata, ouster::kMaxMetadataBytes, startup.metadata_text);
+  if (!outcome.ok()) return outcome;
+  return ouster::ParseMetadata(startup.metadata_text, metadata, startup.lidar);
+}
+
+// 8 MiB that live here and nowhere else.
+VehicleLoop g_loop;
+
+bool SetUp(const Startup& startup) {
+  const Configuration& configuration = startup.configuration;
+  const auto config = std::make_unique<VehicleConfig>();
+  config->planner = configuration.planner;
+  config->perception = configuration.perception;
+  config->onboard = configuration.onboard;
+  config->labels = configuration.labels;
+  config->lidar = startup.lidar;
+  const Status configured = g_loop.Configure(*config);
+  if (IsUsable(configured)) return true;
+  Say(std::string("the configuration does not go together: ") + StatusName(configured));
+  return false;
+}
+
+// Writes to every page once: the first plan is not to wait for them, should memory not be locked.
+void TouchPages(std::span<std::byte> memory) {
+  constexpr size_t kPage_bytes = 4096;
+  for (size_t i = 0; i < memory.size(); i += kPage_bytes) {
+    volatile std::byte& byte = memory[i];
+    byte = byte;
+  }
+}
+
+int Drive(const Startup& startup) {
+  const Configuration& configuration = startup.configuration;
+  const auto devices = std::make_unique<Devices>();
+  if (!devices->Open(startup)) return kFailed;
+  devices->BecomeRealtime(configuration.process);
+  TouchPages(std::as_writable_bytes(std::span(&g_loop, 1)));
+  constexpr uint64_t kNanosecondsPerMillisecond = 1'000'000;
+  OnboardOptions options;
+  options.period_ns =
+      static_cast<uint64_t>(configuration.onboard.tick.period_ms) * kNanosecondsPerMillisecond;
+  options.frame_age_ns =
+      static_cast<uint64_t>(configuration.can.frame_max_age_ms) * kNanosecondsPerMillisecond;
+  options.version = HARDPACK_VERSION;
+  options.parameters = BytesOf(startup.configuration_text);
+  options.realtime_scheduled = devices->realtime().scheduled;
+  options.memory_locked = devices->realtime().locked;
+  options.allocations = AllocationsSinceFrozen;
+  const auto onboard = std::make_unique<Onboard>(g_loop, devices->ForOnboard(), options);
+  Say("running; " + std::to_string(configuration.onboard.tick.period_ms) + " ms a tick");
+  FreezeHeap(configuration.process.abort_on_allocation);
+  onboard->Run(g_stop);
+  ThawHeap();
+  devices->Close();
+  Say("ended after " + std::to_string(onboard->index()) + " ticks");
+  return kDone;
+}
+
+int Main(int argc, char** argv) {
+  const std::string_view option = argc > 1 ? argv[1] : "";
+  if (argc == 2 && (option == "--help" || option == "-h")) return std::fputs(kHelp, stdout), kDone;
+  if (argc == 2 && option == "--version") {
+    return std::printf("%s (%s)\n", HARDPACK_VERSION, kRevision), kDone;
+  }
+  const bool checks = option == "--check-config";
+  const bool prints = option == "--print-config";
+  if (argc != 3 || (option != "--config" && !checks && !prints)) {
+    std::fputs(kHelp, stderr);
+    return kBadInput;
+  }
+  const auto startup = std::make_unique<Startup>();
+  const ReadOutcome outcome = ReadStartup(argv[2], *startup);
+  if (!outcome.ok()) return Fail(kBadInput, outcome);
+  if (!SetUp(*startup)) return kBadInput;
+  if (prints) std::fputs(startup->configuration_text.c_str(), stdout);
+  if (checks || prints) return kDone;
+  return Drive(*startup);
+}
+
+}  // namespace
+}  // namespace hardpack
+
+int main(int argc, char** argv) {
+  hardpack::SetAssertionHook(hardpack::OnAssertion);
+  hardpack::PrepareSignals();
+  return hardpack::Main(argc, argv);
+}

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "port_linux/onboard.h"
+
+#include <algorithm>
+
+#include "core/base/status.h"
+#include "hal/sevcon/power_states.h"
+
+namespace hardpack {
+namespace {
+
+// Longer than a stop takes.
+constexpr uint64_t kForgotten_ns = 5'000'000'000;
+
+}  // namespace
+
+Onboard::Onboard(VehicleLoop& loop, const OnboardDevices& devices, const OnboardOptions& options)
+    : loop_(loop), devices_(devices), options_(options) {
+  const size_t length = std::min(options.version.size(), sizeof(program_.version) - 1);
+  std::copy_n(options.version.begin(), length, program_.version);
+  program_.realtime_scheduled = options.realtime_scheduled;
+  program_.memory_locked = options.memory_locked;
+}
+
+void Onboard::Run(const std::atomic<bool>& stop) {
+  uint64_t due_ns = devices_.clock->Now_ns() + options_.period_ns;
+  if (devices_.watchdog != nullptr) devices_.watchdog->Ready();
+  uint64_t ends_ns = 0;
+  while (true) {
+    devices_.clock->SleepUntil(due_ns);
+    const uint64_t now_ns = devices_.clock->Now_ns();
+    const uint64_t late_ns = now_ns - due_ns;
+    const uint64_t skipped = late_ns / options_.period_ns;
+    program_.worst_late_ns = std::max(program_.worst_late_ns, late_ns);
+    if (skipped > 0) {
+      program_.missed_ticks += skipped;
+      program_.last_missed_tick = index_ + skipped;
+      program_.last_miss_late_ns = late_ns;
+    }
+    due_ns += (skipped + 1) * options_.period_ns;
+    if (stop.load(std::memory_order_relaxed) && !ending_) {
+      ending_ = true;
+      ends_ns = now_ns + options_.max_stop_ns;
+      if (devices_.watchdog != nullptr) devices_.watchdog->Stopping();
+    }
+    Tick(now_ns, skipped);
+    if (ending_ && (IsOff() || now_ns >= ends_ns)) return;
+  }
+}
+
+// The drives say so themselves: neither being told nor being asked to is it. One that has said
+// nothing for as long as a stop takes is not waited for.
+bool Onboard::IsOff() const {
+  if (loop_.permission().motion != Motion::kOff) return false;
+  for (const sevcon::Side side : {sevcon::Side::kLeft, sevcon::Side::kRight}) {
+    const sevcon::DriveReport& drive = loop_.drives().report(side);
+    const bool was_heard =
+        drive.wheel_time_ns != 0 && loop_.now_ns() - drive.wheel_time_ns < kForgotten_ns;
+    const sevcon::PowerState state = sevcon::PowerStateOf(drive.statusword);
+    if (was_heard && state == sevcon::PowerState::kOperationEnabled) return false;
+  }
+  return true;
+}
+
+void Onboard::Tick(uint64_t now_ns, uint64_t skipped) {
+  if (first_ns_ == 0) first_ns_ = now_ns;
+  index_ += skipped + 1;
+  devices_.can->Advance(now_ns);
+  TakeFrames();
+  datagram_count_ = 0;
+  TakeDatagrams(devices_.ins, InputSource::kIns, kMaxInsDatagrams);
+  TakeDatagrams(devices_.labels, InputSource::kLabels, kMaxLabelDatagrams);
+  TakeDatagrams(devices_.lidar, InputSource::kLidar,
+                VehicleLoop::kMaxDatagramsPerTick - datagram_count_);
+  input_.index = index_;
+  input_.now_ns = now_ns;
+  input_.bus = devices_.can->state();
+  input_.frames = std::span(frames_).first(static_cast<size_t>(frame_count_));
+  input_.datagrams = std::span(datagrams_).first(static_cast<size_t>(datagram_count_));
+  input_.command = {};
+  TakeMessage();
+
+  flight_log::FlightLog* log = devices_.flight_log;
+  if (log != nullptr) {
+    const flight_log::TickArrivals arrivals = {
+        std::span(arrivals_).first(static_cast<size_t>(datagram_count_)),
+        has_command_ ? message_.user : 0u};
+    log->BeginTick(input_, arrivals, std::as_bytes(std::span(&loop_, 1)));
+  }
+  const Status status = loop_.Tick(input_, output_);
+  const int refused = SendFrames();
+  NoteDuration(now_ns);
+  if (log != nullptr) {
+    log->EndTick(
+        {index_, status, loop_.decision_hash(), devices_.clock->Now_ns() - now_ns, refused},
+        output_);
+  }
+  AnswerCommand();
+  if (devices_.watchdog != nullptr) {
+    devices_.watchdog->Feed(now_ns);
+    program_.watchdog_fed = devices_.watchdog->fed();
+  }
+}
+
+void Onboard::TakeFrames() {
+  frame_count_ = 0;
+  while (frame_count_ < CanBus::kMaxFramesPerTick &&
+         IsUsable(devices_.can->Receive(frames_[frame_count_]))) {
+    ++frame_count_;
+  }
+}
+
+void Onboard::TakeDatagrams(DatagramSocket* socket, InputSource source, int max) {
+  if (socket == nullptr) return;
+  for (const Datagram& datagram : socket->Receive(max)) {
+    datagrams_[datagram_count_] = {source, datagram.bytes};
+    arrivals_[datagram_count_] = {datagram.kernel_time_ns,
+                                  {datagram.sender_address, datagram.sender_port}};
+    ++datagram_count_;
+  }
+}
+
+// A command goes into the tick; a question changes nothing and is answered here.
+void Onboard::TakeMessage() {
+  has_command_ = false;
+  if (ending_) {
+    control::OperatorCommand disarm;
+    disarm.kind = control::Kind::kDisarm;
+    int size_bytes = 0;
+    static_cast<void>(control::Encode(disarm, own_command_, size_bytes));
+    input_.command = std::span(own_command_).first(static_cast<size_t>(size_bytes));
+    return;
+  }
+  if (devices_.control == nullptr || !devices_.control->Receive(message_)) return;
+  if (message_.header.kind == control::Kind::kGetStatus) {
+    AnswerStatus();
+  } else if (message_.header.kind == control::Kind::kGetParameters) {
+    AnswerParameters();
+  } else {
+    has_command_ = true;
+    input_.command = message_.bytes;
+  }
+}
+
+void Onboard::Answer(int size_bytes) {
+  const std::span<const uint8_t> answer(answer_);
+  devices_.control->Answer(message_.client, answer.first(static_cast<size_t>(size_bytes)));
+}
+
+void Onboard::AnswerStatus() {
+  Report(report_);
+  int size_bytes = 0;
+  const uint32_t sequence = message_.header.sequence;
+  if (IsUsable(control::Encode(report_, sequence, answer_, size_bytes))) Answer(size_bytes);
+}
+
+void Onboard::AnswerParameters() {
+  control::Question question;
+  if (!IsUsable(control::Decode(message_.bytes, question))) return;
+  const std::span<const uint8_t> text = options_.parameters;
+  const size_t offset = std::min<size_t>(question.offset, text.size());
+  constexpr auto kMost = static_cast<size_t>(control::kMaxPartBytes);
+  const control::ParametersPart part = {
+      .sequence = question.sequence,
+      .offset = static_cast<uint32_t>(offset),
+      .whole_bytes = static_cast<uint32_t>(text.size()),
+      .bytes = text.subspan(offset, std::min(text.size() - offset, kMost))};
+  int size_bytes = 0;
+  if (IsUsable(control::Encode(part, answer_, size_bytes))) Answer(size_bytes);
+}
+
+void Onboard::AnswerCommand() {
+  if (!has_command_ || !output_.has_answer) return;
+  const auto reason = static_cast<uint8_t>(output_.reason);
+  int size_bytes = 0;
+  if (IsUsable(control::Encode(control::Done{output_.sequence, output_.answer, reason}, answer_,
+                               size_bytes))) {
+    Answer(size_bytes);
+  }
+}
+
+// The number that the bus did not accept: each is in the bus's counters, too.
+int Onboard::SendFrames() {
+  int refused = 0;
+  for (const CanFrame& frame : output_.frames) {
+    if (!IsUsable(devices_.can->Send(frame, input_.now_ns + options_.frame_age_ns))) ++refused;
+  }
+  return refused;
+}
+
+void Onboard::NoteDuration(uint64_t now_ns) {
+  const uint64_t duration_ns = devices_.clock->Now_ns() - now_ns;
+  if (duration_ns <= program_.worst_tick_ns) return;
+  program_.worst_tick_ns = duration_ns;
+  program_.worst_tick_index = index_;
+}
+
+}  // namespace hardpack

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "hal/can_bus.h"
+#include "hal/clock.h"
+#include "hal/control/status_report.h"
+#include "hal/datagram_socket.h"
+#include "hal/flight_log/flight_log.h"
+#include "hal/recorder.h"
+#include "hal/vehicle_loop/vehicle_loop.h"
+#include "hal/watchdog.h"
+#include "port_linux/control_socket.h"
+
+// The small loop that joins the interfaces to VehicleLoop::Tick: waits for the next period, takes
+// what came, ticks, sends, answers, records. Knows the interfaces only, so tests run it on fakes.
+// No call of a tick blocks or allocates.
+
+namespace hardpack {
+
+// Everything that the loop talks to. Not owned; null where it may be and there is none.
+struct OnboardDevices {
+  Clock* clock = nullptr;
+  CanBus* can = nullptr;
+  DatagramSocket* ins = nullptr;     // may be null
+  DatagramSocket* labels = nullptr;  // may be null
+  DatagramSocket* lidar = nullptr;
+  Recorder* recorder = nullptr;                 // may be null
+  flight_log::FlightLog* flight_log = nullptr;  // may be null
+  Watchdog* watchdog = nullptr;                 // may be null
+  ControlSocket* control = nullptr;             // may be null
+};
+
+struct OnboardOptions {
+  uint64_t period_ns = 10'000'000;
+  uint64_t frame_age_ns = 20'000'000;  // a frame that is not on the bus by then is not sent
+  // How long the vehicle may take to come to rest, and the drives to be disabled, at the end.
+  uint64_t max_stop_ns = 10'000'000'000;
+  std::string_view version;             // for status
+  std::span<const uint8_t> parameters;  // the configuration as TOML, for `hardpack ctl params`
+  bool realtime_scheduled = false;      // for status
+  bool memory_locked = false;
+  uint64_t (*allocations)() = nullptr;  // since the first tick, for status
+};
+
+class Onboard {
+ public:
+  Onboard(VehicleLoop& loop, const OnboardDevices& devices, const OnboardOptions& options);
+
+  // Ticks until `stop`, then brings the vehicle to rest, disables the drives and returns. A late
+  // tick is skipped and counted, not caught up.
+  void Run(const std::atomic<bool>& stop);
+
+  // One tick at now_ns; `skipped` were missed before it. For tests; Run calls it.
+  void Tick(uint64_t now_ns, uint64_t skipped);
+
+  // What an operator sees, as of the last tick.
+  void Report(control::StatusReport& report) const;
+
+  uint64_t index() const { return index_; }
+
+ private:
+  // Taken by one tick of each, so that none can keep the others out.
+  static constexpr int kMaxInsDatagrams = 4;
+  static constexpr int kMaxLabelDatagrams = 8;
+
+  bool IsOff() const;
+  void TakeFrames();
+  void TakeDatagrams(DatagramSocket* socket, InputSource source, int max);
+  void TakeMessage();
+  void Answer(int size_bytes);
+  void AnswerStatus();
+  void AnswerParameters();
+  void AnswerCommand();
+  int SendFrames();
+  void NoteDuration(uint64_t now_ns);
+
+  VehicleLoop& loop_;
+  OnboardDevices devices_;
+  OnboardOptions options_;
+
+  uint64_t first_ns_ = 0;
+  uint64_t index_ = 0;
+  bool ending_ = false;  // the next tick's command is ours: disarm
+  control::ProgramPart program_;
+
+  // One tick's.
+  TickInput input_;
+  TickOutput output_;
+  int32_t frame_count_ = 0;
+  int32_t datagram_count_ = 0;
+  CanFrame frames_[CanBus::kMaxFramesPerTick];
+  TickDatagram datagrams_[VehicleLoop::kMaxDatagramsPerTick];
+  flight_log::Arrival arrivals_[VehicleLoop::kMaxDatagramsPerTick];
+  bool has_command_ = false;
+  ControlMessage message_;
+  uint8_t own_command_[control::kMaxMessageBytes] = {};
+  control::StatusReport report_;
+  uint8_t answer_[control::kMaxMessageBytes] = {};
+};
+
+}  // namespace hardpack

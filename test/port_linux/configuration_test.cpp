@@ -1,0 +1,763 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "port_linux/configuration.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <random>
+#include <regex>
+#include <sstream>
+#include <vector>
+
+#include "config/validate.h"
+#include "core/costmap/costmap.h"
+#include "gtest/gtest.h"
+#include "hal/sevcon/sevcon.h"
+#include "port_linux/configuration_keys.h"
+
+namespace hardpack {
+namespace {
+
+// What every vehicle has to set, one line each from line 1 on, and nothing else.
+const std::string kRequiredLines =
+    "drive.gear_ratio = 24.5\n"
+    "drive.left_sign = 1\n"
+    "drive.right_sign = -1\n"
+    "lidar.address = \"10.0.0.2\"\n"
+    "lidar.metadata = \"os1.json\"\n"
+    "ins = { address = \"10.0.0.3\", port = 5000 }\n";
+
+// The message for a file that has these lines after the required ones, which are lines 1 to 6.
+std::string Message(const std::string& lines) {
+  Configuration configuration;
+  return ParseConfiguration(kRequiredLines + lines, "f", configuration).message;
+}
+Status StatusOf(const std::string& lines) {
+  Configuration configuration;
+  return ParseConfiguration(kRequiredLines + lines, "f", configuration).status;
+}
+
+Configuration Parsed(const std::string& text) {
+  Configuration configuration;
+  const ReadOutcome outcome = ParseConfiguration(text, "f", configuration);
+  EXPECT_TRUE(outcome.ok()) << outcome.message;
+  return configuration;
+}
+
+// Every value, floats to the bit.
+std::string Values(Configuration configuration) {
+  std::ostringstream text;
+  for (const ConfigurationKey& key : KeysOf(configuration)) {
+    text << key.full_name << ' ';
+    if (const auto* number = std::get_if<float*>(&key.value)) {
+      text << std::bit_cast<uint32_t>(**number);
+    } else {
+      text << ValueText(key);
+    }
+    text << '\n';
+  }
+  for (const ReturnClass meaning : configuration.labels.class_of) {
+    text << static_cast<int>(meaning);
+  }
+  return text.str();
+}
+
+const ConfigurationKey& KeyNamed(const std::vector<ConfigurationKey>& keys,
+                                 const std::string& full_name) {
+  return *std::find_if(keys.begin(), keys.end(), [&full_name](const ConfigurationKey& key) {
+    return key.full_name == full_name;
+  });
+}
+
+// Reading.
+
+TEST(Configuration, TakesWhatEveryVehicleHasToSet) {
+  const Configuration configuration = Parsed(kRequiredLines);
+  EXPECT_EQ(configuration.onboard.drive.gear_ratio, 24.5f);
+  EXPECT_EQ(configuration.onboard.drive.left_sign, 1);
+  EXPECT_EQ(configuration.onboard.drive.right_sign, -1);
+  EXPECT_EQ(configuration.lidar.address.value, 0x0a000002u);
+  EXPECT_EQ(configuration.lidar.metadata, "os1.json");
+  EXPECT_EQ(configuration.ins.address.value, 0x0a000003u);
+  EXPECT_EQ(configuration.ins.port, 5000);
+}
+
+TEST(Configuration, LeavesTheRestAtItsDefaults) {
+  Configuration expected;
+  expected.onboard.drive.gear_ratio = 24.5f;
+  expected.onboard.drive.right_sign = -1;
+  expected.lidar.address = {0x0a000002u};
+  expected.lidar.metadata = "os1.json";
+  expected.ins.address = {0x0a000003u};
+  expected.ins.port = 5000;
+  EXPECT_EQ(Values(Parsed(kRequiredLines)), Values(expected));
+}
+
+TEST(Configuration, TakesTablesAndEveryKindOfValue) {
+  const Configuration c = Parsed(kRequiredLines + R"(
+[costmap]
+halo_m = 1.25
+hard_edge_cost = 3  # a whole number where a fraction may be
+obstacle_rule = 0
+[optimizer]
+max_sweeps = 7.0
+[can]
+interface = "vcan0"
+restart = false
+[process]
+cpu = -1
+[labels]
+bind_address = "192.168.1.7"
+)");
+  EXPECT_EQ(c.planner.costmap.halo_m, 1.25f);
+  EXPECT_EQ(c.planner.costmap.hard_edge_cost, 3.0f);
+  EXPECT_EQ(c.planner.costmap.obstacle_rule, ObstacleRule::kInCell);
+  EXPECT_EQ(c.planner.optimizer.max_sweeps, 7);
+  EXPECT_EQ(c.can.interface, "vcan0");
+  EXPECT_FALSE(c.can.restart);
+  EXPECT_EQ(c.label_source.bind_address.value, 0xc0a80107u);
+}
+
+TEST(Configuration, TakesWholeNumbersBeyondTwoTo24Exactly) {
+  EXPECT_EQ(Parsed(kRequiredLines + "drive.product_code = 123456789").onboard.drive.product_code,
+            123456789);
+  EXPECT_EQ(Parsed(kRequiredLines + "drive.product_code = 0x0706000d").onboard.drive.product_code,
+            0x0706000d);
+}
+
+TEST(Configuration, TakesClassesOfLabels) {
+  const Configuration c = Parsed(kRequiredLines + "labels.classes = { 19 = 'hard', '4'='soft' }");
+  LabelTable expected = RellisLabelTable();
+  expected.class_of[19] = ReturnClass::kHard;
+  expected.class_of[4] = ReturnClass::kSoft;
+  EXPECT_EQ(std::memcmp(&c.labels, &expected, sizeof(expected)), 0);
+}
+
+TEST(Configuration, GivesUnlistedLabelsTheDefaultClass) {
+  const Configuration c =
+      Parsed(kRequiredLines + "labels.classes = { 0 = 'ground', default = 'person' }");
+  EXPECT_EQ(c.labels.class_of[0], ReturnClass::kGround);
+  for (size_t code = 1; code < kLabelCodes; ++code) {
+    EXPECT_EQ(c.labels.class_of[code], ReturnClass::kPerson) << code;
+  }
+}
+
+TEST(Configuration, TakesLinesThatEndAsOnWindows) {
+  EXPECT_EQ(Parsed(kRequiredLines + "[costmap]\r\nhalo_m = 1.5\r\n").planner.costmap.halo_m, 1.5f);
+}
+
+// Every key at both ends of its range, and just beyond them.
+TEST(Configuration, HoldsEveryKeyToItsRange) {
+  Configuration configuration = Parsed(kRequiredLines);
+  const std::string good = ToToml(configuration);
+  for (const ConfigurationKey& key : KeysOf(configuration)) {
+    if (std::holds_alternative<bool*>(key.value)) continue;
+    if (std::holds_alternative<Ipv4Address*>(key.value)) continue;
+    const std::string before = ValueText(key);
+    const std::string line = "\n" + key.name() + " = ";
+    const size_t group = good.find("[" + key.group() + "]");
+    const size_t at = good.find(line + before + "\n", group);
+    ASSERT_NE(at, std::string::npos) << key.full_name;
+    const auto with = [&](const std::string& value) {
+      std::string text = good;
+      text.replace(at, line.size() + before.size(), line + value);
+      Configuration other;
+      return ParseConfiguration(text, "f", other).message;
+    };
+    const bool is_text = std::holds_alternative<std::string*>(key.value);
+    const auto value_of = [is_text](double number) {
+      std::ostringstream text;
+      text.precision(17);
+      text << number;
+      return is_text ? '"' + std::string(static_cast<size_t>(number), 'x') + '"' : text.str();
+    };
+    const std::string complaint = key.full_name + ": ";
+    const double low = static_cast<double>(key.low);
+    const double high = static_cast<double>(key.high);
+    // What does not go together or has to be set is told in other words.
+    EXPECT_EQ(with(value_of(low)).find("is not"), std::string::npos) << with(value_of(low));
+    EXPECT_EQ(with(value_of(high)).find("is not"), std::string::npos) << with(value_of(high));
+    const double step = std::holds_alternative<float*>(key.value) ? high * 1e-6 + 1e-6 : 1.0;
+    EXPECT_NE(with(value_of(high + step)).find(complaint), std::string::npos) << key.full_name;
+    if (is_text && key.low == 0.0f) continue;
+    EXPECT_NE(with(value_of(low - step)).find(complaint), std::string::npos) << key.full_name;
+  }
+}
+
+// Messages.
+
+TEST(Configuration, NamesTheNearestKeyForAnUnknownOne) {
+  EXPECT_EQ(Message("costmap.halo = 2"),
+            "f:7: costmap.halo: unknown key, did you mean costmap.halo_m?");
+  EXPECT_EQ(Message("astar.halo_m = 2"),
+            "f:7: astar.halo_m: unknown key, did you mean costmap.halo_m?");
+  EXPECT_EQ(Message("halo_m = 2"), "f:7: halo_m: stands in no table, did you mean costmap.halo_m?");
+  EXPECT_EQ(Message("speed.xyzzyxyzzy = 2"), "f:7: speed.xyzzyxyzzy: unknown key");
+  EXPECT_EQ(Message("log.directory.x = 2"),
+            "f:7: log.directory: a table is not a text of 1 to 500 letters without control "
+            "characters");
+}
+
+TEST(Configuration, NamesTheNearestTableForAnUnknownOne) {
+  EXPECT_EQ(Message("\n[costmapp]\nhalo_m = 2"),
+            "f:8: [costmapp]: unknown table, did you mean [costmap]?");
+  EXPECT_EQ(Message("[xyzzyxyzzyxyzzy]"), "f:7: [xyzzyxyzzyxyzzy]: unknown table");
+  EXPECT_EQ(Message("[[costmap]]\nhalo_m = 2"),
+            "f:7: costmap: is a list, expected a table: [costmap]");
+  EXPECT_EQ(Message("costmap = 2"), "f:7: costmap: is 2, expected a table: [costmap]");
+}
+
+TEST(Configuration, TellsTheRangeWithItsUnit) {
+  EXPECT_EQ(Message("costmap.halo_m = 3.5"),
+            "f:7: costmap.halo_m: 3.5 is not a number from 0 to 3 m");
+  EXPECT_EQ(Message("speed.max_speed_mps = -1"),
+            "f:7: speed.max_speed_mps: -1 is not a number from 0.1 to 20 m/s");
+  EXPECT_EQ(Message("costmap.ground_window_cells = 3.5"),
+            "f:7: costmap.ground_window_cells: 3.5 is not a whole number from 1 to 31 cells");
+  EXPECT_EQ(Message("mapping.use_labels = true"), "f:7: mapping.use_labels: true is not 0 or 1");
+  EXPECT_EQ(Message("lidar.port = 65536"),
+            "f:7: lidar.port: 65536 is not a whole number from 1 to 65535");
+  EXPECT_EQ(StatusOf("lidar.port = 65536"), Status::kParameterOutOfRange);
+}
+
+TEST(Configuration, RefusesWhatIsNoFiniteNumber) {
+  for (const std::string value : {"nan", "inf", "-inf", "+nan", "1e999"}) {
+    const std::string message = Message("costmap.halo_m = " + value);
+    EXPECT_TRUE(message.starts_with("f:7: ")) << message;
+  }
+  EXPECT_EQ(StatusOf("costmap.halo_m = nan"), Status::kNotFinite);
+  EXPECT_EQ(Message("costmap.halo_m = inf"),
+            "f:7: costmap.halo_m: inf is not a number from 0 to 3 m");
+  EXPECT_EQ(Message("costmap.ground_window_cells = nan"),
+            "f:7: costmap.ground_window_cells: nan is not a whole number from 1 to 31 cells");
+}
+
+TEST(Configuration, RefusesOtherTypes) {
+  EXPECT_EQ(Message("costmap.halo_m = '2'"),
+            "f:7: costmap.halo_m: \"2\" is not a number from 0 to 3 m");
+  EXPECT_EQ(Message("costmap.halo_m = [2]"),
+            "f:7: costmap.halo_m: a list is not a number from 0 to 3 m");
+  EXPECT_EQ(Message("costmap.halo_m = 1979-05-27"),
+            "f:7: costmap.halo_m: a date or time is not a number from 0 to 3 m");
+  EXPECT_EQ(Message("can.restart = 1"), "f:7: can.restart: 1 is not true or false");
+  EXPECT_EQ(Message("can.interface = 0"),
+            "f:7: can.interface: 0 is not a text of 1 to 15 letters without control characters");
+  EXPECT_EQ(Message("lidar.bind_address = 10"),
+            "f:7: lidar.bind_address: 10 is not an IPv4 address like \"10.0.0.5\"");
+}
+
+TEST(Configuration, RefusesTextsThatNoPathOrNameIs) {
+  EXPECT_NE(Message(R"(log.directory = "a\u0000b")"), "");
+  EXPECT_NE(Message(R"(log.directory = "a\nb")"), "");
+  EXPECT_NE(Message(R"(log.directory = "")"), "");
+  EXPECT_NE(Message("control.socket = '" + std::string(108, 's') + "'"), "");
+  EXPECT_EQ(Message("control.socket = '" + std::string(107, 's') + "'"), "");
+  EXPECT_NE(Message("can.interface = 'can 0'"), "");
+  EXPECT_NE(Message("can.interface = '../x'"), "");
+  EXPECT_NE(Message("can.interface = 'sixteen_letters_'"), "");
+}
+
+TEST(Configuration, TellsAKeyThatIsThereTwice) {
+  const std::string message = Message("costmap.halo_m = 1\ncostmap.halo_m = 2\n");
+  EXPECT_TRUE(message.starts_with("f:8: ")) << message;
+  EXPECT_NE(message.find("halo_m"), std::string::npos) << message;
+}
+
+TEST(Configuration, TellsWhatHasToBeSetAndWhy) {
+  Configuration configuration;
+  EXPECT_EQ(ParseConfiguration("", "f", configuration).message,
+            "f: drive.gear_ratio: has to be set: the Warthog's is not public: measure it\n"
+            "f: drive.left_sign: has to be set: 1 or -1: how the motor is mounted is not public: "
+            "try it with the wheels up\n"
+            "f: drive.right_sign: has to be set: 1 or -1: how the motor is mounted is not public: "
+            "try it with the wheels up\n"
+            "f: lidar.address: has to be set: where your lidar sends from\n"
+            "f: lidar.metadata: has to be set: the file with your lidar's beam angles\n"
+            "f: ins.address: has to be set: where your INS sends from; without one set "
+            "safety.needs_ins = 0\n"
+            "f: ins.port: has to be set: where your INS sends to; without one set "
+            "safety.needs_ins = 0");
+}
+
+TEST(Configuration, TakesNoNoneForWhatHasToBeSet) {
+  std::string text = kRequiredLines;
+  text = std::regex_replace(text, std::regex("left_sign = 1"), "left_sign = 0");
+  text = std::regex_replace(text, std::regex("10.0.0.2"), "");
+  text = std::regex_replace(text, std::regex("5000"), "'TO BE FILLED IN'");
+  Configuration configuration;
+  EXPECT_EQ(ParseConfiguration(text, "f", configuration).message,
+            "f:2: drive.left_sign: has to be set: 1 or -1: how the motor is mounted is not "
+            "public: try it with the wheels up\n"
+            "f:4: lidar.address: has to be set: where your lidar sends from\n"
+            "f:6: ins.port: has to be set: where your INS sends to; without one set "
+            "safety.needs_ins = 0");
+}
+
+TEST(Configuration, NeedsNoInsWhereNoneIsNeeded) {
+  const std::string text = kRequiredLines.substr(0, kRequiredLines.find("ins = "));
+  EXPECT_EQ(Parsed(text + "safety.needs_ins = 0").ins.port, 0);
+  Configuration configuration;
+  EXPECT_TRUE(ParseConfiguration(text + "safety.needs_ins = 0\nins.address = '10.0.0.3'", "f",
+                                 configuration)
+                  .message.starts_with("f: ins.port: has to be set"));
+}
+
+TEST(Configuration, NeedsAnAddressWhereLabelsAreUsed) {
+  EXPECT_EQ(Message("mapping.use_labels = 1"),
+            "f: labels.address: has to be set: where labels come from, which mapping.use_labels = "
+            "1 asks for");
+  EXPECT_EQ(Message("mapping.use_labels = 1\nlabels.address = '10.0.0.9'"), "");
+}
+
+TEST(Configuration, TellsWhatDoesNotGoTogether) {
+  EXPECT_EQ(Message("speed.max_speed_mps = 1\n"),
+            "f:7: speed.min_speed_mps: 2.0 is above speed.max_speed_mps, which is 1.0");
+  EXPECT_EQ(Message("log.file_size_mb = 2\nlog.max_total_mb = 1\n"),
+            "f:8: log.file_size_mb: 2 is above log.max_total_mb, which is 1");
+  EXPECT_TRUE(Message("costmap.ground_window_cells = 4\n")
+                  .starts_with("f:7: costmap: its numbers do not go together: "));
+  for (const char* numbers :
+       {"drive.left_node = 3\ndrive.right_node = 3\n",
+        "drive.right_node = 1\ndrive.left_node = 2\n",
+        "drive.heartbeat_period_ms = 300\ndrive.heartbeat_timeout_ms = 300\n"}) {
+    EXPECT_NE(Message(numbers).find(": drive: its numbers do not go together: "), std::string::npos)
+        << Message(numbers);
+  }
+  EXPECT_EQ(
+      Message("drive.max_bus_load_percent = 1\n"),
+      "f:7: drive.max_bus_load_percent: is 1, but what is sent and asked for in these periods "
+      "takes 5 % of the bus");
+  EXPECT_EQ(Message("lidar.port = 5000"),
+            "f:6: ins.port: is lidar.port too: each sensor needs its own");
+  EXPECT_EQ(Message("labels.port = 5000"), "");  // no labels are used
+}
+
+TEST(Configuration, RefusesClassesAndCodesThatAreNone) {
+  EXPECT_EQ(Message("labels.classes.19 = 'bush'"),
+            "f:7: labels.classes.19: \"bush\" is not \"ignored\", \"ground\", \"soft\", \"hard\" "
+            "or \"person\"");
+  for (const std::string code : {"256", "-1", "019", "99999999999999999999", "x", "'1 '"}) {
+    const std::string message = Message("labels.classes." + code + " = 'soft'");
+    EXPECT_NE(message.find("is no code from 0 to 255"), std::string::npos) << message;
+  }
+  EXPECT_EQ(Message("labels.classes = 2"),
+            "f:7: labels.classes: is 2, expected a table: [labels.classes]");
+  EXPECT_NE(Message("labels.classes.default = 2"), "");
+}
+
+TEST(Configuration, TellsAllProblemsInTheOrderOfTheFile) {
+  EXPECT_EQ(Message("[speed]\n"
+                    "max_speed_mps = 99\n"
+                    "[astar]\n"
+                    "max_expansions = 'all'\n"
+                    "max_expansion = 5\n"),
+            "f:8: speed.max_speed_mps: 99 is not a number from 0.1 to 20 m/s\n"
+            "f:10: astar.max_expansions: \"all\" is not a whole number from 1 to 262144\n"
+            "f:11: astar.max_expansion: unknown key, did you mean astar.max_expansions?");
+  EXPECT_EQ(StatusOf("speed.max_speed_mps = 99\nastar.max_expansions = 'all'"),
+            Status::kParameterOutOfRange);
+}
+
+TEST(Configuration, TellsABoundedNumberOfProblems) {
+  std::string lines = "[costmap]\n";
+  for (int i = 0; i < 1000; ++i) lines += 'k' + std::to_string(i) + " = 1\n";
+  const std::string message = Message(lines);
+  EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), kMaxConfigurationProblems);
+  EXPECT_TRUE(message.ends_with("\nf: and 960 more")) << message;
+}
+
+TEST(Configuration, StaysAsItWasOnFailure) {
+  Configuration configuration = Parsed(kRequiredLines + "costmap.halo_m = 1.5");
+  const std::string before = Values(configuration);
+  const ReadOutcome outcome =
+      ParseConfiguration(kRequiredLines + "costmap.halo_m = 2.5\nx = 1", "f", configuration);
+  EXPECT_FALSE(outcome.ok());
+  EXPECT_EQ(Values(configuration), before);
+}
+
+// Texts that are no configuration at all.
+
+TEST(Configuration, RefusesWhatIsNoToml) {
+  for (const std::string text :
+       {"[", "a = ", "a = \"", "= 1", "\xff\xfe", "a = \"\xc3\x28\"", "\xed\xa0\x80 = 1",
+        "[a]\n[a]\n", "a = 99999999999999999999", "a.b = 1\na = 2"}) {
+    Configuration configuration;
+    const ReadOutcome outcome = ParseConfiguration(text, "f", configuration);
+    EXPECT_EQ(outcome.status, Status::kInvalidArgument);
+    EXPECT_TRUE(outcome.message.starts_with("f:")) << outcome.message;
+    for (const char letter : outcome.message) {
+      EXPECT_TRUE((letter >= ' ' && letter <= '~') || letter == '\n');
+    }
+  }
+  const std::string with_nul = kRequiredLines + std::string("x\0y = 1", 7);
+  Configuration configuration;
+  EXPECT_TRUE(ParseConfiguration(with_nul, "f", configuration).message.starts_with("f:7: "));
+}
+
+// As deep as one line can say it, in each way.
+TEST(Configuration, RefusesDeepNesting) {
+  std::string dotted = "a";
+  while (dotted.size() < 1900) dotted += ".a";
+  std::string inline_tables;
+  for (int i = 0; i < 4; ++i) inline_tables += "{" + dotted.substr(0, 401) + "=";
+  std::string lists(1900, '[');
+  for (const std::string& text :
+       {dotted + " = 1\n", "[" + dotted + "]\n" + dotted + " = 1\n",
+        "[[" + dotted + "]]\n" + dotted + " = " + inline_tables.substr(0, 90) + "1}\n",
+        "a = " + lists, "a = " + inline_tables + "1}}}}\n"}) {
+    Configuration configuration;
+    EXPECT_FALSE(ParseConfiguration(text, "f", configuration).ok());
+  }
+}
+
+// The parser has undefined behaviour on some of them.
+TEST(Configuration, RefusesLettersBeyondAsciiOutsideOfQuotes) {
+  EXPECT_EQ(Message("[costmap]\nh\xc3\xb6he = 1"),
+            "f:8: a letter that is not ASCII outside of quotes");
+  EXPECT_EQ(Message("costmap.halo_m = 1 \xc2\xb5"),
+            "f:7: a letter that is not ASCII outside of quotes");
+  EXPECT_EQ(Message("log.directory = 'a' \"b\\\"\" \xc2\xb5 '"),
+            "f:7: a letter that is not ASCII outside of quotes");
+  EXPECT_EQ(Message("# Gr\xc3\xb6\xc3\x9f"
+                    "e\n"),
+            "");
+  EXPECT_EQ(Message("can.restart = true # \xc3\x9f\n"), "");
+  EXPECT_EQ(Message("log.directory = '/m/\\\xc3\x9f'"), "");
+  EXPECT_EQ(Message("log.directory = \"/m/'\\\"#\\\\\xc3\x9f\""), "");
+  EXPECT_EQ(Parsed("\xef\xbb\xbf" + kRequiredLines).ins.port, 5000);
+}
+
+TEST(Configuration, RefusesTextsOfSeveralLines) {
+  EXPECT_EQ(Message("log.directory = \"\"\"\n#\"\"\" \xc3\xb6"),
+            "f:7: a text of several lines; none is needed here");
+  EXPECT_EQ(Message("log.directory = '''a'''"),
+            "f:7: a text of several lines; none is needed here");
+  EXPECT_EQ(Message("control.group = \"\""), "");
+  EXPECT_EQ(Message("control.group = '\"\"\"'"), "");
+}
+
+TEST(Configuration, RefusesLongLines) {
+  EXPECT_EQ(Message("# " + std::string(1998, 'x') + "\n"), "");
+  EXPECT_EQ(Message("# " + std::string(1999, 'x') + "\n"), "f:7: longer than 2000 bytes");
+  EXPECT_EQ(StatusOf("# " + std::string(1999, 'x')), Status::kOversized);
+}
+
+TEST(Configuration, RefusesLargeTexts) {
+  std::string lines;
+  while (lines.size() + kRequiredLines.size() <= kMaxConfigurationBytes) lines += "# comment\n";
+  EXPECT_EQ(StatusOf(lines), Status::kOversized);
+  lines.resize(kMaxConfigurationBytes - kRequiredLines.size());
+  EXPECT_EQ(Message(lines), "");
+}
+
+TEST(ReadConfiguration, TellsWhatIsWrongWithTheFile) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / "hardpack_configuration_test";
+  std::filesystem::create_directories(folder);
+  Configuration configuration;
+  EXPECT_TRUE(ReadConfiguration((folder / "none").string(), configuration)
+                  .message.starts_with((folder / "none").string() + ": cannot be opened"));
+  EXPECT_FALSE(ReadConfiguration(folder.string(), configuration).ok());
+  EXPECT_EQ(ReadConfiguration("/dev/zero", configuration).status, Status::kOversized);
+
+  const std::string path = (folder / "a.toml").string();
+  std::ofstream(path) << kRequiredLines << "x = 1";
+  EXPECT_EQ(ReadConfiguration(path, configuration).message, path + ":7: x: stands in no table");
+  std::ofstream(path) << kRequiredLines << "costmap.halo_m = 1.5";
+  EXPECT_TRUE(ReadConfiguration(path, configuration).ok());
+  EXPECT_EQ(configuration.planner.costmap.halo_m, 1.5f);
+  std::filesystem::remove_all(folder);
+}
+
+// Addresses.
+
+TEST(Ipv4Address, IsReadAndWritten) {
+  Ipv4Address address;
+  for (const char* text : {"0.0.0.0", "255.255.255.255", "10.0.200.3", "192.168.1.1"}) {
+    ASSERT_TRUE(ParseIpv4(text, address)) << text;
+    EXPECT_EQ(ToText(address), text);
+  }
+  EXPECT_EQ(address.value, 0xc0a80101u);
+  EXPECT_TRUE(ParseIpv4("", address));
+  EXPECT_EQ(address.value, 0u);
+}
+
+TEST(Ipv4Address, IsNothingElse) {
+  Ipv4Address address{7};
+  for (const char* text :
+       {"1.2.3", "1.2.3.4.5", "1.2.3.4.", ".1.2.3", "1..2.3", "256.0.0.1", "1.2.3.256", "01.2.3.4",
+        "1.2.3.04", "1.2.3.-4", "+1.2.3.4", " 1.2.3.4", "1.2.3.4 ", "localhost", "0x1.2.3.4", "::1",
+        "1,2,3,4", "1.2.3.4/8", "1.2.3.00"}) {
+    EXPECT_FALSE(ParseIpv4(text, address)) << text;
+    EXPECT_EQ(address.value, 7u);
+  }
+}
+
+// Writing.
+
+TEST(ToToml, WritesEveryKeyOnce) {
+  Configuration configuration;
+  const std::string text = ToToml(configuration);
+  for (const ConfigurationKey& key : KeysOf(configuration)) {
+    const std::string header = std::string("\n[").append(key.group()).append("]\n");
+    const size_t group = text.find(header);
+    ASSERT_NE(group, std::string::npos);
+    EXPECT_EQ(text.find(header, group + 1), std::string::npos);
+    const size_t end = std::min(text.find("\n[", group + 1), text.size());
+    const size_t at = text.find('\n' + key.name() + " = ", group);
+    EXPECT_LT(at, end) << key.full_name;
+  }
+}
+
+TEST(ToToml, IsReadAsTheSame) {
+  const Configuration configuration = Parsed(kRequiredLines);
+  EXPECT_EQ(Values(Parsed(ToToml(configuration))), Values(configuration));
+}
+
+// Digits that are the same float again, also by way of a double, as a file is read.
+TEST(ToToml, WritesFloatsExactly) {
+  std::mt19937 random(20260131);
+  const auto check = [](float value) {
+    const std::string text = NumberText(value);
+    const float read = static_cast<float>(std::strtod(text.c_str(), nullptr));
+    ASSERT_EQ(std::bit_cast<uint32_t>(read), std::bit_cast<uint32_t>(value)) << text;
+    ASSERT_NE(text.find_first_of(".e"), std::string::npos) << text;
+  };
+  using Limits = std::numeric_limits<float>;
+  for (const float value : {0.0f, -0.0f, 1.0f, 0.1f, -2.5f, 1e6f, 16777217.0f, Limits::max(),
+                            Limits::lowest(), Limits::min(), Limits::denorm_min(), 7.038531e-26f}) {
+    check(value);
+  }
+  for (int i = 0; i < 300000; ++i) {
+    const uint32_t bits = static_cast<uint32_t>(random());
+    if ((bits & 0x7f800000u) != 0x7f800000u) check(std::bit_cast<float>(bits));
+  }
+}
+
+// Any configuration that reading would accept.
+class RandomConfiguration {
+ public:
+  explicit RandomConfiguration(uint32_t seed) : random_(seed) {}
+
+  Configuration Next() {
+    Configuration configuration;
+    const std::vector<ConfigurationKey> keys = KeysOf(configuration);
+    for (const ConfigurationKey& key : keys) SetValue(key);
+    for (const ConfigurationKey& key : keys) {
+      if (!key.not_above.empty()) PutInOrder(key, KeyNamed(keys, key.not_above));
+    }
+    if (!IsUsable(CheckCostmapParams(configuration.planner.costmap))) {
+      configuration.planner.costmap = {};
+      configuration.planner.costmap.halo_m = Between(0.0f, 3.0f);
+    }
+    configuration.onboard.drive.left_sign = Below(2) == 0 ? 1 : -1;
+    configuration.onboard.drive.right_sign = Below(2) == 0 ? 1 : -1;
+    if (!IsUsable(sevcon::DrivePair().Configure(configuration.onboard.drive))) {
+      configuration.onboard.drive = {};
+      configuration.onboard.drive.gear_ratio = Between(0.1f, 500.0f);
+    }
+    configuration.lidar.address.value |= 1;
+    configuration.ins.address.value |= 1;
+    configuration.label_source.address.value |= 1;
+    configuration.lidar.port = 1000 + static_cast<int32_t>(Below(1000));
+    configuration.ins.port = 2000 + static_cast<int32_t>(Below(1000));
+    configuration.label_source.port = 3000 + static_cast<int32_t>(Below(1000));
+    for (ReturnClass& meaning : configuration.labels.class_of) {
+      meaning = static_cast<ReturnClass>(Below(kReturnClassNames.size()));
+    }
+    return configuration;
+  }
+
+ private:
+  uint32_t Below(size_t end) { return static_cast<uint32_t>(random_() % end); }
+
+  float Between(float low, float high) {
+    if (Below(8) == 0) return low;
+    if (Below(8) == 0) return high;
+    const float share = static_cast<float>(random_()) / 4294967296.0f;
+    return std::clamp(low + share * (high - low), low, high);
+  }
+
+  int32_t Whole(const ConfigurationKey& key) {
+    const double low = static_cast<double>(key.low);
+    const double high = static_cast<double>(key.high);
+    const double share = static_cast<double>(random_()) / 4294967295.0;
+    return static_cast<int32_t>(low + share * (high - low));
+  }
+
+  std::string Text(const ConfigurationKey& key) {
+    const std::string letters = "aZ09_.-\"\\'#=[]{}$%~";
+    const std::vector<std::string> wide = {"\xc3\xa4", "\xe2\x82\xac", "\xf0\x9f\x9a\x9c"};
+    std::string text;
+    const size_t size = static_cast<size_t>(Whole(key));
+    while (text.size() < size) {
+      const std::string& more = wide[Below(wide.size())];
+      if (Below(6) == 0 && text.size() + more.size() <= size) {
+        text += more;
+      } else {
+        text += letters[Below(letters.size())];
+      }
+    }
+    return text;
+  }
+
+  void SetValue(const ConfigurationKey& key) {
+    if (auto* const* number = std::get_if<float*>(&key.value))
+      **number = Between(key.low, key.high);
+    if (auto* const* whole = std::get_if<int32_t*>(&key.value)) **whole = Whole(key);
+    if (auto* const* is_on = std::get_if<bool*>(&key.value)) **is_on = Below(2) == 0;
+    if (auto* const* text = std::get_if<std::string*>(&key.value)) **text = Text(key);
+    if (auto* const* rule = std::get_if<ObstacleRule*>(&key.value)) {
+      **rule = static_cast<ObstacleRule>(Below(2));
+    }
+    if (auto* const* address = std::get_if<Ipv4Address*>(&key.value)) {
+      (*address)->value = Below(4) == 0 ? 0u : static_cast<uint32_t>(random_());
+    }
+  }
+
+  static void PutInOrder(const ConfigurationKey& lower, const ConfigurationKey& upper) {
+    if (auto* const* number = std::get_if<float*>(&lower.value)) {
+      float& high = *std::get<float*>(upper.value);
+      **number = std::min({**number, high, upper.high});
+      if (**number < lower.low) **number = high = std::max(lower.low, upper.low);
+    } else {
+      int32_t& low = *std::get<int32_t*>(lower.value);
+      low = std::min(low, *std::get<int32_t*>(upper.value));
+    }
+  }
+
+  std::mt19937 random_;
+};
+
+TEST(ToToml, OfAnyConfigurationIsReadAsTheSame) {
+  for (uint32_t seed = 1; seed <= 300; ++seed) {
+    const Configuration configuration = RandomConfiguration(seed).Next();
+    const std::string text = ToToml(configuration);
+    Configuration read;
+    const ReadOutcome outcome = ParseConfiguration(text, "f", read);
+    ASSERT_TRUE(outcome.ok()) << "seed " << seed << "\n" << outcome.message << "\n" << text;
+    ASSERT_EQ(Values(read), Values(configuration)) << "seed " << seed;
+    ASSERT_EQ(ToToml(read), text) << "seed " << seed;
+  }
+}
+
+// The list of keys.
+
+TEST(ConfigurationKeys, HaveNamesOfTheirOwnAndValuesInTheirRange) {
+  Configuration configuration;
+  std::vector<std::string> names;
+  for (const ConfigurationKey& key : KeysOf(configuration)) {
+    names.push_back(key.full_name);
+    EXPECT_GT(key.description.size(), 5u) << key.full_name;
+    EXPECT_LE(key.full_name.size(), static_cast<size_t>(kMaxParameterName));
+    EXPECT_EQ(std::count(key.full_name.begin(), key.full_name.end(), '.'), 1);
+  }
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
+}
+
+// A member that no key sets, or that two set, shows here: all are changed by their keys, and each
+// structure then differs from its default in each member.
+TEST(ConfigurationKeys, SetEveryMember) {
+  Configuration c;
+  for (const ConfigurationKey& key : KeysOf(c)) {
+    if (auto* const* whole = std::get_if<int32_t*>(&key.value)) **whole += 1;
+    if (auto* const* is_on = std::get_if<bool*>(&key.value)) **is_on = !**is_on;
+    if (auto* const* text = std::get_if<std::string*>(&key.value)) **text += 'x';
+    if (auto* const* address = std::get_if<Ipv4Address*>(&key.value)) (*address)->value += 1;
+  }
+  const Configuration d;
+  const auto check_source = [](const DatagramSource& changed, const DatagramSource& other) {
+    const auto& [address, port, bind_address, bytes, is_required] = changed;
+    EXPECT_EQ(address.value, other.address.value + 1);
+    EXPECT_EQ(port, other.port + 1);
+    EXPECT_EQ(bind_address.value, other.bind_address.value + 1);
+    EXPECT_EQ(bytes, other.receive_buffer_bytes + 1);
+    EXPECT_NE(is_required, other.require_receive_buffer);
+  };
+  check_source(c.lidar, d.lidar);
+  check_source(c.ins, d.ins);
+  check_source(c.label_source, d.label_source);
+  EXPECT_EQ(c.lidar.metadata, d.lidar.metadata + "x");
+  const auto& [interface, restart, frame_max_age_ms] = c.can;
+  EXPECT_EQ(interface, d.can.interface + "x");
+  EXPECT_NE(restart, d.can.restart);
+  EXPECT_EQ(frame_max_age_ms, d.can.frame_max_age_ms + 1);
+  const auto& [enabled, directory, file_size_mb, max_total_mb, min_free_mb, buffer_mb] = c.log;
+  EXPECT_NE(enabled, d.log.enabled);
+  EXPECT_EQ(directory, d.log.directory + "x");
+  EXPECT_EQ(file_size_mb, d.log.file_size_mb + 1);
+  EXPECT_EQ(max_total_mb, d.log.max_total_mb + 1);
+  EXPECT_EQ(min_free_mb, d.log.min_free_mb + 1);
+  EXPECT_EQ(buffer_mb, d.log.buffer_mb + 1);
+  const auto& [socket, group] = c.control;
+  EXPECT_EQ(socket, d.control.socket + "x");
+  EXPECT_EQ(group, d.control.group + "x");
+  const auto& [realtime_priority, lock_memory, cpu, abort_on_allocation] = c.process;
+  EXPECT_EQ(realtime_priority, d.process.realtime_priority + 1);
+  EXPECT_NE(lock_memory, d.process.lock_memory);
+  EXPECT_EQ(cpu, d.process.cpu + 1);
+  EXPECT_NE(abort_on_allocation, d.process.abort_on_allocation);
+}
+
+TEST(ConfigurationKeys, KnowTheUnitsOfTheirNames) {
+  EXPECT_EQ(UnitOf("max_speed_mps"), "m/s");
+  EXPECT_EQ(UnitOf("costmap.halo_m"), "m");
+  EXPECT_EQ(UnitOf("drive.sdo_timeout_ms"), "ms");
+  EXPECT_EQ(UnitOf("optimizer.max_curvature_rate_per_m2"), "1/m^2");
+  EXPECT_EQ(UnitOf("optimizer.max_sweeps"), "");
+}
+
+// The example.
+
+std::string Example() {
+  std::ifstream file(HARDPACK_SOURCE_DIR "/config/warthog.toml");
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+std::string FilledIn(std::string text) {
+  const auto fill = [&text](const std::string& line, const std::string& value) {
+    const std::string empty = "\n" + line + " = \"TO BE FILLED IN\"\n";
+    const size_t at = text.find(empty);
+    ASSERT_NE(at, std::string::npos) << line;
+    text.replace(at, empty.size(), "\n" + line + " = " + value + "\n");
+  };
+  fill("address", "\"10.0.0.2\"");
+  fill("metadata", "\"os1.json\"");
+  fill("address", "\"10.0.0.3\"");
+  fill("port", "5000");
+  fill("gear_ratio", "24.5");
+  fill("left_sign", "1");
+  fill("right_sign", "-1");
+  return text;
+}
+
+TEST(Example, IsRefusedUntilItIsFilledIn) {
+  Configuration configuration;
+  const std::string message = ParseConfiguration(Example(), "f", configuration).message;
+  for (const std::string key : {"drive.gear_ratio", "drive.left_sign", "drive.right_sign",
+                                "lidar.address", "lidar.metadata", "ins.address", "ins.port"}) {
+    EXPECT_NE(message.find(": " + key + ": has to be set: "), std::string::npos) << message;
+  }
+  EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 6) << message;
+}
+
+TEST(Example, IsTheDefaultsWhenFilledIn) {
+  EXPECT_EQ(Values(Parsed(FilledIn(Example()))), Values(Parsed(kRequiredLines)));
+}
+
+// What stands behind a # is what holds without it.
+TEST(Example, ShowsTheDefaults) {
+  const std::string text = std::regex_replace(Example(), std::regex("\n#([a-z0-9_]+ = )"), "\n$1");
+  EXPECT_NE(text, Example());
+  EXPECT_EQ(Values(Parsed(FilledIn(text))), Values(Parsed(kRequiredLines)));
+}
+
+}  // namespace
+}  // namespace hardpack

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "port_linux/onboard.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "test/hal/vehicle_loop/closed_loop.h"
+
+// Onboard::Run on a simulated vehicle: how it ends.
+
+namespace hardpack {
+namespace {
+
+using control::Kind;
+using testing::ClosedLoop;
+
+// The vehicle's bus, sensors and time: sleeping lets it move on.
+class SimulatedDevices final : public Clock, public CanBus {
+ public:
+  explicit SimulatedDevices(ClosedLoop& drive) : drive_(drive), now_ns_(drive.now_ns()) {}
+
+  uint64_t Now_ns() override { return now_ns_; }
+  void SleepUntil(uint64_t time_ns) override {
+    if (time_ns > now_ns_) now_ns_ = time_ns;
+  }
+  void Advance(uint64_t now_ns) override {
+    sim::Outgoing out;
+    drive_.vehicle().Advance(now_ns, out);
+    frames_.insert(frames_.end(), out.frames.begin(), out.frames.end());
+  }
+  Status Send(const CanFrame& frame, uint64_t /*deadline_ns*/) override {
+    drive_.vehicle().TakeFrame(frame, now_ns_);
+    return Status::kOk;
+  }
+  Status Receive(CanFrame& frame) override {
+    if (frames_.empty()) return Status::kEmpty;
+    frame = frames_.front();
+    frames_.pop_front();
+    return Status::kOk;
+  }
+  CanBusState state() const override { return CanBusState::kActive; }
+  const CanBusCounters& counters() const override { return counters_; }
+
+ private:
+  ClosedLoop& drive_;
+  uint64_t now_ns_;
+  std::deque<CanFrame> frames_;
+  CanBusCounters counters_;
+};
+
+class NothingComes final : public DatagramSocket {
+ public:
+  std::span<const Datagram> Receive(int /*max*/) override { return {}; }
+  const DatagramCounters& counters() const override { return counters_; }
+
+ private:
+  DatagramCounters counters_;
+};
+
+// Told to end at once. Returns after how much simulated time Run came back.
+double EndAfter_s(ClosedLoop& drive) {
+  SimulatedDevices simulated(drive);
+  NothingComes lidar;
+  OnboardDevices devices;
+  devices.clock = &simulated;
+  devices.can = &simulated;
+  devices.lidar = &lidar;
+  const auto onboard = std::make_unique<Onboard>(drive.loop(), devices, OnboardOptions{});
+  const uint64_t begin_ns = simulated.Now_ns();
+  simulated.SleepUntil(begin_ns + ClosedLoop::kTick_ns);
+  onboard->Tick(simulated.Now_ns(), drive.loop().index());  // its count goes on from there
+  const std::atomic<bool> stop = true;
+  onboard->Run(stop);
+  return static_cast<double>(simulated.Now_ns() - begin_ns) * 1e-9;
+}
+
+void ExpectOff(ClosedLoop& drive) {
+  EXPECT_LT(std::fabs(drive.Speed_mps()), 0.05);
+  for (const sim::Side side : {sim::Side::kLeft, sim::Side::kRight}) {
+    EXPECT_NE(drive.vehicle().vehicle().drive(side).power_state(), sim::PowerState::kEnabled);
+  }
+}
+
+TEST(Onboard, EndsFromDrivingAtRestWithTheDrivesOff) {
+  ClosedLoop drive;
+  drive.DriveTo(60.0f, 0.0f);
+  ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Speed_mps() > 2.0; }));
+  EXPECT_LT(EndAfter_s(drive), 9.0);
+  ExpectOff(drive);
+}
+
+TEST(Onboard, EndsFromAnEmergencyStopThatStillRollsAtRestWithTheDrivesOff) {
+  ClosedLoop drive;
+  drive.DriveTo(60.0f, 0.0f);
+  ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Speed_mps() > 2.0; }));
+  ASSERT_EQ(drive.Say(Kind::kEmergencyStop), Status::kOk);
+  ASSERT_GT(drive.Speed_mps(), 1.5);
+  EXPECT_LT(EndAfter_s(drive), 9.0);
+  ExpectOff(drive);
+}
+
+TEST(Onboard, EndsArmedWithTheDrivesOffAndStandbyAtOnce) {
+  ClosedLoop drive;
+  drive.BringUpAndArm();
+  EXPECT_LT(EndAfter_s(drive), 2.0);
+  ExpectOff(drive);
+  EXPECT_LT(EndAfter_s(drive), 0.1);
+}
+
+// Nobody to wait for: but not for ever either.
+TEST(Onboard, EndsThoughTheDrivesAreSilent) {
+  ClosedLoop drive;
+  drive.DriveTo(60.0f, 0.0f);
+  drive.Act("at 0 key both off");
+  const double after_s = EndAfter_s(drive);
+  EXPECT_LT(after_s, 7.0);
+  EXPECT_GT(after_s, 1.0);
+}
+
+}  // namespace
+}  // namespace hardpack
