@@ -4,6 +4,7 @@
 #include <pcap/pcap.h>
 
 #include <array>
+#include <bit>
 #include <cstdio>
 
 #include "core/base/byte_reader.h"
@@ -12,6 +13,7 @@ namespace hardpack::capture {
 namespace {
 
 constexpr uint16_t kEtherTypeIpv4 = 0x0800;
+constexpr uint16_t kCookedCan = 0x000c;  // LINUX_SLL_P_CAN
 constexpr int kMaxVlanTags = 4;
 constexpr size_t kUdpHeaderBytes = 8;
 constexpr size_t kMinIpv4HeaderBytes = 20;
@@ -29,42 +31,51 @@ bool IsVlanTag(uint16_t ether_type) {
   return ether_type == 0x8100 || ether_type == 0x88a8 || ether_type == 0x9100;
 }
 
-// Where the IPv4 packet begins in a frame.
-struct IpStart {
-  enum class Kind : uint8_t { kIpv4, kOther, kTooShort };
+// Where the IPv4 packet or the can_frame begins in a frame.
+struct PacketStart {
+  enum class Kind : uint8_t { kIpv4, kCan, kOther, kTooShort };
   Kind kind = Kind::kTooShort;
   size_t offset = 0;
 };
 
 // Behind an EtherType field, stepping over VLAN tags. `offset`: of the field; `header_end`: of what
 // follows it.
-IpStart BehindEtherType(ByteReader& reader, size_t offset, size_t header_end) {
+PacketStart BehindEtherType(ByteReader& reader, size_t offset, size_t header_end) {
   uint16_t type = U16NetworkOrder(reader, offset);
   for (int tag = 0; tag < kMaxVlanTags && IsVlanTag(type); ++tag) {
     type = U16NetworkOrder(reader, header_end + 2);
     header_end += 4;
   }
   if (!IsUsable(reader.status()) || header_end > reader.size()) return {};
-  return {type == kEtherTypeIpv4 ? IpStart::Kind::kIpv4 : IpStart::Kind::kOther, header_end};
+  return {type == kEtherTypeIpv4 ? PacketStart::Kind::kIpv4 : PacketStart::Kind::kOther,
+          header_end};
+}
+
+// Behind the header of a cooked capture, whose protocols are EtherTypes and Linux's own.
+PacketStart BehindCooked(ByteReader& reader, size_t offset, size_t header_end) {
+  if (U16NetworkOrder(reader, offset) != kCookedCan || header_end > reader.size()) {
+    return BehindEtherType(reader, offset, header_end);
+  }
+  return {PacketStart::Kind::kCan, header_end};
 }
 
 // The address family stands in the byte order of the machine that captured, or the network's.
-IpStart BehindFamily(ByteReader& reader) {
+PacketStart BehindFamily(ByteReader& reader) {
   const uint32_t family = reader.U32(0);
   if (!IsUsable(reader.status())) return {};
   const bool ipv4 = family == kFamilyIpv4 || __builtin_bswap32(family) == kFamilyIpv4;
-  return {ipv4 ? IpStart::Kind::kIpv4 : IpStart::Kind::kOther, 4};
+  return {ipv4 ? PacketStart::Kind::kIpv4 : PacketStart::Kind::kOther, 4};
 }
 
-IpStart BehindNothing(ByteReader& reader) {
+PacketStart BehindNothing(ByteReader& reader) {
   const int version = reader.U8(0) >> 4;
   if (!IsUsable(reader.status())) return {};
-  return {version == 4 ? IpStart::Kind::kIpv4 : IpStart::Kind::kOther, 0};
+  return {version == 4 ? PacketStart::Kind::kIpv4 : PacketStart::Kind::kOther, 0};
 }
 
 bool IsHandled(int link_type) {
   constexpr std::array kHandled = {DLT_EN10MB, DLT_LINUX_SLL, DLT_LINUX_SLL2, DLT_RAW,
-                                   DLT_IPV4,   DLT_NULL,      DLT_LOOP};
+                                   DLT_IPV4,   DLT_NULL,      DLT_LOOP,       DLT_CAN_SOCKETCAN};
   for (const int handled : kHandled) {
     if (link_type == handled) return true;
   }
@@ -72,14 +83,16 @@ bool IsHandled(int link_type) {
 }
 
 // Precondition: IsHandled(link_type).
-IpStart FindIpv4(int link_type, ByteReader& reader) {
+PacketStart FindStart(int link_type, ByteReader& reader) {
   switch (link_type) {
     case DLT_EN10MB:
       return BehindEtherType(reader, 12, 14);
     case DLT_LINUX_SLL:
-      return BehindEtherType(reader, 14, 16);
+      return BehindCooked(reader, 14, 16);
     case DLT_LINUX_SLL2:
-      return BehindEtherType(reader, 0, 20);
+      return BehindCooked(reader, 0, 20);
+    case DLT_CAN_SOCKETCAN:
+      return {PacketStart::Kind::kCan, 0};
     case DLT_NULL:
     case DLT_LOOP:
       return BehindFamily(reader);
@@ -102,6 +115,8 @@ ReadOutcome PcapReader::Open(const std::string& path) {
   path_ = path;
   counters_ = CaptureCounters{};
   reassembly_ = Ipv4Reassembly();
+  drops_duplicates_ = false;
+  duplicates_ = DuplicateFilter();
   std::FILE* const stream = std::fopen(path.c_str(), "rb");
   if (stream == nullptr) {
     outcome_ = {Status::kInvalidArgument, path + ": cannot be opened"};
@@ -128,47 +143,105 @@ ReadOutcome PcapReader::Open(const std::string& path) {
   return outcome_;
 }
 
-bool PcapReader::Next(UdpDatagram& datagram) {
-  while (file_ != nullptr) {
-    pcap_pkthdr* header = nullptr;
-    const u_char* bytes = nullptr;
-    const int got = pcap_next_ex(file_, &header, &bytes);
-    if (got != 1) {
-      if (got != PCAP_ERROR_BREAK) {
-        outcome_ = {Status::kTruncated, path_ + ": cannot be read beyond packet " +
-                                            std::to_string(counters_.frames) + " (" +
-                                            pcap_geterr(file_) + ")"};
-      }
-      reassembly_.Finish();
-      pcap_close(file_);
-      file_ = nullptr;
-      return false;
-    }
-    ++counters_.frames;
-    // With nanosecond precision libpcap puts nanoseconds into tv_usec.
-    datagram.time_ns = int64_t{header->ts.tv_sec} * 1'000'000'000 + header->ts.tv_usec;
-    if (TakeFrame({bytes, header->caplen}, header->caplen < header->len, datagram)) {
-      ++counters_.datagrams;
-      return true;
-    }
+bool PcapReader::Next(CapturedPacket& packet) {
+  std::span<const uint8_t> bytes;
+  bool cut = false;
+  while (ReadRecord(bytes, cut, packet.time_ns)) {
+    if (IsDuplicate(bytes, packet.time_ns)) continue;
+    if (TakeFrame(bytes, cut, packet)) return true;
   }
   return false;
 }
 
-bool PcapReader::TakeFrame(std::span<const uint8_t> frame, bool cut, UdpDatagram& datagram) {
+bool PcapReader::Next(UdpDatagram& datagram) {
+  CapturedPacket packet;
+  while (Next(packet)) {
+    if (packet.kind != CapturedPacket::Kind::kDatagram) continue;
+    datagram = packet.datagram;
+    return true;
+  }
+  return false;
+}
+
+// The next record of the file. False at its end, which closes it.
+bool PcapReader::ReadRecord(std::span<const uint8_t>& bytes, bool& cut, int64_t& time_ns) {
+  if (file_ == nullptr) return false;
+  pcap_pkthdr* header = nullptr;
+  const u_char* data = nullptr;
+  const int got = pcap_next_ex(file_, &header, &data);
+  if (got == 1) {
+    ++counters_.frames;
+    bytes = {data, header->caplen};
+    cut = header->caplen < header->len;
+    // With nanosecond precision libpcap puts nanoseconds into tv_usec.
+    time_ns = int64_t{header->ts.tv_sec} * 1'000'000'000 + header->ts.tv_usec;
+    return true;
+  }
+  if (got != PCAP_ERROR_BREAK) {
+    outcome_ = {Status::kTruncated, path_ + ": cannot be read beyond packet " +
+                                        std::to_string(counters_.frames) + " (" +
+                                        pcap_geterr(file_) + ")"};
+  }
+  reassembly_.Finish();
+  pcap_close(file_);
+  file_ = nullptr;
+  return false;
+}
+
+bool PcapReader::IsDuplicate(std::span<const uint8_t> frame, int64_t time_ns) {
+  constexpr size_t kHeaderBytes = flight_log::kCookedHeaderBytes;
+  if (!drops_duplicates_ || link_type_ != DLT_LINUX_SLL2 || frame.size() < kHeaderBytes) {
+    return false;
+  }
   ByteReader reader(frame);
-  const IpStart start = FindIpv4(link_type_, reader);
+  const uint32_t interface_index = U32NetworkOrder(reader, 4);
+  if (!duplicates_.IsDuplicate(frame.subspan(kHeaderBytes), interface_index, time_ns)) return false;
+  ++counters_.duplicates;
+  return true;
+}
+
+bool PcapReader::TakeFrame(std::span<const uint8_t> frame, bool cut, CapturedPacket& packet) {
+  ByteReader reader(frame);
+  const PacketStart start = FindStart(link_type_, reader);
   switch (start.kind) {
-    case IpStart::Kind::kIpv4:
-      return TakeIpv4(frame.subspan(start.offset), cut, datagram);
-    case IpStart::Kind::kOther:
+    case PacketStart::Kind::kIpv4:
+      packet.kind = CapturedPacket::Kind::kDatagram;
+      packet.datagram.time_ns = packet.time_ns;
+      if (!TakeIpv4(frame.subspan(start.offset), cut, packet.datagram)) return false;
+      ++counters_.datagrams;
+      return true;
+    case PacketStart::Kind::kCan:
+      packet.packet_type = link_type_ == DLT_LINUX_SLL2 ? reader.U8(10) : uint8_t{0};
+      return TakeCan(frame.subspan(start.offset), cut, packet);
+    case PacketStart::Kind::kOther:
       ++counters_.other_frames;
       return false;
-    case IpStart::Kind::kTooShort:
+    case PacketStart::Kind::kTooShort:
       break;
   }
   ++(cut ? counters_.cut_frames : counters_.malformed_frames);
   return false;
+}
+
+// The identifier stands highest byte first in captures of a CAN interface, and in the machine's own
+// order, which libpcap sees to, in cooked ones.
+bool PcapReader::TakeCan(std::span<const uint8_t> bytes, bool cut, CapturedPacket& packet) {
+  using flight_log::IdOrder;
+  const IdOrder order = link_type_ == DLT_CAN_SOCKETCAN || std::endian::native == std::endian::big
+                            ? IdOrder::kHighestFirst
+                            : IdOrder::kLowestFirst;
+  switch (flight_log::DecodeCan(bytes, order, packet.frame)) {
+    case Status::kOk:
+      packet.kind = CapturedPacket::Kind::kCanFrame;
+      ++counters_.can_frames;
+      return true;
+    case Status::kUnsupported:
+      ++counters_.other_frames;
+      return false;
+    default:
+      ++(cut ? counters_.cut_frames : counters_.malformed_frames);
+      return false;
+  }
 }
 
 bool PcapReader::TakeIpv4(std::span<const uint8_t> packet, bool cut, UdpDatagram& datagram) {

@@ -6,15 +6,18 @@
 #include <span>
 #include <string>
 
+#include "hal/can_frame.h"
+#include "hal/flight_log/packets.h"
 #include "port_linux/read_outcome.h"
+#include "tools/capture/duplicate_filter.h"
 #include "tools/capture/ipv4_reassembly.h"
 
 struct pcap;
 
-// UDP datagrams out of a capture file (pcap or pcapng, through libpcap): Ethernet with VLAN tags,
-// Linux cooked captures of both versions, raw IP and loopback; IPv4, whole or in fragments.
-// Everything else is counted and passed over. Checksums are not checked: on a sending machine the
-// capture is taken before the network card fills them in.
+// UDP datagrams and CAN frames out of a capture file (pcap or pcapng, through libpcap): Ethernet
+// with VLAN tags, Linux cooked captures of both versions, raw IP, loopback and CAN interfaces;
+// IPv4, whole or in fragments. Everything else is counted and passed over. Checksums are not
+// checked: on a sending machine the capture is taken before the network card fills them in.
 
 namespace hardpack::capture {
 
@@ -27,12 +30,26 @@ struct UdpDatagram {
   std::span<const uint8_t> payload;  // valid until the next call of Next
 };
 
+// Either of the two.
+struct CapturedPacket {
+  enum class Kind : uint8_t { kDatagram, kCanFrame };
+  Kind kind = Kind::kDatagram;
+  int64_t time_ns = 0;  // when the capture took it, since 1970
+  UdpDatagram datagram;
+  CanFrame frame;
+  // As a cooked capture says, which only a flight log can be relied upon for: a capture of Linux's
+  // calls every CAN frame a broadcast, whoever sent it.
+  uint8_t packet_type = 0;
+};
+
 struct CaptureCounters {
   int64_t frames = 0;            // records in the file
   int64_t datagrams = 0;         // whole UDP datagrams
+  int64_t can_frames = 0;        // data and remote frames of CAN
+  int64_t duplicates = 0;        // seen on another interface already: dropped
   int64_t cut_frames = 0;        // the capture kept less than was sent (snaplen)
   int64_t malformed_frames = 0;  // lengths that contradict each other
-  int64_t other_frames = 0;      // not UDP over IPv4
+  int64_t other_frames = 0;      // neither UDP over IPv4 nor classic CAN
 };
 
 class PcapReader {
@@ -45,8 +62,15 @@ class PcapReader {
   // kInvalidArgument: cannot be opened, or no capture file; kUnsupported: of another link type.
   ReadOutcome Open(const std::string& path);
 
-  // The next UDP datagram. False at the end of the file and when it cannot be read on: outcome()
-  // says which (kOk, or kTruncated when the file ends within a record).
+  // What `tcpdump -i any` saw on several interfaces of this file is from now on given once. Where a
+  // capture does not name the interfaces (all link types but LINUX_SLL2) nothing is dropped.
+  void DropDuplicates() { drops_duplicates_ = true; }
+
+  // The next datagram or frame. False at the end of the file and when it cannot be read on:
+  // outcome() says which (kOk, or kTruncated when the file ends within a record).
+  bool Next(CapturedPacket& packet);
+
+  // The same, passing over what is no datagram.
   bool Next(UdpDatagram& datagram);
 
   const ReadOutcome& outcome() const { return outcome_; }
@@ -54,7 +78,10 @@ class PcapReader {
   const ReassemblyCounters& reassembly() const { return reassembly_.counters(); }
 
  private:
-  bool TakeFrame(std::span<const uint8_t> frame, bool cut, UdpDatagram& datagram);
+  bool ReadRecord(std::span<const uint8_t>& bytes, bool& cut, int64_t& time_ns);
+  bool IsDuplicate(std::span<const uint8_t> frame, int64_t time_ns);
+  bool TakeFrame(std::span<const uint8_t> frame, bool cut, CapturedPacket& packet);
+  bool TakeCan(std::span<const uint8_t> bytes, bool cut, CapturedPacket& packet);
   bool TakeIpv4(std::span<const uint8_t> packet, bool cut, UdpDatagram& datagram);
   bool TakeUdp(std::span<const uint8_t> packet, UdpDatagram& datagram);
 
@@ -64,6 +91,8 @@ class PcapReader {
   ReadOutcome outcome_;
   CaptureCounters counters_;
   Ipv4Reassembly reassembly_;
+  bool drops_duplicates_ = false;
+  DuplicateFilter duplicates_;
 };
 
 }  // namespace hardpack::capture

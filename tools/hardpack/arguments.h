@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "nlohmann/json.hpp"
@@ -24,9 +23,6 @@ double ParseNumber(const std::string& option, const std::string& text);
 void MakeOutputFolder(const std::string& path);
 
 void WriteText(const std::string& path, const std::string& text);
-
-// The name nearest to a mistyped one by edit distance, or empty when none is near.
-std::string NearestName(std::string_view typed, const std::vector<std::string>& names);
 
 // A float as JSON shows it: the shortest digits that give the same float again, not the 17 of its
 // value as a double. null when it is not finite.

@@ -8,8 +8,8 @@
 #include <iostream>
 #include <memory>
 
+#include "port_linux/nearest_name.h"
 #include "tools/hardpack/allocation_counter.h"
-#include "tools/hardpack/arguments.h"
 #include "tools/hardpack/bench_acceptance.h"
 #include "tools/hardpack/bench_movingai.h"
 #include "tools/hardpack/bench_peers.h"

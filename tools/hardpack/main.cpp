@@ -5,11 +5,13 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
-#include "tools/hardpack/arguments.h"
+#include "port_linux/nearest_name.h"
 #include "tools/hardpack/bench_command.h"
 #include "tools/hardpack/command.h"
+#include "tools/hardpack/ctl_command.h"
 #include "tools/hardpack/figures_command.h"
 #include "tools/hardpack/plan_command.h"
+#include "tools/hardpack/replay_command.h"
 #include "tools/hardpack/scene_command.h"
 #include "tools/picture/canvas.h"
 
@@ -38,7 +40,7 @@ std::string UsageReason(const CLI::App& app, const CLI::ParseError& error) {
   if (unknown.front().starts_with('-')) return "there is no option '" + unknown.front() + "'";
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
-  const std::string nearest = hardpack::command::NearestName(unknown.front(), names);
+  const std::string nearest = hardpack::NearestName(unknown.front(), names);
   return "there is no command '" + unknown.front() + "'" +
          (nearest.empty() ? "" : ", did you mean '" + nearest + "'?");
 }
@@ -73,6 +75,8 @@ int main(int argc, char** argv) {
   hardpack::command::AddFiguresCommand(app);
   hardpack::command::AddBenchCommand(app);
   hardpack::command::AddSceneCommand(app);
+  hardpack::command::AddCtlCommand(app);
+  hardpack::command::AddReplayCommand(app);
   const int exit_code = Run(app, argc, argv);
   hardpack::picture::ReleaseFonts();
   return exit_code;

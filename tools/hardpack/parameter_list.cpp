@@ -2,11 +2,12 @@
 #include "tools/hardpack/parameter_list.h"
 
 #include <algorithm>
-#include <array>
 #include <sstream>
 #include <string_view>
 
 #include "config/validate.h"
+#include "port_linux/configuration_keys.h"
+#include "port_linux/nearest_name.h"
 #include "tools/hardpack/arguments.h"
 #include "tools/hardpack/command.h"
 
@@ -31,7 +32,6 @@ std::vector<std::string> AllNames() {
   return names;
 }
 
-constexpr std::array<const char*, 5> kClassNames = {"ignored", "ground", "soft", "hard", "person"};
 constexpr std::string_view kLabelPrefix = "labels.";
 
 void SetLabelFromText(const std::string& name, const std::string& text, LabelTable& table) {
@@ -39,13 +39,13 @@ void SetLabelFromText(const std::string& name, const std::string& text, LabelTab
   if (!(code >= 0.0 && code < kLabelCodes) || code != static_cast<int>(code)) {
     throw CommandFailure(kBadInput, "--param " + name + ": a label code is 0 .. 255");
   }
-  const auto known = std::find(kClassNames.begin(), kClassNames.end(), text);
-  if (known == kClassNames.end()) {
+  const auto known = std::find(kReturnClassNames.begin(), kReturnClassNames.end(), text);
+  if (known == kReturnClassNames.end()) {
     throw CommandFailure(kBadInput, "--param " + name + ": '" + text +
                                         "' is not ignored, ground, soft, hard or person");
   }
   table.class_of[static_cast<size_t>(code)] =
-      static_cast<ReturnClass>(std::distance(kClassNames.begin(), known));
+      static_cast<ReturnClass>(std::distance(kReturnClassNames.begin(), known));
 }
 
 void SetFromText(const std::string& assignment, Parameters& parameters) {
@@ -96,13 +96,13 @@ nlohmann::json ParametersToJson(const Parameters& parameters) {
     if (entry.number != nullptr) {
       value = JsonNumber(group.*entry.number);
     } else {
-      value = static_cast<int>(entry.Get(group));
+      value = entry.GetWhole(group);
     }
   });
   for (int code = 0; code < kLabelCodes; ++code) {
     const ReturnClass meaning = parameters.labels.class_of[code];
     if (meaning == ReturnClass::kHard) continue;
-    groups["labels"][kClassNames[static_cast<size_t>(meaning)]].push_back(code);
+    groups["labels"][kReturnClassNames[static_cast<size_t>(meaning)]].push_back(code);
   }
   return groups;
 }

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/sim/scripted_vehicle.h"
+
+#include <algorithm>
+
+#include "gtest/gtest.h"
+#include "nlohmann/json.hpp"
+#include "test/tools/sim/bus.h"
+#include "tools/sim/script.h"
+
+namespace hardpack::sim {
+namespace {
+
+using test::MakeFrame;
+
+std::vector<ScriptEvent> Script(const std::string& text) {
+  std::vector<ScriptEvent> script;
+  const ReadOutcome outcome = ParseScript(text, "script", script);
+  EXPECT_TRUE(outcome.ok()) << outcome.message;
+  return script;
+}
+
+ScriptedVehicleSettings Small() {
+  ScriptedVehicleSettings settings;
+  settings.lidar.columns = 512;
+  settings.world = LaneWorld();
+  return settings;
+}
+
+Outgoing RunFor(ScriptedVehicle& vehicle, double seconds, int step_ms = 5) {
+  Outgoing out;
+  const uint64_t end_ns = vehicle.now_ns() + static_cast<uint64_t>(seconds * 1.0e9 + 0.5);
+  while (vehicle.now_ns() < end_ns) {
+    vehicle.Advance(vehicle.now_ns() + static_cast<uint64_t>(step_ms) * 1'000'000u, out);
+  }
+  return out;
+}
+
+size_t Count(const Outgoing& out, Sensor sensor) {
+  return static_cast<size_t>(
+      std::count_if(out.datagrams.begin(), out.datagrams.end(),
+                    [sensor](const SensorDatagram& one) { return one.sensor == sensor; }));
+}
+
+constexpr uint64_t kStart_ns = 77'000'000'123;
+
+TEST(Script, SaysWhereALineIsWrong) {
+  for (const char* line :
+       {"at 1 nothing", "1 quit", "at -1 quit", "at x quit", "at 1 drive-silent up on",
+        "at 1 drive-silent left", "at 1 drive-silent left maybe", "at 1 emcy left 0x10000",
+        "at 1 can-frame 181#0", "at 1 can-frame 181#00 0.1", "at 1 can-frame 20000000#00",
+        "at 1 can-frame 181#000000000000000000", "at 1 object left 0x1018 2",
+        "at 1 lidar-loss 1001", "at 1 nmt left sleeping", "at 1 box 1 2 0 1", "at 1 quit now",
+        "at"}) {
+    std::vector<ScriptEvent> script;
+    const ReadOutcome outcome =
+        ParseScript(std::string("# fine\nat 0 quit\n") + line, "a.txt", script);
+    EXPECT_FALSE(outcome.ok()) << line;
+    EXPECT_TRUE(outcome.message.starts_with("a.txt:3: ")) << outcome.message;
+  }
+}
+
+TEST(Script, KnowsEveryCommandThatItsPageNames) {
+  const auto script = Script(R"(
+    # a comment
+    at 0.5 drive-silent left on     # and another
+    at 1 heartbeat both off
+    at 1 process-data right off
+    at 1 reboot left
+    at 1 reboot left quiet
+    at 1 key both off
+    at 1 emcy left 0x3220 5 0x45c1
+    at 1 fault right 0x2310
+    at 1 sdo-abort left 0x1018 0x06060000
+    at 1 sdo-silent left 0x1018 on
+    at 1 sdo-keep both 0x1017 off
+    at 1 object left 0x1a00 1 0x606c0020
+    at 1 mode-refused both on
+    at 1 lose-enable left
+    at 1 nmt right pre-operational
+    at 1 opposite left on
+    at 1 blocked left off
+    at 1 frozen left on
+    at 1 speed-offset left -30
+    at 1 can-frame 182#0102 0.1 5
+    at 1 can-frame 1fffffff#
+    at 1 bus-error bus-off
+    at 1 lidar off
+    at 1 ins on
+    at 1 lidar-foreign on
+    at 1 ins-duplicate on
+    at 1 lidar-garbage off
+    at 1 ins-loss 30
+    at 1 lidar-restart
+    at 1 ins-cut 37
+    at 1 ins-mode 1
+    at 1 box 10 0 1.5 1
+    at 1 quit
+  )");
+  EXPECT_EQ(script.size(), 33u);
+  EXPECT_EQ(script[0].text, "at 0.5 drive-silent left on");
+  ScriptedVehicle vehicle(Small(), script, kStart_ns);
+  RunFor(vehicle, 1.2);
+  EXPECT_TRUE(vehicle.quit());
+}
+
+TEST(ScriptedVehicle, IsTheSameInSmallAndInLargeSteps) {
+  const std::string script = "at 0.3 lidar-loss 100\nat 0.4 ins-cut 20\nat 0.5 lidar-garbage on\n";
+  ScriptedVehicle fine(Small(), Script(script), kStart_ns);
+  ScriptedVehicle coarse(Small(), Script(script), kStart_ns);
+  const Outgoing a = RunFor(fine, 1.0, 1);
+  const Outgoing b = RunFor(coarse, 1.0, 20);
+  EXPECT_EQ(a.frames, b.frames);
+  EXPECT_EQ(a.trace, b.trace);
+  ASSERT_EQ(a.datagrams.size(), b.datagrams.size());
+  for (size_t i = 0; i < a.datagrams.size(); ++i) {
+    ASSERT_EQ(a.datagrams[i].bytes, b.datagrams[i].bytes);
+  }
+}
+
+TEST(ScriptedVehicle, HasEventsAtTheirTimeInAnyOrderOfLines) {
+  ScriptedVehicle vehicle(Small(), Script("at 0.6 ins on\nat 0.2 ins off\n"), kStart_ns);
+  EXPECT_NEAR(static_cast<double>(Count(RunFor(vehicle, 0.2), Sensor::kIns)), 20.0, 1.0);
+  EXPECT_EQ(Count(RunFor(vehicle, 0.39), Sensor::kIns), 0u);
+  EXPECT_GT(Count(RunFor(vehicle, 0.2), Sensor::kIns), 17u);
+}
+
+TEST(ScriptedVehicle, SpoilsItsDatagramsAsTold) {
+  const auto run = [](const std::string& line) {
+    ScriptedVehicle vehicle(Small(), Script("at 0 " + line), kStart_ns);
+    return RunFor(vehicle, 1.0);
+  };
+  const size_t usual = Count(run("ins on"), Sensor::kLidar);
+  EXPECT_NEAR(static_cast<double>(usual), 320.0, 2.0);
+  EXPECT_EQ(Count(run("lidar off"), Sensor::kLidar), 0u);
+  EXPECT_EQ(Count(run("lidar-duplicate on"), Sensor::kLidar), 2 * usual);
+  EXPECT_EQ(Count(run("lidar-garbage on"), Sensor::kLidar), 2 * usual);
+  EXPECT_NEAR(static_cast<double>(Count(run("lidar-loss 500"), Sensor::kLidar)),
+              static_cast<double>(usual) / 2.0, 40.0);
+  for (const SensorDatagram& datagram : run("lidar-foreign on").datagrams) {
+    EXPECT_EQ(datagram.foreign, datagram.sensor == Sensor::kLidar);
+  }
+}
+
+TEST(ScriptedVehicle, SendsFramesOfANodeThatShouldNotBe) {
+  ScriptedVehicle vehicle(Small(), Script("at 0.5 can-frame 202#0f00 0.1 3"), kStart_ns);
+  const Outgoing out = RunFor(vehicle, 1.0);
+  EXPECT_EQ(std::count(out.frames.begin(), out.frames.end(), MakeFrame(0x202, {0x0f, 0})), 3);
+}
+
+TEST(ScriptedVehicle, ReportsErrorsOfTheBusAsItsControllerWould) {
+  ScriptedVehicle vehicle(Small(), Script("at 0.1 bus-error bus-off"), kStart_ns);
+  const Outgoing out = RunFor(vehicle, 0.2);
+  ASSERT_EQ(out.bus_errors.size(), 1u);
+  EXPECT_EQ(out.bus_errors[0].error_class, 0x40u);
+}
+
+TEST(ScriptedVehicle, AnswersAFrameWithoutWaitingForAStep) {
+  ScriptedVehicle vehicle(Small(), {}, kStart_ns);
+  RunFor(vehicle, 0.5);
+  Outgoing out;
+  const uint64_t now_ns = vehicle.now_ns() + 300'000;  // between two steps
+  vehicle.TakeFrame(MakeFrame(0x602, {0x40, 0x18, 0x10, 1, 0, 0, 0, 0}), now_ns);
+  vehicle.Advance(now_ns, out);
+  ASSERT_EQ(out.frames.size(), 1u);
+  EXPECT_EQ(out.frames[0], MakeFrame(0x582, {0x43, 0x18, 0x10, 1, 0x1e, 0, 0, 0}));
+}
+
+TEST(ScriptedVehicle, TracesWhatItsDrivesDo) {
+  ScriptedVehicle vehicle(Small(), Script("at 0.5 fault left 0x2310 3 0x4e01\n"), kStart_ns);
+  bool booted = false;
+  bool emergency = false;
+  bool fault = false;
+  int samples = 0;
+  for (const std::string& line : RunFor(vehicle, 1.0).trace) {
+    const auto entry = nlohmann::json::parse(line);
+    const std::string event = entry.value("event", "sample");
+    samples += event == "sample";
+    booted |= event == "boot-up" && entry["side"] == "right";
+    emergency |= event == "emcy" && entry["code"] == 0x2310 && entry["fault_id"] == 0x4e01;
+    fault |= event == "state" && entry["side"] == "left" && entry["to"] == "fault";
+    if (event == "sample") {
+      for (const char* key : {"t", "x", "y", "theta", "v", "w"}) ASSERT_TRUE(entry.contains(key));
+      for (const char* key : {"wheel", "command", "nmt", "state", "rpdos"}) {
+        ASSERT_TRUE(entry["left"].contains(key)) << key;
+      }
+    }
+  }
+  EXPECT_TRUE(booted && emergency && fault);
+  EXPECT_NEAR(samples, 50, 1);
+  EXPECT_NEAR(nlohmann::json::parse(vehicle.Summary())["seconds"].get<double>(), 1.0, 0.001);
+}
+
+}  // namespace
+}  // namespace hardpack::sim

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/sim/sim_lidar.h"
+
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "core/scan/scan.h"
+#include "gtest/gtest.h"
+#include "hal/ouster/ouster.h"
+#include "port_linux/ouster_metadata.h"
+
+// The packets read with the library's own codec and geometry, and what they show held against rays
+// that are cast the slow way: against planes, in three dimensions.
+
+namespace hardpack::sim {
+namespace {
+
+//        y
+//        |   [A] box 2 x 2 x 1.2 m at (8, 3)
+//   -----+------> x
+//        |  (B) post of 0.3 m radius at (5, -2);  [C] a beam across the way, 1.8 .. 2.4 m high, x =
+//        6
+FlatWorld TestWorld() {
+  FlatWorld world;
+  world.boxes.push_back({{7.0, 2.0, -0.5}, {9.0, 4.0, 1.2}, scene::kObject});
+  world.boxes.push_back({{6.0, -1.0, 1.8}, {6.4, 1.0, 2.4}, scene::kObject});
+  world.cylinders.push_back({5.0, -2.0, 0.3, -0.5, 3.0, scene::kTree});
+  return world;
+}
+
+// The nearest of what the ray from `origin` meets: points along it, tried one by one.
+double SlowRange_m(const FlatWorld& world, const Vec3& origin, const Vec3& direction) {
+  constexpr double kStep_m = 0.002;
+  for (double t = 0.0; t < 60.0; t += kStep_m) {
+    const double x_m = origin.x_m + t * direction.x_m;
+    const double y_m = origin.y_m + t * direction.y_m;
+    const double z_m = origin.z_m + t * direction.z_m;
+    if (z_m <= 0.0) return t;
+    for (const scene::Box& box : world.boxes) {
+      if (x_m >= box.low[0] && x_m <= box.high[0] && y_m >= box.low[1] && y_m <= box.high[1] &&
+          z_m >= box.low[2] && z_m <= box.high[2]) {
+        return t;
+      }
+    }
+    for (const scene::Cylinder& post : world.cylinders) {
+      if (std::hypot(x_m - post.x_m, y_m - post.y_m) <= post.radius_m && z_m >= post.low_m &&
+          z_m <= post.high_m) {
+        return t;
+      }
+    }
+  }
+  return -1.0;
+}
+
+struct Decoder {
+  ouster::Metadata metadata;
+  ouster::PacketLayout layout;
+  std::unique_ptr<BeamModel> model = std::make_unique<BeamModel>();
+
+  explicit Decoder(const SimLidar& lidar) {
+    EXPECT_TRUE(ouster::ParseMetadata(lidar.MetadataJson(), "simulated", metadata).ok());
+    EXPECT_EQ(ouster::MakeLayout(metadata, layout), hardpack::Status::kOk);
+    EXPECT_EQ(MakeBeamModel({metadata.beam_altitude_deg, 64}, {metadata.beam_azimuth_deg, 64},
+                            metadata.columns_per_frame, metadata.lidar_origin_to_beam_origin_m,
+                            metadata.sensor_from_lidar, *model),
+              hardpack::Status::kOk);
+  }
+
+  // Checked and decoded, or nothing.
+  std::vector<LidarColumn> Columns(const std::vector<uint8_t>& packet) const {
+    ouster::PacketHeader header;
+    EXPECT_EQ(ouster::CheckPacket(layout, metadata, packet, header), hardpack::Status::kOk);
+    std::vector<LidarColumn> columns(SimLidar::kColumnsPerPacket);
+    for (int i = 0; i < SimLidar::kColumnsPerPacket; ++i) {
+      EXPECT_EQ(ouster::DecodeColumn(layout, packet, i, columns[static_cast<size_t>(i)]),
+                hardpack::Status::kOk);
+    }
+    return columns;
+  }
+};
+
+std::vector<std::vector<uint8_t>> Revolution(SimLidar& lidar, const Pose& pose,
+                                             const FlatWorld& world, uint64_t start_ns = 0) {
+  std::vector<std::vector<uint8_t>> packets;
+  const auto period_ns = 1'000'000'000u / static_cast<uint64_t>(lidar.settings().revolutions_per_s);
+  for (uint64_t ns = 0; ns < period_ns; ns += 1'000'000) {
+    lidar.Advance(start_ns + ns, pose, world, packets);
+  }
+  return packets;
+}
+
+Transform3 WorldFromSensor(const LidarSettings& settings, const Pose& pose) {
+  const Transform3 world_from_body =
+      TransformFromPose({static_cast<float>(pose.x_m), static_cast<float>(pose.y_m),
+                         static_cast<float>(pose.theta_rad)},
+                        0.0f);
+  const Transform3 body_from_sensor =
+      TransformFromRollPitchYaw(0.0f, 0.0f, static_cast<float>(settings.yaw_rad),
+                                {static_cast<float>(settings.x_m), static_cast<float>(settings.y_m),
+                                 static_cast<float>(settings.z_m)});
+  return world_from_body * body_from_sensor;
+}
+
+void ExpectRangesOf(const LidarSettings& settings, const Pose& pose) {
+  SimLidar lidar(settings, 0);
+  const Decoder decoder(lidar);
+  const FlatWorld world = TestWorld();
+  const Transform3 to_world = WorldFromSensor(settings, pose);
+  int returns = 0;
+  for (const auto& packet : Revolution(lidar, pose, world)) {
+    for (const LidarColumn& column : decoder.Columns(packet)) {
+      const SinCosPair encoder = EncoderSinCos(*decoder.model, column.measurement_id);
+      for (int row = column.measurement_id % 7; row < SimLidar::kBeams; row += 7) {
+        // A ray through two points of the beam.
+        const Vec3 near = to_world.Apply(PointInSensor(*decoder.model, encoder, row, 12));
+        const Vec3 far = to_world.Apply(PointInSensor(*decoder.model, encoder, row, 100'012));
+        const Vec3 direction = {(far.x_m - near.x_m) / 100.0f, (far.y_m - near.y_m) / 100.0f,
+                                (far.z_m - near.z_m) / 100.0f};
+        const double expected_m = SlowRange_m(world, near, direction);
+        const double range_m = 0.001 * column.range_mm[row] - 0.012;
+        if (column.range_mm[row] == 0 || range_m > 50.0) {
+          ASSERT_TRUE(expected_m < 0.0 || expected_m > 49.0) << column.measurement_id << " " << row;
+          continue;
+        }
+        ++returns;
+        // Grazing an edge, or the ground at the end of its reach, a step decides.
+        const bool agrees = std::abs(range_m - expected_m) < 0.01;
+        const bool beside =
+            std::abs(
+                SlowRange_m(world, {near.x_m, near.y_m + 0.004f, near.z_m + 0.004f}, direction) -
+                range_m) < 0.25 ||
+            std::abs(
+                SlowRange_m(world, {near.x_m, near.y_m - 0.004f, near.z_m - 0.004f}, direction) -
+                range_m) < 0.25;
+        ASSERT_TRUE(agrees || beside) << "column " << column.measurement_id << " row " << row
+                                      << ": " << range_m << " m, expected " << expected_m;
+      }
+    }
+  }
+  EXPECT_GT(returns, 1000);
+}
+
+LidarSettings Coarse() {
+  LidarSettings settings;
+  settings.columns = 512;
+  settings.noise_m = 0.0;
+  return settings;
+}
+
+TEST(SimLidar, ShowsTheWorldAsRaysInSpaceDo) {
+  ExpectRangesOf(Coarse(), {});
+}
+
+TEST(SimLidar, ShowsItFromWhereTheVehicleIsAndTheSensorLooks) {
+  LidarSettings settings = Coarse();
+  settings.profile = LidarProfile::kRng19;
+  settings.yaw_rad = M_PI;
+  settings.x_m = 0.4;
+  settings.z_m = 1.0;
+  ExpectRangesOf(settings, {2.0, -0.7, 0.8});
+}
+
+TEST(SimLidar, SendsWholeRevolutionsAtItsRate) {
+  for (const auto& [columns, rate] : {std::pair{512, 10}, {1024, 10}, {1024, 20}, {2048, 10}}) {
+    LidarSettings settings;
+    settings.columns = columns;
+    settings.revolutions_per_s = rate;
+    SimLidar lidar(settings, 0);
+    const Decoder decoder(lidar);
+    std::vector<std::vector<uint8_t>> packets;
+    for (uint64_t ns = 0; ns <= 500'000'000; ns += 1'000'000) {
+      lidar.Advance(ns, {}, {}, packets);
+    }
+    const int expected = columns / 16 * rate / 2;
+    EXPECT_NEAR(static_cast<double>(packets.size()), expected, 1.0);
+    int id = 0;
+    for (const auto& packet : packets) {
+      for (const LidarColumn& column : decoder.Columns(packet)) {
+        ASSERT_EQ(column.measurement_id, id % columns);
+        ASSERT_EQ(column.frame_id, id / columns);
+        const auto time_ns = static_cast<double>(column.timestamp_ns - settings.clock_start_ns);
+        ASSERT_NEAR(time_ns, 1.0e9 * id / (columns * rate), 1.0);
+        ++id;
+      }
+    }
+  }
+}
+
+TEST(SimLidar, SmearsARevolutionAlongTheWay) {
+  LidarSettings settings = Coarse();
+  SimLidar lidar(settings, 0);
+  const Decoder decoder(lidar);
+  FlatWorld wall;  // 20 m behind; the lidar frame's m = 0 looks backward
+  wall.boxes.push_back({{-21.0, -30.0, -0.5}, {-20.0, 30.0, 5.0}, scene::kBuilding});
+  std::vector<std::vector<uint8_t>> packets;
+  for (uint64_t ms = 0; ms <= 110; ++ms) {
+    lidar.Advance(ms * 1'000'000, {0.005 * static_cast<double>(ms), 0.0, 0.0}, wall, packets);
+  }
+  const int row = 31;  // nearly level
+  const LidarColumn first = decoder.Columns(packets[0])[0];
+  const LidarColumn next = decoder.Columns(packets[32])[0];
+  ASSERT_EQ(next.measurement_id, 0);
+  EXPECT_NEAR(next.range_mm[row] - static_cast<double>(first.range_mm[row]), 500.0, 6.0);
+}
+
+TEST(SimLidar, BeginsANewAfterARestart) {
+  LidarSettings settings = Coarse();
+  settings.profile = LidarProfile::kRng19;
+  SimLidar lidar(settings, 0);
+  const Decoder decoder(lidar);
+  Revolution(lidar, {}, {});
+  lidar.Restart(100'000'000);
+  const auto packets = Revolution(lidar, {}, {}, 100'000'000);
+  ouster::PacketHeader header;
+  EXPECT_EQ(ouster::CheckPacket(decoder.layout, decoder.metadata, packets[0], header),
+            hardpack::Status::kSensorRestarted);
+  EXPECT_EQ(header.frame_id, 0);
+}
+
+TEST(FlatWorld, TellsWhetherTheVehicleStandsInSomething) {
+  FlatWorld world;
+  world.boxes.push_back({{5.0, -1.0, -0.5}, {6.0, 1.0, 1.0}, scene::kObject});
+  world.cylinders.push_back({0.0, 5.0, 0.2, -0.5, 2.0, scene::kTree});
+  EXPECT_FALSE(Collides(world, {4.2, 0.0}, 0.0, 0.76, 0.69));
+  EXPECT_TRUE(Collides(world, {4.3, 0.0}, 0.0, 0.76, 0.69));
+  EXPECT_FALSE(Collides(world, {4.3, 0.0}, M_PI / 2.0, 0.76, 0.69));
+  EXPECT_TRUE(Collides(world, {0.5, 4.6}, 0.0, 0.76, 0.69));
+  EXPECT_FALSE(Collides(world, {0.0, 3.9}, 0.0, 0.76, 0.69));
+  world.boxes[0].high[2] = 0.05;  // driven over
+  EXPECT_FALSE(Collides(world, {5.5, 0.0}, 0.0, 0.76, 0.69));
+}
+
+}  // namespace
+}  // namespace hardpack::sim

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "config/parameters.h"
+#include "tools/picture/canvas.h"
+#include "tools/replay/replay.h"
+
+// replay.png: the costmap of the last plan, the way that was driven, the committed path and the
+// vehicle at the end.
+
+namespace hardpack::replay {
+
+picture::Canvas DrawReplay(const Report& report, const VehicleLoop& loop,
+                           const VehicleParams& vehicle);
+
+}  // namespace hardpack::replay

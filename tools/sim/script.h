@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "port_linux/read_outcome.h"
+#include "tools/sim/scripted_vehicle.h"
+
+// Scripts of what goes wrong with a ScriptedVehicle, one event a line; # begins a comment:
+//
+//   at 5.0 drive-silent left on        seconds since the start, command, arguments
+//
+// SIDE is left, right or both; SWITCH on or off; numbers are decimal or 0x hexadecimal.
+//
+//   drive-silent SIDE SWITCH     neither sends nor hears
+//   heartbeat SIDE SWITCH        off: it sends none
+//   process-data SIDE SWITCH     off: it sends none
+//   reboot SIDE [quiet]          quiet: without the boot-up message
+//   key SIDE SWITCH              off: under-voltage, then silence; on: it boots
+//   emcy SIDE CODE [REGISTER [FAULT_ID]]    the message alone
+//   fault SIDE CODE [REGISTER [FAULT_ID]]   with the state machine's fault
+//   sdo-abort SIDE INDEX CODE    each transfer of that object is aborted; code 0: no longer
+//   sdo-silent SIDE INDEX SWITCH is never answered
+//   sdo-keep SIDE INDEX SWITCH   writing is answered, and nothing is written
+//   object SIDE INDEX SUB VALUE  identity, mapping, type ...: as if it had been made so
+//   mode-refused SIDE SWITCH     6061h stays what it is
+//   lose-enable SIDE             leaves operation enabled
+//   nmt SIDE operational|pre-operational|stopped
+//   opposite SIDE SWITCH         turns against its command
+//   blocked SIDE SWITCH          does not turn
+//   frozen SIDE SWITCH           reports the same speed for ever
+//   speed-offset SIDE RPM        of the reported speed of the motor
+//   can-frame ID#HEX [PERIOD_S COUNT]       of a node that should not be there
+//   bus-error bus-off|passive|warning       as the controller would report it
+//   lidar SWITCH, ins SWITCH                off: silent
+//   lidar-foreign SWITCH, ins-foreign SWITCH       from another address instead
+//   lidar-duplicate SWITCH, ins-duplicate SWITCH   everything twice
+//   lidar-garbage SWITCH, ins-garbage SWITCH       random bytes besides
+//   lidar-loss PERMILLE, ins-loss PERMILLE
+//   lidar-restart                its clock, its frame count and its init id begin anew
+//   ins-cut BYTES                datagrams of 1 .. BYTES bytes; 0: one a message
+//   ins-mode MODE                InsStatus, 0 .. 3
+//   box X Y SIZE HEIGHT          appears in the world
+//   quit                         ends the simulation
+
+namespace hardpack::sim {
+
+// Appends the event of one line, if it has one. kInvalidArgument: it is none; the message says why.
+ReadOutcome ParseScriptLine(std::string_view line, std::vector<ScriptEvent>& script);
+
+// Every line; messages begin with name:line.
+ReadOutcome ParseScript(std::string_view text, std::string_view name,
+                        std::vector<ScriptEvent>& script);
+
+}  // namespace hardpack::sim
