@@ -5,6 +5,7 @@
 #include "core/autonomy/mapper.h"
 #include "core/autonomy/planner.h"
 #include "core/autonomy/replanner.h"
+#include "hal/vehicle_loop/vehicle_loop.h"
 
 namespace {
 
@@ -46,6 +47,14 @@ int main() {
   PrintRow("&nbsp; `Segmenter`", sizeof(Segmenter), "the directions that are looked at together");
   PrintRow("&nbsp; `BeamModel`", sizeof(BeamModel), "the lidar's geometry");
   PrintRow("&nbsp; `PoseHistory`", sizeof(PoseHistory), "poses for motion compensation");
+  PrintRow("`VehicleLoop`", sizeof(VehicleLoop),
+           "everything on board: `Mapper`, `Replanner`, and of the rest:");
+  PrintRow("&nbsp; `vectornav::StreamParser`", sizeof(vectornav::StreamParser),
+           "the INS's stream, until a message is whole");
+  PrintRow("&nbsp; `control::OperatorCommand`", sizeof(control::OperatorCommand), "waypoints");
+  PrintRow("&nbsp; `sevcon::DrivePair`", sizeof(sevcon::DrivePair), "both drives");
+  PrintRow("&nbsp; `ouster::PacketMonitor`", sizeof(ouster::PacketMonitor), "the lidar's stream");
+  PrintRow("&nbsp; `VehicleConfig`", sizeof(VehicleConfig), "parameters");
   const size_t planning = sizeof(Replanner) + sizeof(HeightGrid);
   std::printf(
       "\nPlanning (`Replanner` and `HeightGrid`) takes %zu of its %d bytes (%.2f of 6 MiB).\n",
