@@ -91,6 +91,7 @@ mkdir -p "$logs"
 names=()
 outcomes=()
 failed=0
+failed_names=()
 
 # step <name> <command>...  runs it, keeps its output in build/check, and goes on when it fails.
 step() {
@@ -100,11 +101,32 @@ step() {
   echo
   echo "== $name: $*"
   "$@" </dev/null 2>&1 | tee "$log" || outcome=FAILED
-  if [ $outcome = FAILED ]; then failed=$((failed + 1)); fi
+  if [ $outcome = FAILED ]; then
+    failed=$((failed + 1))
+    failed_names+=("$name")
+  fi
   names+=("$name")
   # ctest's own words, where it has spoken.
   outcomes+=("$outcome, $((SECONDS - start)) s $(grep -h '% tests passed' "$log" || true)")
   [ $outcome = passed ]
+}
+
+# failures_in <log>  what a reader of the end of a long output needs: the names of the tests that
+# failed and the end of what each said, or else the log's end.
+failures_in() {
+  local test
+  if ! grep -q '^The following tests FAILED' "$1"; then
+    tail -n 40 "$1"
+    return
+  fi
+  sed -n '/^The following tests FAILED/,$p' "$1"
+  sed -n '/^The following tests FAILED/,$s/^[[:space:]]*\([0-9]*\) - .*/\1/p' "$1" | head -n 5 |
+    while read -r test; do
+      echo "-- the end of what test $test said"
+      awk -v test="#$test:" '$2 == "Test" && $3 == test { inside = 1 }
+                             $1 == "Start" || $2 == "Test" && $3 != test { inside = 0 }
+                             inside' "$1" | tail -n 60
+    done
 }
 
 # build_and_test <preset> [ctest option]...
@@ -133,6 +155,11 @@ for i in "${!names[@]}"; do
   printf '%-24s %s\n' "${names[$i]}" "${outcomes[$i]}"
 done
 if [ $failed -ne 0 ]; then
+  for name in "${failed_names[@]}"; do
+    echo
+    echo "== what failed in $name"
+    failures_in "$logs/${name// /_}.log"
+  done
   echo "check.sh: $failed of ${#names[@]} steps FAILED, in $SECONDS s"
   exit 1
 fi

@@ -208,22 +208,45 @@ class OnboardCase(unittest.TestCase):
     """A test with a folder, a vehicle and a hardpackd of its own. Ends only what it started; what
     they said is shown when it fails."""
 
+    # A machine that stands still for longer than a time-out under test (a User-Mode Linux kernel
+    # does while its host's disk is busy) makes another test of it. The vehicle, which has the
+    # highest priority and hardly anything to do, tells of each time that it was woken late; only a
+    # failure in a run in which it was is tried again.
+    attempts = 3
+
     def run(self, result=None):
-        self.programs = []
         result = result or self.defaultTestResult()
-        bad = len(result.failures) + len(result.errors)
+        for attempt in range(1, self.attempts + 1):
+            own = unittest.TestResult()
+            stalls = self.run_once(own)
+            if own.wasSuccessful() or not stalls or attempt == self.attempts:
+                break
+            print(f"=== {self.id()}: attempt {attempt} tells nothing, the machine stood still: "
+                  f"{stalls}", file=sys.stderr)
+        result.testsRun += own.testsRun
+        for kind in ("failures", "errors", "skipped"):
+            getattr(result, kind).extend(getattr(own, kind))
+        return result
+
+    def run_once(self, result):
+        """Runs the test; returns when (vehicle's time in s) and for how long (ms) the machine stood
+        still meanwhile."""
+        self.programs = []
+        self.vehicle = self.watch = None
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="onboard_", dir=SCRATCH))
         self.folder.chmod(0o755)
         begun = time.monotonic()
         try:
             super().run(result)
-            if len(result.failures) + len(result.errors) > bad:
-                print(f"=== {self.id()}", "".join(one.told() for one in self.programs),
-                      self.last_words(), sep="\n", file=sys.stderr)
+            if not result.wasSuccessful():
+                print(f"=== {self.id()}", *(text for _, text in result.failures + result.errors),
+                      "".join(one.told() for one in self.programs), self.last_words(),
+                      sep="\n", file=sys.stderr)
+            traced = self.vehicle and self.vehicle.trace_path.exists()
+            return [(one["t"], one["ms"]) for one in self.vehicle.events("late")] if traced else []
         finally:
             shutil.rmtree(self.folder, ignore_errors=True)
-        print(f"{self.id()}: {time.monotonic() - begun:.1f} s", file=sys.stderr)
-        return result
+            print(f"{self.id()}: {time.monotonic() - begun:.1f} s", file=sys.stderr)
 
     def last_words(self):
         words = ""

@@ -185,7 +185,7 @@ class RealTime {
     while (stop_requested == 0 && !vehicle.quit()) {
       const uint64_t now_ns = Now_ns();
       if (length_ns > 0 && now_ns - start_ns_ >= length_ns) return;
-      worst_lag_ns_ = std::max(worst_lag_ns_, now_ns - vehicle.now_ns());
+      NoteLag(vehicle, now_ns);
       TakeLines(vehicle);
       Step(vehicle, now_ns);
       Wait(vehicle.now_ns() + turn_ns_);
@@ -206,6 +206,18 @@ class RealTime {
   }
 
  private:
+  // The shortest time that anybody here waits for somebody else is 100 ms.
+  static constexpr uint64_t kLate_ns = 50'000'000;
+
+  void NoteLag(const ScriptedVehicle& vehicle, uint64_t now_ns) {
+    const uint64_t lag_ns = now_ns - vehicle.now_ns();
+    worst_lag_ns_ = std::max(worst_lag_ns_, lag_ns);
+    if (lag_ns < kLate_ns || !trace_.is_open()) return;
+    const double t_s = static_cast<double>(vehicle.now_ns() - start_ns_) / 1.0e9;
+    trace_ << nlohmann::ordered_json{{"t", t_s}, {"event", "late"}, {"ms", lag_ns / 1'000'000}}
+           << '\n';
+  }
+
   void TakeLines(ScriptedVehicle& vehicle) {
     std::string line;
     while (lines_.Next(line)) {

@@ -23,6 +23,7 @@ class Soak(OnboardCase):
     """One long run; `arguments` is the command line."""
 
     arguments = None
+    attempts = 1
 
     def runTest(self):
         log = {"max_total_mb": self.arguments.log_mb, "file_size_mb": 128, "buffer_mb": 64}
