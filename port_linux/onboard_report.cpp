@@ -20,7 +20,7 @@ void Fill(const VehicleLoop& loop, control::VehiclePart& part) {
   part.stop_reason = static_cast<uint8_t>(permission.reason);
   part.last_stop = static_cast<uint8_t>(loop.supervisor().last_stop());
   part.motion = static_cast<uint8_t>(permission.motion);
-  const DeadReckoning& odometry = loop.odometry();
+  const Odometry& odometry = loop.odometry();
   part.x_m = odometry.pose().position.x_m;
   part.y_m = odometry.pose().position.y_m;
   part.yaw_rad = odometry.pose().yaw_rad;
