@@ -20,10 +20,47 @@ struct InsParams {
   float roll_rad = 0.0f;
 };
 
-// Dead reckoning (core/odometry).
+// The filter of core/odometry/odometry.h. A walk is one standard deviation of what a state changes
+// by in a second; it grows with the root of the time.
 struct OdometryParams {
-  float ground_per_wheel = 0.962f;  // ground speed over wheel rim speed, straight on
+  float ground_per_wheel = 0.962f;  // ground speed over wheel rim speed, straight on: to begin with
   float max_rate_age_s = 0.05f;     // an older yaw rate of the INS is not used: wheels alone
+  float max_lateness_s = 0.1f;      // what comes later than this after newer ones is not used
+  float gate_sigma = 5.0f;          // what is further off is rejected ...
+  float gate_open_s = 0.3f;         // ... but not for longer than this
+  float gyro_sigma_radps = 0.01f;
+  float gyro_bias_sigma_radps = 0.01f;  // to begin with
+  float gyro_bias_walk_radps = 1.0e-5f;
+  float speed_walk_mps = 1.5f;
+  float yaw_rate_walk_radps = 3.0f;
+  float wheel_sigma_mps = 0.05f;         // of a rim speed
+  float wheel_slip_share = 0.03f;        // and besides, of what it says
+  float wheel_scale_sigma = 0.05f;       // to begin with
+  float wheel_scale_walk = 0.001f;       // while it drives
+  float turn_slip_share = 0.2f;          // of the difference of the rim speeds in a turn
+  float baseline_sigma_m = 0.3f;         // to begin with
+  float baseline_walk_m = 0.05f;         // while it turns
+  float min_turn_radps = 0.15f;          // slower turns do not tell the baseline
+  float ground_speed_sigma_mps = 0.15f;  // of the INS's speed over ground
+  float min_ground_speed_mps = 1.0f;     // a slower one does not tell the wheel scale
+  float rest_wheel_radps = 0.03f;        // slower wheels stand; for ...
+  float rest_time_s = 0.5f;              // ... so long: the vehicle is at rest,
+  float rest_rate_radps = 0.05f;         // unless it turns faster than this
+  float frozen_time_s = 1.0f;  // the same to the bit for so long, against the others: frozen
+};
+
+// The slowly changing transform from map to odom (core/odometry/map_from_odom.h).
+struct MapFromOdomParams {
+  float gate_sigma = 4.0f;            // what is further off is rejected ...
+  float persist_s = 5.0f;             // ... unless it stays there for so long
+  float min_position_sigma_m = 0.5f;  // the INS's positions are not taken to be better than this
+  float position_sigma_m = 1.5f;      // where it does not say how good they are
+  float yaw_sigma_rad = 0.03f;        // of the INS's heading
+  float drift_share = 0.02f;          // of the way: what odom drifts by
+  float yaw_drift_radps = 0.001f;     // a walk, as in OdometryParams
+  float slew_mps = 0.2f;              // the transform moves by no more than this at the vehicle ...
+  float slew_radps = 0.01f;           // ... and turns by no more than this
+  float max_ins_age_s = 1.0f;         // an older position of the INS is none
 };
 
 // Following the committed plan (core/tracking).
@@ -57,6 +94,7 @@ struct OnboardParams {
   DriveParams drive;
   InsParams ins;
   OdometryParams odometry;
+  MapFromOdomParams map_from_odom;
   TrackingParams tracking;
   SafetyParams safety;
   TickParams tick;

@@ -65,10 +65,57 @@ inline constexpr std::array kInsTable = {
 #define HP_ODOMETRY(...) HP_ENTRY("odometry", OdometryParams, __VA_ARGS__)
 inline constexpr std::array kOdometryTable = {
     HP_ODOMETRY(ground_per_wheel, 0.5f, 1.5f,
-                "Ground speed over wheel rim speed, straight on; the default is the recorded one."),
+                "Ground speed over wheel rim speed, straight on, to begin with; the default is the "
+                "recorded one."),
     HP_ODOMETRY(max_rate_age_s, 0.005f, 1.0f,
-                "A yaw rate of the INS that is older is not used: then the wheels tell it.")};
+                "A yaw rate of the INS that is older is not used: then the wheels tell it."),
+    HP_ODOMETRY(max_lateness_s, 0.0f, 1.0f,
+                "What comes later than this after newer measurements is not used."),
+    HP_ODOMETRY(gate_sigma, 2.0f, 20.0f,
+                "A measurement that is off by more standard deviations is rejected ..."),
+    HP_ODOMETRY(gate_open_s, 0.05f, 10.0f, "... but not for longer than this."),
+    HP_ODOMETRY(gyro_sigma_radps, 1.0e-4f, 0.5f, "Noise of the INS's angular rate, vibration too."),
+    HP_ODOMETRY(gyro_bias_sigma_radps, 1.0e-5f, 0.2f, "Its bias, to begin with."),
+    HP_ODOMETRY(gyro_bias_walk_radps, 1.0e-7f, 0.01f, "How the bias changes in a second."),
+    HP_ODOMETRY(speed_walk_mps, 0.1f, 20.0f, "How the speed changes in a second."),
+    HP_ODOMETRY(yaw_rate_walk_radps, 0.1f, 50.0f, "How the yaw rate changes in a second."),
+    HP_ODOMETRY(wheel_sigma_mps, 0.001f, 1.0f, "Noise of a wheel's rim speed ..."),
+    HP_ODOMETRY(wheel_slip_share, 0.0f, 0.5f, "... and besides, so much of that speed."),
+    HP_ODOMETRY(wheel_scale_sigma, 0.001f, 0.3f, "Of ground_per_wheel, to begin with."),
+    HP_ODOMETRY(wheel_scale_walk, 1.0e-6f, 0.1f, "How it changes in a second of driving."),
+    HP_ODOMETRY(turn_slip_share, 0.01f, 1.0f,
+                "Noise of the rim speeds' difference in a turn, as its share."),
+    HP_ODOMETRY(baseline_sigma_m, 0.001f, 1.0f, "Of vehicle.skid_baseline_m, to begin with."),
+    HP_ODOMETRY(baseline_walk_m, 1.0e-5f, 1.0f, "How it changes in a second of turning."),
+    HP_ODOMETRY(min_turn_radps, 0.01f, 2.0f, "Slower turns do not tell the baseline."),
+    HP_ODOMETRY(ground_speed_sigma_mps, 0.01f, 5.0f, "Noise of the INS's speed over ground."),
+    HP_ODOMETRY(min_ground_speed_mps, 0.1f, 10.0f, "A slower one does not tell the wheel scale."),
+    HP_ODOMETRY(rest_wheel_radps, 0.001f, 1.0f, "Wheels slower than this stand."),
+    HP_ODOMETRY(rest_time_s, 0.1f, 10.0f, "Wheels that stand for so long: the vehicle rests ..."),
+    HP_ODOMETRY(rest_rate_radps, 0.001f, 0.5f,
+                "... unless it turns faster than this; the gyro's bias is learned then."),
+    HP_ODOMETRY(frozen_time_s, 0.2f, 30.0f,
+                "A sensor that says the same to the bit for so long, while others say that it "
+                "changed, is frozen.")};
 #undef HP_ODOMETRY
+
+#define HP_MAP(...) HP_ENTRY("map_from_odom", MapFromOdomParams, __VA_ARGS__)
+inline constexpr std::array kMapFromOdomTable = {
+    HP_MAP(gate_sigma, 2.0f, 20.0f,
+           "A pose of the INS that is off by more standard deviations is rejected ..."),
+    HP_MAP(persist_s, 0.5f, 120.0f, "... unless it stays there for so long."),
+    HP_MAP(min_position_sigma_m, 0.01f, 20.0f,
+           "The INS's positions are not taken to be better than this: their errors last."),
+    HP_MAP(position_sigma_m, 0.01f, 50.0f, "Where it does not say how good they are."),
+    HP_MAP(yaw_sigma_rad, 0.001f, 0.5f, "Of the INS's heading."),
+    HP_MAP(drift_share, 0.0f, 0.5f, "What odom drifts by, as a share of the way."),
+    HP_MAP(yaw_drift_radps, 1.0e-6f, 0.1f, "What its heading drifts by in a second."),
+    HP_MAP(slew_mps, 0.01f, 10.0f, "The transform moves the vehicle's place by no more than this."),
+    HP_MAP(slew_radps, 0.0005f, 1.0f, "And turns by no more than this."),
+    HP_MAP(max_ins_age_s, 0.05f, 60.0f,
+           "An older pose of the INS is none: the transform is kept, and no goal is taken in "
+           "latitude and longitude.")};
+#undef HP_MAP
 
 #define HP_TRACKING(...) HP_ENTRY("tracking", TrackingParams, __VA_ARGS__)
 inline constexpr std::array kTrackingTable = {
@@ -110,6 +157,7 @@ inline constexpr std::array kTickTable = {
 static_assert(NamesAllMembers(kDriveTable));
 static_assert(NamesAllMembers(kInsTable));
 static_assert(NamesAllMembers(kOdometryTable));
+static_assert(NamesAllMembers(kMapFromOdomTable));
 static_assert(NamesAllMembers(kTrackingTable));
 static_assert(NamesAllMembers(kSafetyTable));
 static_assert(NamesAllMembers(kTickTable));

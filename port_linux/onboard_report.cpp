@@ -20,7 +20,7 @@ void Fill(const VehicleLoop& loop, control::VehiclePart& part) {
   part.stop_reason = static_cast<uint8_t>(permission.reason);
   part.last_stop = static_cast<uint8_t>(loop.supervisor().last_stop());
   part.motion = static_cast<uint8_t>(permission.motion);
-  const DeadReckoning& odometry = loop.odometry();
+  const Odometry& odometry = loop.odometry();
   part.x_m = odometry.pose().position.x_m;
   part.y_m = odometry.pose().position.y_m;
   part.yaw_rad = odometry.pose().yaw_rad;
@@ -30,6 +30,45 @@ void Fill(const VehicleLoop& loop, control::VehiclePart& part) {
   part.odometry_gaps = odometry.gaps();
   part.commanded_speed_mps = loop.tracking().speed_mps;
   part.commanded_yaw_rate_radps = loop.tracking().yaw_rate_radps;
+}
+
+void Fill(const Odometry& odometry, control::OdometryPart& part) {
+  part.position_sigma_m = std::max(odometry.Sigma(kStateX), odometry.Sigma(kStateY));
+  part.yaw_sigma_rad = odometry.Sigma(kStateYaw);
+  part.driven_m = odometry.driven_m();
+  part.at_rest = odometry.at_rest();
+  part.gyro_bias_radps = odometry.gyro_bias_radps();
+  part.gyro_bias_sigma_radps = odometry.Sigma(kStateGyroBias);
+  part.wheel_scale = odometry.wheel_scale();
+  part.wheel_scale_sigma = odometry.Sigma(kStateWheelScale);
+  part.skid_baseline_m = odometry.skid_baseline_m();
+  part.skid_baseline_sigma_m = odometry.Sigma(kStateBaseline) * odometry.wheel_scale();
+  const OdometryCounters& counters = odometry.counters();
+  part.gyro_rejected = counters.gyro_rejected;
+  part.wheel_speed_rejected = counters.wheel_speed_rejected;
+  part.wheel_turn_rejected = counters.wheel_turn_rejected;
+  part.ground_speed_rejected = counters.ground_speed_rejected;
+  part.reopened = counters.reopened;
+  part.late = counters.late;
+  part.too_late = counters.too_late;
+  part.repeated = counters.repeated;
+  part.refused = counters.refused;
+  part.gyro_frozen = counters.gyro_frozen;
+  part.wheels_frozen = counters.wheels_frozen;
+  part.restarts = counters.restarts;
+}
+
+void Fill(const MapFromOdom& map, control::OdometryPart& part) {
+  part.map_status = static_cast<uint8_t>(map.status());
+  part.map_taken = map.counters().taken;
+  part.map_rejected = map.counters().rejected;
+  part.map_relocations = map.counters().relocations;
+  if (!map.has_transform()) return;
+  part.map_x_m = map.map_from_odom().x_m;
+  part.map_y_m = map.map_from_odom().y_m;
+  part.map_yaw_rad = map.map_from_odom().theta_rad;
+  part.map_position_sigma_m = map.position_sigma_m();
+  part.map_yaw_sigma_rad = map.yaw_sigma_rad();
 }
 
 void Fill(const VehicleLoop& loop, control::AgePart& part) {
@@ -221,6 +260,8 @@ void Onboard::Report(control::StatusReport& report) const {
   report.program.decision_hash = loop_.decision_hash();
   if (options_.allocations != nullptr) report.program.heap_allocations = options_.allocations();
   Fill(loop_, report.vehicle);
+  Fill(loop_.odometry(), report.odometry);
+  Fill(loop_.map_from_odom(), report.odometry);
   Fill(loop_, report.inputs);
   Fill(loop_, report.goal);
   Fill(loop_, report.plan);

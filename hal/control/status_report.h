@@ -66,6 +66,41 @@ struct VehiclePart {
   float commanded_yaw_rate_radps = 0.0f;
 };
 
+// The filter, and where odom lies on earth.
+struct OdometryPart {
+  float position_sigma_m = 0.0f;  // since the start, the larger one of x and y
+  float yaw_sigma_rad = 0.0f;
+  float driven_m = 0.0f;
+  bool at_rest = false;
+  float gyro_bias_radps = 0.0f;
+  float gyro_bias_sigma_radps = 0.0f;
+  float wheel_scale = 0.0f;  // ground speed over rim speed
+  float wheel_scale_sigma = 0.0f;
+  float skid_baseline_m = 0.0f;
+  float skid_baseline_sigma_m = 0.0f;
+  uint32_t gyro_rejected = 0;
+  uint32_t wheel_speed_rejected = 0;
+  uint32_t wheel_turn_rejected = 0;
+  uint32_t ground_speed_rejected = 0;
+  uint32_t reopened = 0;
+  uint32_t late = 0;
+  uint32_t too_late = 0;
+  uint32_t repeated = 0;
+  uint32_t refused = 0;
+  uint32_t gyro_frozen = 0;
+  uint32_t wheels_frozen = 0;
+  uint32_t restarts = 0;
+  uint8_t map_status = 0;  // MapStatus
+  float map_x_m = 0.0f;    // of odom's origin, east and north of map's
+  float map_y_m = 0.0f;
+  float map_yaw_rad = 0.0f;           // of odom's x axis, anticlockwise from east
+  float map_position_sigma_m = 0.0f;  // at the vehicle
+  float map_yaw_sigma_rad = 0.0f;
+  uint32_t map_taken = 0;
+  uint32_t map_rejected = 0;
+  uint32_t map_relocations = 0;
+};
+
 // Age of the newest of each.
 struct AgePart {
   Age lidar_age;
@@ -248,6 +283,7 @@ struct ControlCounters {
 struct StatusReport {
   ProgramPart program;
   VehiclePart vehicle;
+  OdometryPart odometry;
   AgePart inputs;
   GoalPart goal;
   PlanPart plan;

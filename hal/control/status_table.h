@@ -31,6 +31,7 @@ enum class FieldKind : uint8_t {
   kDriveFault,
   kNmtState,
   kCanBusState,
+  kMapStatus,
 };
 
 // When a value is worth a look. (Ages say so themselves.)
@@ -82,6 +83,41 @@ constexpr void VisitVehicle(Part& part, Visit& visit) {
   HP_STATUS_LOSS(odometry_gaps);
   HP_STATUS_FIELD(commanded_speed_mps);
   HP_STATUS_FIELD(commanded_yaw_rate_radps);
+}
+
+template <typename Part, typename Visit>
+constexpr void VisitOdometry(Part& part, Visit& visit) {
+  HP_STATUS_FIELD(position_sigma_m);
+  HP_STATUS_FIELD(yaw_sigma_rad);
+  HP_STATUS_FIELD(driven_m);
+  HP_STATUS_FIELD(at_rest);
+  HP_STATUS_FIELD(gyro_bias_radps);
+  HP_STATUS_FIELD(gyro_bias_sigma_radps);
+  HP_STATUS_FIELD(wheel_scale);
+  HP_STATUS_FIELD(wheel_scale_sigma);
+  HP_STATUS_FIELD(skid_baseline_m);
+  HP_STATUS_FIELD(skid_baseline_sigma_m);
+  HP_STATUS_LOSS(gyro_rejected);
+  HP_STATUS_LOSS(wheel_speed_rejected);
+  HP_STATUS_LOSS(wheel_turn_rejected);
+  HP_STATUS_LOSS(ground_speed_rejected);
+  HP_STATUS_LOSS(reopened);
+  HP_STATUS_FIELD(late);
+  HP_STATUS_LOSS(too_late);
+  HP_STATUS_LOSS(repeated);
+  HP_STATUS_LOSS(refused);
+  HP_STATUS_LOSS(gyro_frozen);
+  HP_STATUS_LOSS(wheels_frozen);
+  HP_STATUS_LOSS(restarts);
+  HP_STATUS_SHOWN(map_status, kMapStatus);
+  HP_STATUS_FIELD(map_x_m);
+  HP_STATUS_FIELD(map_y_m);
+  HP_STATUS_FIELD(map_yaw_rad);
+  HP_STATUS_FIELD(map_position_sigma_m);
+  HP_STATUS_FIELD(map_yaw_sigma_rad);
+  HP_STATUS_FIELD(map_taken);
+  HP_STATUS_LOSS(map_rejected);
+  HP_STATUS_LOSS(map_relocations);
 }
 
 template <typename Part, typename Visit>
@@ -329,6 +365,8 @@ constexpr void VisitStatus(Report& report, Visit& visit) {
   VisitProgram(report.program, visit);
   visit.BeginGroup("vehicle");
   VisitVehicle(report.vehicle, visit);
+  visit.BeginGroup("odometry");
+  VisitOdometry(report.odometry, visit);
   visit.BeginGroup("inputs");
   VisitInputs(report.inputs, visit);
   visit.BeginGroup("goal");

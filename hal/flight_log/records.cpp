@@ -249,7 +249,7 @@ uint32_t ExtendCrc32(uint32_t before, std::span<const uint8_t> bytes) {
 }
 
 uint64_t ImageLayout() {
-  constexpr std::array<uint64_t, 18> kSizes = {
+  constexpr std::array<uint64_t, 19> kSizes = {
       sizeof(void*),
       sizeof(VehicleLoop),
       alignof(VehicleLoop),
@@ -257,7 +257,8 @@ uint64_t ImageLayout() {
       sizeof(LoopCounters),
       sizeof(Mapper),
       sizeof(Replanner),
-      sizeof(DeadReckoning),
+      sizeof(Odometry),
+      sizeof(MapFromOdom),
       sizeof(Tracker),
       sizeof(Supervisor),
       sizeof(Timebase),

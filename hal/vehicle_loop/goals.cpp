@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
-#include "core/base/units.h"
-#include "core/base/wide_int.h"
 #include "hal/control/messages.h"
 #include "hal/vehicle_loop/vehicle_loop.h"
 
@@ -11,28 +9,8 @@
 namespace hardpack {
 namespace {
 
-constexpr float kDegreesPerNanodegree = 1.0e-9f;
 // A goal further away than this is a mistake.
 constexpr float kMaxGoal_m = 20000.0f;
-// And a position of the INS older than this is none.
-constexpr float kMaxPositionAge_s = 1.0f;
-
-// Lengths of a degree of latitude and of longitude on the WGS 84 ellipsoid: the usual series in the
-// latitude (REFERENCES.md), good to a centimetre.
-float MetersNorth(float latitude_rad) {
-  return 111132.92f - 559.82f * Cos(2.0f * latitude_rad) + 1.175f * Cos(4.0f * latitude_rad);
-}
-float MetersEast(float latitude_rad) {
-  return 111412.84f * Cos(latitude_rad) - 93.5f * Cos(3.0f * latitude_rad) +
-         0.118f * Cos(5.0f * latitude_rad);
-}
-
-float Degrees(int64_t from_ndeg, int64_t to_ndeg) {
-  const int64_t difference = to_ndeg - from_ndeg;
-  const auto magnitude = static_cast<uint64_t>(difference < 0 ? -difference : difference);
-  const float degrees = ToFloat(magnitude) * kDegreesPerNanodegree;
-  return difference < 0 ? -degrees : degrees;
-}
 
 float DistanceBetween(Vec2 a, Vec2 b) {
   const float dx_m = a.x_m - b.x_m;
@@ -81,7 +59,6 @@ Status VehicleLoop::TakeGoals() {
     Vec2 position_odom;
     const Status status = InOdom(command_.waypoint[i], position_odom);
     if (!IsUsable(status)) return status;
-    command_.waypoint[i].frame = control::GoalFrame::kOdom;
     command_.waypoint[i].position_m = position_odom;
   }
   const bool is_relative = command_.heading_frame == control::GoalFrame::kBody;
@@ -93,6 +70,9 @@ Status VehicleLoop::TakeGoals() {
   for (int i = 0; i < command_.waypoints; ++i) {
     Goal goal;
     goal.position_odom = command_.waypoint[i].position_m;
+    goal.is_on_earth = command_.waypoint[i].frame == control::GoalFrame::kGeodetic;
+    goal.latitude_ndeg = command_.waypoint[i].latitude_ndeg;
+    goal.longitude_ndeg = command_.waypoint[i].longitude_ndeg;
     goal.has_heading = command_.has_heading && i + 1 == command_.waypoints;
     goal.heading_rad = WrapAngle(is_relative ? odometry_.pose().yaw_rad + command_.heading_rad
                                              : command_.heading_rad);
@@ -101,38 +81,38 @@ Status VehicleLoop::TakeGoals() {
   return Status::kOk;
 }
 
-// kStale: no position and heading of the INS that it vouches for.
+// kStale: no position and heading of the INS that it vouches for, or that were believed.
 Status VehicleLoop::InOdom(const control::Waypoint& waypoint, Vec2& position_odom) const {
   const StampedPose& pose = odometry_.pose();
-  Vec2 ahead = waypoint.position_m;
-  float turn_rad = 0.0f;
-  bool is_relative = waypoint.frame == control::GoalFrame::kBody;
-  if (is_relative) turn_rad = pose.yaw_rad;
+  Vec2 place = waypoint.position_m;
   if (waypoint.frame == control::GoalFrame::kGeodetic) {
-    const bool is_good = newest_ins_.has_position && newest_ins_.has_attitude &&
-                         newest_ins_.has_status && newest_ins_.status.mode == InsMode::kTracking &&
-                         SecondsBetween(ins_ns_, now_ns_) <= kMaxPositionAge_s;
-    if (!is_good) return Status::kStale;
-    const float latitude_rad = Degrees(0, newest_ins_.latitude_ndeg) * kRadPerDeg;
-    ahead = {
-        Degrees(newest_ins_.longitude_ndeg, waypoint.longitude_ndeg) * MetersEast(latitude_rad),
-        Degrees(newest_ins_.latitude_ndeg, waypoint.latitude_ndeg) * MetersNorth(latitude_rad)};
-    // From east and north into odom: by how much the body's heading differs between the two.
-    const float heading_enu_rad = kHalfPi - newest_ins_.yaw_rad - config_.onboard.ins.yaw_rad;
-    turn_rad = WrapAngle(pose.yaw_rad - heading_enu_rad);
-    is_relative = true;
+    if (map_from_odom_.status() != MapStatus::kTracking) return Status::kStale;
+    const Status status =
+        map_from_odom_.ToOdom(waypoint.latitude_ndeg, waypoint.longitude_ndeg, place);
+    if (!IsUsable(status)) return status;
   }
-  if (!IsFinite(ahead.x_m) || !IsFinite(ahead.y_m)) return Status::kNotFinite;
-  const SinCosPair turn = SinCos(turn_rad);
-  position_odom = {turn.cos * ahead.x_m - turn.sin * ahead.y_m,
-                   turn.sin * ahead.x_m + turn.cos * ahead.y_m};
-  if (is_relative) {
-    position_odom.x_m += pose.position.x_m;
-    position_odom.y_m += pose.position.y_m;
+  if (!IsFinite(place.x_m) || !IsFinite(place.y_m)) return Status::kNotFinite;
+  if (waypoint.frame == control::GoalFrame::kBody) {
+    const SinCosPair turn = SinCos(pose.yaw_rad);
+    place = {pose.position.x_m + turn.cos * place.x_m - turn.sin * place.y_m,
+             pose.position.y_m + turn.sin * place.x_m + turn.cos * place.y_m};
   }
-  const bool is_near = Abs(position_odom.x_m - pose.position.x_m) <= kMaxGoal_m &&
-                       Abs(position_odom.y_m - pose.position.y_m) <= kMaxGoal_m;
-  return is_near ? Status::kOk : Status::kInvalidArgument;
+  const bool is_near = Abs(place.x_m - pose.position.x_m) <= kMaxGoal_m &&
+                       Abs(place.y_m - pose.position.y_m) <= kMaxGoal_m;
+  if (!is_near) return Status::kInvalidArgument;
+  position_odom = place;
+  return Status::kOk;
+}
+
+// The goal that is driven to stays where it is on earth, as far as anyone knows where that is.
+void VehicleLoop::FollowEarth() {
+  if (goals_.empty() || !goals_[goal_index_].is_on_earth) return;
+  Goal& goal = goals_[goal_index_];
+  Vec2 place_odom;
+  if (!IsUsable(map_from_odom_.ToOdom(goal.latitude_ndeg, goal.longitude_ndeg, place_odom))) return;
+  if (DistanceBetween(place_odom, goal.position_odom) > kGoalFollows_m) {
+    goal.position_odom = place_odom;
+  }
 }
 
 void VehicleLoop::DropGoals() {

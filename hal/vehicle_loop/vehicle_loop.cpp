@@ -24,6 +24,8 @@ Status VehicleLoop::Configure(const VehicleConfig& config) {
   goals_.Clear();
   goal_index_ = 0;
   newest_ins_ = {};
+  has_position_ = false;
+  ins_time_.Reset();
   ins_.Reset();
   lidar_time_.Reset();
   tracking_output_ = {};
@@ -38,6 +40,7 @@ Status VehicleLoop::Configure(const VehicleConfig& config) {
   if (IsUsable(status)) {
     status = odometry_.Configure(config.planner.vehicle, onboard.odometry, onboard.ins);
   }
+  if (IsUsable(status)) status = map_from_odom_.Configure(onboard.map_from_odom, onboard.ins);
   if (IsUsable(status)) {
     status = tracker_.Configure(config.planner.vehicle, config.planner.speed, onboard.odometry,
                                 onboard.tracking);
@@ -86,6 +89,7 @@ Status VehicleLoop::Tick(const TickInput& input, TickOutput& output) {
   TakeDatagrams(input, InputSource::kLidar);
   mapper_.Advance(now_ns_);
   TakeCommand(input.command, output);
+  FollowEarth();
   AdvanceGoal();
   UpdatePlanner();
   permission_ = supervisor_.Judge(Situation(input));
@@ -138,14 +142,27 @@ Status VehicleLoop::TakeIns(std::span<const uint8_t> bytes) {
     HP_LOOP_BOUND(kMaxInsMessages)
     for (int message = 0; message < kMaxInsMessages; ++message) {
       if (!IsUsable(ins_.Next(ins_sample_))) break;
-      if (!IsUsable(odometry_.TakeIns(ins_sample_, now_ns_))) continue;
+      if (!IsUsable(odometry_.TakeIns(ins_sample_, MeasuredAt(ins_sample_)))) continue;
       const bool repeats = ins_ns_ != 0 && ins_sample_.has_timestamp && newest_ins_.has_timestamp &&
                            ins_sample_.timestamp_ns == newest_ins_.timestamp_ns;
       newest_ins_ = ins_sample_;
-      if (!repeats) ins_ns_ = now_ns_;
+      if (repeats) continue;
+      ins_ns_ = now_ns_;
+      if (!ins_sample_.has_position) continue;
+      ins_position_ = ins_sample_;
+      has_position_ = true;
     }
   }
   return rest.empty() ? Status::kOk : Status::kCapacityExceeded;
+}
+
+// In our clock; now where the message or its clock does not tell.
+uint64_t VehicleLoop::MeasuredAt(const InsSample& sample) {
+  if (!sample.has_timestamp) return now_ns_;
+  const Status observed = ins_time_.Observe(sample.timestamp_ns, now_ns_);
+  const Result<uint64_t> time_ns = ins_time_.ToHost(sample.timestamp_ns);
+  if (!IsUsable(observed) || ins_time_.suspect() || !time_ns.ok()) return now_ns_;
+  return time_ns.value() < now_ns_ ? time_ns.value() : now_ns_;
 }
 
 Status VehicleLoop::TakeLabels(std::span<const uint8_t> bytes) {
@@ -214,8 +231,17 @@ void VehicleLoop::AddPose() {
     ++counters_.odometry_gaps;
     replanner_.Forget();
     static_cast<void>(ConfigureMapper());  // as when it was configured: it cannot fail
+    map_from_odom_.Restart();
   }
-  static_cast<void>(mapper_.AddPose(odometry_.pose()));
+  const StampedPose& pose = odometry_.pose();
+  static_cast<void>(mapper_.AddPose(pose));
+  const Pose2 pose_odom = {pose.position.x_m, pose.position.y_m, pose.yaw_rad};
+  if (has_position_) {
+    static_cast<void>(
+        map_from_odom_.TakeIns(ins_position_, pose_odom, odometry_.driven_m(), now_ns_));
+  }
+  has_position_ = false;
+  map_from_odom_.Advance(now_ns_, pose_odom);
 }
 
 void VehicleLoop::AddToHash(const TickOutput& output) {

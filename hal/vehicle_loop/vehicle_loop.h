@@ -11,7 +11,8 @@
 #include "core/autonomy/replanner.h"
 #include "core/base/decision_hash.h"
 #include "core/base/status.h"
-#include "core/odometry/dead_reckoning.h"
+#include "core/odometry/map_from_odom.h"
+#include "core/odometry/odometry.h"
 #include "core/safety/supervisor.h"
 #include "core/segmentation/label_table.h"
 #include "core/timebase/timebase.h"
@@ -76,7 +77,7 @@ struct LoopCounters {
   uint64_t suspect_columns = 0;  // dropped while the lidar's clock was not to be relied upon
   uint64_t lidar_restarts = 0;
   uint64_t clock_jumps = 0;     // of the lidar
-  uint64_t odometry_gaps = 0;   // pauses that dead reckoning does not bridge: the map began anew
+  uint64_t odometry_gaps = 0;   // pauses that odometry does not bridge: the map began anew
   uint64_t refused_labels = 0;  // columns of labels that the map has no use for any more
   uint64_t commands = 0;
   uint64_t refused_commands = 0;
@@ -95,6 +96,9 @@ class VehicleLoop {
   static constexpr float kMovedGoal_m = 3.0f;        // an end beside a goal that is occupied
   static constexpr float kArrived_m = 0.3f;
   static constexpr float kArrivedSpeed_mps = 0.05f;
+  // A goal on earth that moves in odom by less than this stays where it is: each move is a new
+  // plan.
+  static constexpr float kGoalFollows_m = 0.05f;
   // Measured: a turn on the spot is not begun above it.
   static constexpr float kStandsSpeed_mps = 0.1f;
   // What a late tick may make up for of the ramps.
@@ -117,7 +121,8 @@ class VehicleLoop {
   const sevcon::DrivePair& drives() const { return drives_; }
   const Mapper& mapper() const { return mapper_; }
   const Replanner& replanner() const { return replanner_; }
-  const DeadReckoning& odometry() const { return odometry_; }
+  const Odometry& odometry() const { return odometry_; }
+  const MapFromOdom& map_from_odom() const { return map_from_odom_; }
   const Timebase& lidar_time() const { return lidar_time_; }
   const ouster::PacketMonitor& lidar_packets() const { return lidar_packets_; }
   const vectornav::StreamParser& ins() const { return ins_; }
@@ -139,6 +144,9 @@ class VehicleLoop {
  private:
   struct Goal {
     Vec2 position_odom;
+    bool is_on_earth = false;  // then it moves in odom as that drifts
+    int64_t latitude_ndeg = 0;
+    int64_t longitude_ndeg = 0;
     bool has_heading = false;
     float heading_rad = 0.0f;
   };
@@ -151,6 +159,7 @@ class VehicleLoop {
   Status TakeLabels(std::span<const uint8_t> bytes);
   Status TakeLidar(std::span<const uint8_t> bytes);
   Status ObserveLidarClock(std::span<const uint8_t> bytes);
+  uint64_t MeasuredAt(const InsSample& sample);
   void AddPose();
   Status ConfigureMapper();
   void AddToHash(const TickOutput& output);
@@ -160,6 +169,7 @@ class VehicleLoop {
   Status TakeGoals();
   Status InOdom(const control::Waypoint& waypoint, Vec2& position_odom) const;
   void DropGoals();
+  void FollowEarth();
   void AdvanceGoal();
   bool IsAtEndFor(const Goal& goal) const;
   bool HasArrived() const;
@@ -190,14 +200,18 @@ class VehicleLoop {
   FixedVector<Goal, control::kMaxWaypoints> goals_;
   int32_t goal_index_ = 0;
   InsSample newest_ins_;
-  InsSample ins_sample_;  // just decoded
+  InsSample ins_sample_;    // just decoded
+  InsSample ins_position_;  // of this tick, the newest with a position
+  bool has_position_ = false;
   LidarColumn column_;
   ColumnLabels labels_;
   sevcon::DrivePair drives_;
   vectornav::StreamParser ins_;
   ouster::PacketMonitor lidar_packets_;
   Timebase lidar_time_;
-  DeadReckoning odometry_;
+  Timebase ins_time_;
+  Odometry odometry_;
+  MapFromOdom map_from_odom_;
   Tracker tracker_;
   TrackingOutput tracking_output_;
   Supervisor supervisor_;

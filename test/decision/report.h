@@ -36,6 +36,7 @@ void PrintStatus(const char* prefix, Status status);
 
 // The scenarios, in the order in which they run.
 void RunBase(Report& report);
+void RunOdometry(Report& report);
 void RunCells(Report& report);
 void RunScenes(Report& report);
 void RunReplan(Report& report);
@@ -43,6 +44,7 @@ void RunReplan(Report& report);
 inline void RunAll() {
   Report report;
   RunBase(report);
+  RunOdometry(report);
   RunCells(report);
   RunScenes(report);
   RunReplan(report);

@@ -25,6 +25,11 @@
 #include <span>
 #include <type_traits>
 
+// Eigen's own loops are unrolled (core/odometry/covariance.cpp).
+#include "core/base/assert.h"
+#define eigen_assert(expression) HP_ASSERT(expression)
+#include <Eigen/Core>
+
 #if defined(HP_COUNT_LOOPS_OF_TESTS)
 #include <algorithm>
 #include <cctype>

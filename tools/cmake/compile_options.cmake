@@ -23,3 +23,12 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_compile_options(hardpack_core_options INTERFACE -Wstack-usage=512)
   endif()
 endif()
+
+# Eigen, for core/odometry/covariance.cpp alone: headers only, the host's serve every target. Without
+# vectors and without a heap; what it does in loops is unrolled.
+find_path(HARDPACK_EIGEN_DIR Eigen/Core PATHS /usr/include/eigen3 /usr/local/include/eigen3
+  NO_CMAKE_FIND_ROOT_PATH REQUIRED)
+add_library(hardpack_eigen INTERFACE)
+target_include_directories(hardpack_eigen SYSTEM INTERFACE ${HARDPACK_EIGEN_DIR})
+target_compile_definitions(hardpack_eigen INTERFACE EIGEN_DONT_VECTORIZE EIGEN_NO_MALLOC EIGEN_NO_IO
+  EIGEN_CACHEFRIENDLY_PRODUCT_THRESHOLD=32 EIGEN_UNROLLING_LIMIT=400)

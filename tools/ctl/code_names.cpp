@@ -5,6 +5,7 @@
 
 #include "core/autonomy/replanner.h"
 #include "core/measurements/measurements.h"
+#include "core/odometry/map_from_odom.h"
 #include "core/safety/supervisor.h"
 #include "hal/can_bus.h"
 #include "hal/sevcon/sevcon.h"
@@ -59,6 +60,14 @@ constexpr CodeName kReplanReasonNames[] = {
 };
 static_assert(std::size(kReplanReasonNames) == kReplanReasons);
 static_assert(kReplanReasons == control::kReplanReasonCount);
+
+constexpr CodeName kMapStatusNames[] = {
+    {"none", "no place on earth yet", false},
+    {"tracking", "", false},
+    {"rejecting", "the INS's position does not fit", true},
+    {"held", "the INS does not say where it is", true},
+};
+static_assert(std::size(kMapStatusNames) == static_cast<int>(MapStatus::kHeld) + 1);
 
 constexpr CodeName kInsModeNames[] = {
     {"not_tracking", "", true},
@@ -138,6 +147,8 @@ CodeName NameOf(FieldKind kind, uint8_t code) {
       return Among(kReplanDecisionNames, code);
     case FieldKind::kReplanReason:
       return Among(kReplanReasonNames, code);
+    case FieldKind::kMapStatus:
+      return Among(kMapStatusNames, code);
     case FieldKind::kInsMode:
       return Among(kInsModeNames, code);
     case FieldKind::kDriveState:

@@ -85,6 +85,46 @@ TEST(VehicleLoopInputs, WheelSpeedsThatComeBackAfterASilenceAreAGap) {
   EXPECT_EQ(drive.loop().counters().odometry_gaps, 1u);
 }
 
+// A goal in latitude and longitude: where the satellites were wrong for so long that they are
+// believed, it moves in odom, slowly, and odom does not move.
+TEST(VehicleLoopInputs, AGoalOnEarthFollowsTheMap) {
+  ClosedLoop drive;
+  drive.BringUpAndArm();
+  const InsSample ins = drive.loop().newest_ins();
+  control::OperatorCommand command;
+  command.kind = Kind::kGoal;
+  command.waypoints = 1;
+  command.waypoint[0].frame = GoalFrame::kGeodetic;
+  // 300 m to the north: it is never reached here, and near enough for the heading not to matter.
+  command.waypoint[0].latitude_ndeg = ins.latitude_ndeg + 2'700'000;
+  command.waypoint[0].longitude_ndeg = ins.longitude_ndeg;
+  ASSERT_EQ(drive.Say(command), Status::kOk);
+  ASSERT_EQ(drive.Say(Kind::kStop), Status::kOk);
+  ASSERT_TRUE(drive.Until(5.0, [&] { return drive.mode() == Mode::kArmed; }));
+  EXPECT_EQ(drive.loop().map_from_odom().status(), MapStatus::kTracking);
+  ASSERT_EQ(drive.Say(command), Status::kOk);
+  const Vec2 before = drive.loop().goal_odom();
+  EXPECT_NEAR(std::hypot(before.x_m, before.y_m), 300.1, 1.0);
+  const double latitude_deg = drive.vehicle().ins().settings().latitude_deg;
+  drive.vehicle().ins().settings().latitude_deg = latitude_deg + 12.0 / 111'195.0;
+  const StampedPose pose = drive.loop().odometry().pose();
+  drive.Ticks(1);
+  const StampedPose& after = drive.loop().odometry().pose();
+  EXPECT_LT(
+      std::hypot(after.position.x_m - pose.position.x_m, after.position.y_m - pose.position.y_m),
+      0.05);
+  drive.Ticks(300);
+  EXPECT_EQ(drive.loop().map_from_odom().status(), MapStatus::kRejecting);
+  const Vec2 kept = drive.loop().goal_odom();
+  EXPECT_NEAR(std::hypot(kept.x_m - before.x_m, kept.y_m - before.y_m), 0.0, 0.3);
+  drive.Ticks(700);
+  EXPECT_EQ(drive.loop().map_from_odom().counters().relocations, 1u);
+  const Vec2 moved = drive.loop().goal_odom();
+  const double way_m = std::hypot(moved.x_m - kept.x_m, moved.y_m - kept.y_m);
+  EXPECT_GT(way_m, 0.5);
+  EXPECT_LT(way_m, 7.0 * 0.2 + 0.3);
+}
+
 TEST(VehicleLoopInputs, DecidesTheSameInWhateverMemoryItIsMade) {
   uint64_t hash[2] = {};
   for (int i = 0; i < 2; ++i) {

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/base/math.h"
+#include "core/base/units.h"
+#include "core/odometry/ins_attitude.h"
+#include "core/odometry/odometry.h"
+
+// Odometry: what the sensors say, and whether they are to be believed.
+
+namespace hardpack {
+namespace {
+
+// Beyond the range of any gyro of such a vehicle's INS (2000 degrees a second).
+constexpr float kMaxGyro_radps = 35.0f;
+// And no wheel turns faster.
+constexpr float kMaxWheel_radps = 500.0f;
+constexpr float kMaxGroundSpeed_mps = 100.0f;
+// The least cosine of the pitch at which a turn about the vertical is told.
+constexpr float kMinCosPitch = 0.5f;
+// The INS's speed errors last: more often it says nothing new.
+constexpr uint64_t kGroundSpeedPeriod_ns = 200'000'000;
+// What one sensor ranges over while another says the same, for that to be frozen.
+constexpr float kFrozenRate_radps = 0.3f;
+constexpr float kFrozenSpeed_mps = 1.0f;
+
+float Square(float value) {
+  return value * value;
+}
+
+bool IsFiniteVec(const Vec3& v) {
+  return IsFinite(v.x_m) && IsFinite(v.y_m) && IsFinite(v.z_m);
+}
+
+bool IsRate(float rate_radps) {
+  return Abs(rate_radps) <= kMaxGyro_radps;
+}
+
+}  // namespace
+
+Status Odometry::TakeIns(const InsSample& sample, uint64_t time_ns) {
+  if (!configured_) return Status::kNotStarted;
+  const Vec3& rate = sample.angular_rate_radps;
+  const Vec3& velocity = sample.velocity_ned_mps;
+  const bool attitude_is_fine =
+      !sample.has_attitude || (Abs(sample.roll_rad) <= kTwoPi && Abs(sample.pitch_rad) <= kTwoPi &&
+                               Abs(sample.yaw_rad) <= kTwoPi);
+  if (!attitude_is_fine || (sample.has_angular_rate && !IsFiniteVec(rate)) ||
+      (sample.has_velocity && !IsFiniteVec(velocity))) {
+    ++counters_.refused;
+    return Status::kNotFinite;
+  }
+  if (sample.has_angular_rate && !(IsRate(rate.x_m) && IsRate(rate.y_m) && IsRate(rate.z_m))) {
+    ++counters_.refused;
+    return Status::kInvalidArgument;
+  }
+  // A device or a bridge that says the same again says nothing about now.
+  if (sample.has_timestamp && has_stamp_ && sample.timestamp_ns == stamp_ns_) {
+    ++counters_.repeated;
+    return Status::kOk;
+  }
+  if (IsTooLate(time_ns)) return Status::kLate;
+  has_stamp_ = sample.has_timestamp;
+  stamp_ns_ = sample.timestamp_ns;
+  if (sample.has_attitude && time_ns >= ins_ns_) TakeAttitude(sample);
+  if (time_ns > ins_ns_) ins_ns_ = time_ns;
+  PredictTo(time_ns);
+  if (sample.has_angular_rate) TakeRate(rate, time_ns);
+  if (sample.has_attitude && sample.has_velocity) TakeGroundSpeed(sample, time_ns);
+  return Status::kOk;
+}
+
+void Odometry::TakeAttitude(const InsSample& sample) {
+  const BodyAttitude attitude = BodyAttitudeOf(sample, body_from_ins_);
+  pose_.roll_rad = attitude.roll_rad;
+  pose_.pitch_rad = attitude.pitch_rad;
+}
+
+// The turn about the vertical, from rates about the body's axes: Euler's kinematic equation.
+void Odometry::TakeRate(const Vec3& rate_radps, uint64_t time_ns) {
+  const float(&m)[9] = body_from_ins_;
+  const float about_y = m[3] * rate_radps.x_m + m[4] * rate_radps.y_m + m[5] * rate_radps.z_m;
+  const float about_z = m[6] * rate_radps.x_m + m[7] * rate_radps.y_m + m[8] * rate_radps.z_m;
+  const SinCosPair roll = SinCos(pose_.roll_rad);
+  const float cos_pitch = Max(Cos(pose_.pitch_rad), kMinCosPitch);
+  const float measured_radps = (roll.sin * about_y + roll.cos * about_z) / cos_pitch;
+  const bool was_frozen = gyro_sameness_.frozen;
+  const float turn_radps = rim_turn_mps_ / state_[kStateBaseline];
+  Follow(gyro_sameness_, {rate_radps.x_m, rate_radps.z_m}, time_ns, turn_radps, 0.0f);
+  if (gyro_sameness_.frozen) {
+    if (!was_frozen) {
+      ++counters_.gyro_frozen;
+      ForgetBaseline();
+    }
+    return;
+  }
+  Innovation turn;
+  turn.h[kStateYawRate] = 1.0f;
+  turn.h[kStateGyroBias] = 1.0f;
+  turn.value = measured_radps - state_[kStateYawRate] - state_[kStateGyroBias];
+  turn.variance =
+      Square(params_.gyro_sigma_radps) + Square(params_.yaw_rate_walk_radps * Lateness(time_ns));
+  if (at_rest_) turn.learns = kStateGyroBias;
+  if (!CorrectGated(turn, time_ns, kStateYawRate, gyro_gate_, counters_.gyro_rejected)) return;
+  rate_radps_ = measured_radps;
+  if (time_ns > rate_ns_) rate_ns_ = time_ns;
+}
+
+// Only what the INS stands by: its speed drifts without satellites.
+void Odometry::TakeGroundSpeed(const InsSample& sample, uint64_t time_ns) {
+  const bool is_good = sample.has_status && sample.status.mode == InsMode::kTracking &&
+                       sample.status.gnss_fix && !sample.status.gnss_error &&
+                       !sample.status.imu_error;
+  if (!is_good) return;
+  const SinCosPair heading = SinCos(BodyAttitudeOf(sample, body_from_ins_).heading_rad);
+  const float measured_mps =
+      sample.velocity_ned_mps.y_m * heading.cos + sample.velocity_ned_mps.x_m * heading.sin;
+  if (!(Abs(measured_mps) <= kMaxGroundSpeed_mps)) {
+    ++counters_.refused;
+    return;
+  }
+  ground_speed_mps_ = measured_mps;
+  const bool is_new =
+      ground_speed_ns_ == 0 ||
+      (time_ns > ground_speed_ns_ && time_ns - ground_speed_ns_ >= kGroundSpeedPeriod_ns);
+  const float speed_mps = state_[kStateSpeed];
+  if (!is_new || at_rest_ || Abs(speed_mps) < params_.min_ground_speed_mps) return;
+  ground_speed_ns_ = time_ns;
+  Innovation over_ground;
+  over_ground.h[kStateSpeed] = Cos(pose_.pitch_rad);
+  over_ground.value = measured_mps - over_ground.h[kStateSpeed] * speed_mps;
+  over_ground.variance =
+      Square(params_.ground_speed_sigma_mps) + Square(params_.speed_walk_mps * Lateness(time_ns));
+  over_ground.learns = kStateWheelScale;
+  CorrectGated(over_ground, time_ns, kStateWheelScale, ground_speed_gate_,
+               counters_.ground_speed_rejected);
+}
+
+bool Odometry::AreWheelSpeeds(const WheelFeedback& wheels) {
+  return Abs(wheels.left_radps) <= kMaxWheel_radps && Abs(wheels.right_radps) <= kMaxWheel_radps;
+}
+
+bool Odometry::AreFrozen(const WheelFeedback& wheels) {
+  if (wheels.time_ns <= wheels_ns_) return wheel_sameness_.frozen;
+  const bool was_frozen = wheel_sameness_.frozen;
+  Follow(wheel_sameness_, {wheels.left_radps, wheels.right_radps}, wheels.time_ns,
+         rate_radps_ - state_[kStateGyroBias], ground_speed_mps_);
+  if (wheel_sameness_.frozen && !was_frozen) ++counters_.wheels_frozen;
+  return wheel_sameness_.frozen;
+}
+
+// Both numbers of one time: the common speed, then the turn.
+void Odometry::TakeWheels(const WheelFeedback& wheels) {
+  const uint64_t time_ns = wheels.time_ns;
+  if (time_ns <= wheels_ns_) return;
+  wheels_ns_ = time_ns;
+  if (IsTooLate(time_ns)) return;
+  PredictTo(time_ns);
+  const float radius_m = vehicle_.wheel_radius_m;
+  const float rim_mps = radius_m * (wheels.left_radps + wheels.right_radps) / 2.0f;
+  rim_turn_mps_ = radius_m * (wheels.right_radps - wheels.left_radps);
+  const float late_s = Lateness(time_ns);
+  const float scale = state_[kStateWheelScale];
+  Innovation common;
+  common.h[kStateSpeed] = 1.0f / scale;
+  common.h[kStateWheelScale] = -state_[kStateSpeed] / (scale * scale);
+  common.value = rim_mps - state_[kStateSpeed] / scale;
+  common.variance = Square(params_.wheel_sigma_mps) + Square(params_.wheel_slip_share * rim_mps) +
+                    Square(params_.wheel_slip_share * rim_turn_mps_) +
+                    Square(params_.speed_walk_mps * late_s);
+  CorrectGated(common, time_ns, kStateSpeed, wheel_speed_gate_, counters_.wheel_speed_rejected);
+  TakeTurn(rim_mps, time_ns);
+}
+
+void Odometry::TakeTurn(float rim_mps, uint64_t time_ns) {
+  const bool has_gyro = IsGyroFresh(time_ns);
+  const float rate_radps = state_[kStateYawRate];
+  if (has_gyro && Abs(rate_radps) < params_.min_turn_radps) return;
+  const float baseline_m = state_[kStateBaseline];
+  Innovation turn;
+  turn.h[kStateYawRate] = baseline_m;
+  turn.h[kStateBaseline] = rate_radps;
+  turn.value = rim_turn_mps_ - rate_radps * baseline_m;
+  turn.variance = 2.0f * Square(params_.wheel_sigma_mps) +
+                  Square(params_.wheel_slip_share * rim_mps) +
+                  Square(params_.turn_slip_share * rim_turn_mps_) +
+                  Square(params_.yaw_rate_walk_radps * baseline_m * Lateness(time_ns));
+  if (has_gyro) turn.learns = kStateBaseline;
+  CorrectGated(turn, time_ns, has_gyro ? kOdometryStates : kStateYawRate, wheel_turn_gate_,
+               counters_.wheel_turn_rejected);
+}
+
+void Odometry::JudgeRest(const WheelFeedback& wheels, uint64_t now_ns) {
+  const bool wheels_stand = Abs(wheels.left_radps) <= params_.rest_wheel_radps &&
+                            Abs(wheels.right_radps) <= params_.rest_wheel_radps;
+  const bool is_quiet =
+      !IsGyroFresh(now_ns) || Abs(rate_radps_ - state_[kStateGyroBias]) <= params_.rest_rate_radps;
+  if (!wheels_stand || !is_quiet) {
+    still_ns_ = 0;
+    at_rest_ = false;
+    return;
+  }
+  if (still_ns_ == 0) still_ns_ = now_ns;
+  at_rest_ = SecondsBetween(still_ns_, now_ns) >= params_.rest_time_s;
+  if (at_rest_) HoldStill();
+}
+
+// In windows of frozen_time_s. What is frozen is so until it changes; what says zero, until a
+// window in which nothing else moved: the vehicle may have been pushed.
+void Odometry::Follow(Sameness& same, const Pair& value, uint64_t time_ns, float rate_radps,
+                      float speed_mps) const {
+  const bool changed = !same.started || value.a != same.value.a || value.b != same.value.b;
+  if (changed) same.frozen = false;
+  const bool is_over = !changed && time_ns > same.since_ns &&
+                       SecondsBetween(same.since_ns, time_ns) >= params_.frozen_time_s;
+  if (is_over) {
+    const bool moved = same.high_radps - same.low_radps > kFrozenRate_radps ||
+                       same.high_mps - same.low_mps > kFrozenSpeed_mps;
+    const bool says_zero = value.a == 0.0f && value.b == 0.0f;
+    same.frozen = moved || (same.frozen && !says_zero);
+  }
+  if (changed || is_over) {
+    same.started = true;
+    same.since_ns = time_ns;
+    same.value = value;
+    same.low_radps = same.high_radps = rate_radps;
+    same.low_mps = same.high_mps = speed_mps;
+    return;
+  }
+  same.low_radps = Min(same.low_radps, rate_radps);
+  same.high_radps = Max(same.high_radps, rate_radps);
+  same.low_mps = Min(same.low_mps, speed_mps);
+  same.high_mps = Max(same.high_mps, speed_mps);
+}
+
+}  // namespace hardpack
