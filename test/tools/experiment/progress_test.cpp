@@ -8,7 +8,7 @@ namespace {
 
 TEST(ProgressLine, ShowsHowFarAndHowLongStill) {
   EXPECT_EQ(ProgressLine("gap", 50, 100, 2, 60.0, 60),
-            "gap  [===============              ]  50/100  2 failed  1:00 left");
+            "gap  [===========            ]  50/100  2 failed  1:00 left");
 }
 
 TEST(ProgressLine, IsNeverWiderThanTheTerminal) {
