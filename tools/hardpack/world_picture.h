@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "tools/picture/canvas.h"
+#include "tools/world/named_worlds.h"
+
+// A world from above: heights, what stands on it and who walks there, start and goal, and what one
+// revolution of a simulated lidar at the start returns.
+
+namespace hardpack::command {
+
+struct WorldReturn {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  world::Label label = world::Label::kVoid;
+};
+
+// The returns of one revolution of an OS1-64 (sim::NoisyLidar) on the vehicle that stands at the
+// start: cast, sent as packets, and read again with the library's own codec.
+std::vector<WorldReturn> ScanFromStart(const world::Scenario& scenario, uint32_t seed);
+
+picture::Canvas DrawWorld(const world::Scenario& scenario, uint64_t seed,
+                          const std::vector<WorldReturn>& returns);
+
+}  // namespace hardpack::command
