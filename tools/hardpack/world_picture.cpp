@@ -86,7 +86,7 @@ class WorldPicture {
 };
 
 void WorldPicture::DrawGround() {
-  constexpr double kBlock_px = 4.0;
+  constexpr double kBlock_px = 2.0;
   const int columns = static_cast<int>(kMap.width_px / kBlock_px);
   const int rows = static_cast<int>(kMap.height_px / kBlock_px);
   std::vector<double> heights_m;
@@ -106,13 +106,15 @@ void WorldPicture::DrawGround() {
       const auto index = static_cast<size_t>(row * (columns + 1) + column);
       const double height_m = heights_m[index];
       const auto step = [&](size_t other) {
-        return std::floor(height_m / kContour_m) != std::floor(heights_m[other] / kContour_m);
+        // Between the round heights, so that level ground has none.
+        return std::floor(height_m / kContour_m + 0.5) !=
+               std::floor(heights_m[other] / kContour_m + 0.5);
       };
       const bool contour = step(index + 1) || step(index + static_cast<size_t>(columns) + 1);
       // A light from the upper left.
       const double rise =
           heights_m[index + 1] - heights_m[index + static_cast<size_t>(columns) + 1];
-      const double light = std::clamp(0.5 + 1.2 * rise, 0.0, 1.0);
+      const double light = std::clamp(0.5 + 2.4 * rise, 0.0, 1.0);
       Colour colour = picture::Mix(kLowGround, kHighGround, (height_m - low_m_) / span_m);
       colour = picture::Mix(colour, light > 0.5 ? Colour{1.0, 1.0, 1.0} : Colour{0.1, 0.1, 0.1},
                             0.5 * std::abs(light - 0.5));
@@ -223,7 +225,7 @@ void DrawLegend(Canvas& canvas, const WorldPicture& picture,
   heading("Ground");
   entry(kLowGround, "lowest: " + meters(picture.low_m()));
   entry(kHighGround, "highest: " + meters(picture.high_m()));
-  entry(kContour, "contour, each 0.5 m");
+  entry(kContour, "contour, each 0.5 m from 0.25 m on");
   heading("What stands on it");
   entry(kSolidFill, "solid");
   entry(kTrunkFill, "trunk");

@@ -163,7 +163,6 @@ void MakeCorridor(uint64_t seed, Scenario& scenario) {
   const double half_width_m = draws.Uniform(4.0, 4.6);
   const double pillar_m = draws.Uniform(16.0, 22.0);
   for (const double side : {-1.0, 1.0}) {
-    // No cell border exactly at a wall's face.
     AddBoxOnGround(scenario.world, {21.0, side * (half_width_m + 0.2)}, 0.0, 54.0, 0.4, 2.5, kWall);
   }
   AddBoxOnGround(scenario.world, {pillar_m, 0.0}, 0.0, 1.2, 1.2, 2.0, kWall);

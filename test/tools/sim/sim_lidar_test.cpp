@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/sim/sim_lidar.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <memory>
-#include <optional>
+#include <string>
 
 #include "core/scan/scan.h"
 #include "gtest/gtest.h"
@@ -218,6 +220,72 @@ TEST(SimLidar, BeginsANewAfterARestart) {
   EXPECT_EQ(ouster::CheckPacket(decoder.layout, decoder.metadata, packets[0], header),
             hardpack::Status::kSensorRestarted);
   EXPECT_EQ(header.frame_id, 0);
+}
+
+// A wall 10 m to the front: what a level beam says of it, again and again.
+std::vector<double> RangesOfAWall(const LidarSettings& settings, double wall_m) {
+  SimLidar lidar(settings, 0);
+  const Decoder decoder(lidar);
+  world::World wall;
+  wall.AddBox({wall_m + 0.5, 0.0}, 0.0, 1.0, 200.0, -0.5, 30.0, kThing);
+  std::vector<double> errors_m;
+  for (const auto& packet : Revolution(lidar, {}, wall)) {
+    for (const LidarColumn& column : decoder.Columns(packet)) {
+      const SinCosPair encoder = EncoderSinCos(*decoder.model, column.measurement_id);
+      for (int row = 0; row < SimLidar::kBeams; ++row) {
+        const Vec3 near = PointInSensor(*decoder.model, encoder, row, 100'000);
+        if (near.x_m < 99.0f) continue;  // square on
+        const float share = static_cast<float>(wall_m) / near.x_m;
+        const double range_m = 0.001 * column.range_mm[row];
+        errors_m.push_back(column.range_mm[row] == 0 ? -1.0 : range_m - 100.0 * double{share});
+      }
+    }
+  }
+  return errors_m;
+}
+
+TEST(SimLidar, ErrsByRangeAsItIsToldTo) {
+  for (const double wall_m : {5.0, 50.0}) {
+    LidarSettings settings = NoisyLidar();
+    settings.drop_out_share = 0.0;
+    const std::vector<double> errors_m = RangesOfAWall(settings, wall_m);
+    ASSERT_GT(errors_m.size(), 400u);
+    double squares_m2 = 0.0;
+    for (const double error_m : errors_m) squares_m2 += error_m * error_m;
+    const double expected_m = settings.noise_m + settings.noise_per_m * wall_m;
+    EXPECT_NEAR(std::sqrt(squares_m2 / static_cast<double>(errors_m.size())), expected_m,
+                0.15 * expected_m);
+  }
+}
+
+TEST(SimLidar, DropsAsManyAsItIsToldTo) {
+  LidarSettings settings;
+  settings.drop_out_share = 0.2;
+  const std::vector<double> errors_m = RangesOfAWall(settings, 10.0);
+  const auto lost = std::count(errors_m.begin(), errors_m.end(), -1.0);
+  const auto all = static_cast<double>(errors_m.size());
+  EXPECT_NEAR(static_cast<double>(lost) / all, 0.2, 4.0 * std::sqrt(0.16 / all));
+}
+
+// The beams of a real sensor, through its metadata and back.
+TEST(SimLidar, TakesTheBeamsOfARealSensor) {
+  const char* data = std::getenv("HARDPACK_DATA");
+  const std::string path = std::string(data != nullptr ? data : "") +
+                           "/rellis/rellis_000104_os1-64_2048x10_legacy_reencoded.json";
+  ouster::Metadata metadata;
+  if (data == nullptr || !ouster::ReadMetadata(path, metadata).ok()) {
+    GTEST_SKIP() << "no real metadata at " << path;
+  }
+  LidarSettings settings = Coarse();
+  settings.beams = LidarBeams::Of(metadata);
+  const SimLidar lidar(settings, 0);
+  const Decoder decoder(lidar);
+  for (size_t beam = 0; beam < 64; ++beam) {
+    EXPECT_EQ(decoder.metadata.beam_altitude_deg[beam], metadata.beam_altitude_deg[beam]);
+    EXPECT_EQ(decoder.metadata.beam_azimuth_deg[beam], metadata.beam_azimuth_deg[beam]);
+  }
+  EXPECT_EQ(decoder.metadata.lidar_origin_to_beam_origin_m, metadata.lidar_origin_to_beam_origin_m);
+  ExpectRangesOf(settings, At(0.0, 0.0, 0.0));
 }
 
 }  // namespace
