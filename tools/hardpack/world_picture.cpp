@@ -40,6 +40,7 @@ constexpr Colour kSolidFill = {0.50, 0.50, 0.54};
 constexpr Colour kTrunkFill = {0.45, 0.28, 0.12};
 constexpr Colour kLeavesFill = {0.35, 0.62, 0.28, 0.45};
 constexpr Colour kMeshFill = {0.30, 0.30, 0.75};
+constexpr Colour kPlanLine = {0.05, 0.20, 0.90, 0.35};
 
 class WorldPicture {
  public:
@@ -48,8 +49,9 @@ class WorldPicture {
 
   void DrawGround();
   void DrawBodies();
-  void DrawPeople();
+  void DrawPeople(double time_s);
   void DrawReturns(const std::vector<WorldReturn>& returns);
+  void DrawDriven(const DrivenWay& driven);
   void DrawEnds();
   void Frame() {
     axes_.ClipEnd();
@@ -154,12 +156,12 @@ void WorldPicture::DrawBodies() {
   }
 }
 
-void WorldPicture::DrawPeople() {
+void WorldPicture::DrawPeople(double time_s) {
   for (const world::Person& person : scenario_->world.people()) {
     std::vector<DataPoint> way;
     for (const world::Person::Place& place : person.places) way.push_back({place.x_m, place.y_m});
     axes_.Line(way, {.colour = picture::kPerson, .line_px = 1.5, .dashed = true});
-    const Point2 now = person.At(0.0);
+    const Point2 now = person.At(time_s);
     Circle(now.x_m, now.y_m, 0.4, picture::kPerson, picture::kInk);
   }
 }
@@ -187,6 +189,22 @@ void WorldPicture::DrawReturns(const std::vector<WorldReturn>& returns) {
   }
 }
 
+std::vector<DataPoint> PointsOf(const std::vector<Point2>& way) {
+  std::vector<DataPoint> points;
+  for (const Point2& point : way) points.push_back({point.x_m, point.y_m});
+  return points;
+}
+
+void WorldPicture::DrawDriven(const DrivenWay& driven) {
+  for (const std::vector<Point2>& plan : driven.plans) {
+    axes_.Line(PointsOf(plan), {.colour = kPlanLine, .line_px = 1.0});
+  }
+  // Yellow, as the paper has it; with a rim, or it is not seen on light ground.
+  const std::vector<DataPoint> way = PointsOf(driven.way);
+  axes_.Line(way, {.colour = {0.25, 0.20, 0.0}, .line_px = 6.0});
+  axes_.Line(way, {.colour = picture::kDriven, .line_px = 4.0});
+}
+
 void WorldPicture::DrawEnds() {
   const world::BodyPose& start = scenario_->start;
   const world::Footprint footprint;
@@ -208,7 +226,7 @@ void WorldPicture::DrawEnds() {
 }
 
 void DrawLegend(Canvas& canvas, const WorldPicture& picture,
-                const std::vector<WorldReturn>& returns) {
+                const std::vector<WorldReturn>& returns, const DrivenWay& driven) {
   double y_px = kMap.top_px + 10.0;
   const auto entry = [&](const Colour& colour, const std::string& text) {
     canvas.Fill({kLegend_px, y_px - 8.0, 26.0, 16.0}, colour);
@@ -231,13 +249,19 @@ void DrawLegend(Canvas& canvas, const WorldPicture& picture,
   entry(kTrunkFill, "trunk");
   entry(kMeshFill, "wire mesh: a third of the rays");
   entry(kLeavesFill, "leaves: rays end within");
-  entry(picture::kPerson, "person at 0 s, and the way");
-  heading("One revolution: " + std::to_string(returns.size()) + " returns");
-  entry(kGroundReturn, "from the ground");
-  entry(picture::kSoft, "soft (bush)");
-  entry({0.85, 0.05, 0.05}, "hard, treetops too");
-  entry(picture::kPerson, "person");
+  entry(picture::kPerson, "person at " + picture::TickText(driven.end_s, 0.1) + " s, and the way");
+  if (!returns.empty()) {
+    heading("One revolution: " + std::to_string(returns.size()) + " returns");
+    entry(kGroundReturn, "from the ground");
+    entry(picture::kSoft, "soft (bush)");
+    entry({0.85, 0.05, 0.05}, "hard, treetops too");
+    entry(picture::kPerson, "person");
+  }
   heading("The way");
+  if (!driven.way.empty()) {
+    entry(picture::kDriven, "driven");
+    entry(kPlanLine, "plans: " + std::to_string(driven.plans.size()));
+  }
   canvas.Outline({kLegend_px + 4.0, y_px - 8.0, 18.0, 16.0}, picture::kVehicle, 2.0);
   canvas.Text(kLegend_px + 38.0, y_px + 5.0, "the vehicle at the start", {.size_px = 14.5});
   y_px += 25.0;
@@ -301,7 +325,8 @@ std::vector<WorldReturn> ScanFromStart(const Scenario& scenario, uint32_t seed) 
   return returns;
 }
 
-Canvas DrawWorld(const Scenario& scenario, uint64_t seed, const std::vector<WorldReturn>& returns) {
+Canvas DrawWorld(const Scenario& scenario, uint64_t seed, const std::vector<WorldReturn>& returns,
+                 const DrivenWay& driven) {
   Canvas canvas(static_cast<int>(kWidth_px), static_cast<int>(kMap.bottom_px() + 70.0));
   canvas.Text(kMap.left_px, 32.0, scenario.name + ", seed " + std::to_string(seed),
               {.size_px = 21.0, .bold = true});
@@ -310,10 +335,11 @@ Canvas DrawWorld(const Scenario& scenario, uint64_t seed, const std::vector<Worl
   picture.DrawGround();
   picture.DrawBodies();
   picture.DrawReturns(returns);
-  picture.DrawPeople();
+  picture.DrawPeople(driven.end_s);
+  picture.DrawDriven(driven);
   picture.DrawEnds();
   picture.Frame();
-  DrawLegend(canvas, picture, returns);
+  DrawLegend(canvas, picture, returns, driven);
   return canvas;
 }
 

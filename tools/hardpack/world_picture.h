@@ -21,7 +21,14 @@ struct WorldReturn {
 // start: cast, sent as packets, and read again with the library's own codec.
 std::vector<WorldReturn> ScanFromStart(const world::Scenario& scenario, uint32_t seed);
 
+// What was driven there; nothing where it is empty.
+struct DrivenWay {
+  std::vector<world::Point2> way;
+  std::vector<std::vector<world::Point2>> plans;  // each that was committed
+  double end_s = 0.0;                             // people are drawn as of then
+};
+
 picture::Canvas DrawWorld(const world::Scenario& scenario, uint64_t seed,
-                          const std::vector<WorldReturn>& returns);
+                          const std::vector<WorldReturn>& returns, const DrivenWay& driven = {});
 
 }  // namespace hardpack::command

@@ -60,7 +60,7 @@ ReadOutcome LockStep::Start(const LockStepSettings& settings) {
   const auto config = std::make_unique<VehicleConfig>(replay::ConfigOf(configuration_, *lidar));
   loop_ = std::make_unique<VehicleLoop>();
   const Status status = loop_->Configure(*config);
-  if (!IsUsable(status)) return {status, std::string("simulation: ") + ToString(status)};
+  if (!IsUsable(status)) return {status, std::string("simulation: ") + StatusName(status)};
   return settings.log.empty() ? ReadOutcome() : StartLog(settings.log);
 }
 
@@ -80,7 +80,7 @@ ReadOutcome LockStep::StartLog(const std::string& path) {
   }
   setup.wall_clock_offset_ns = kWallClockOffset_ns;
   const Status status = log_->Start(setup);
-  if (!IsUsable(status)) return {status, path + ": " + ToString(status)};
+  if (!IsUsable(status)) return {status, path + ": " + StatusName(status)};
   return {};
 }
 

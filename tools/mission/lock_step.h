@@ -53,6 +53,7 @@ class LockStep {
   const VehicleLoop& loop() const { return *loop_; }
   sim::ScriptedVehicle& vehicle() { return *vehicle_; }
   const sim::ScriptedVehicle& vehicle() const { return *vehicle_; }
+  const world::World& world() const { return vehicle_->world(); }
   const TickOutput& output() const { return output_; }
   const std::vector<std::string>& trace() const { return sent_.trace; }  // of the last tick
   const Configuration& configuration() const { return configuration_; }

@@ -10,7 +10,6 @@
 #include "port_linux/read_outcome.h"
 #include "tools/experiment/run_result.h"
 #include "tools/sim/sim_labels.h"
-#include "tools/sim/vehicle_model_params.h"
 #include "tools/world/named_worlds.h"
 
 // One mission in a simulated world, from power-on to rest: the drives boot, the operator arms and
@@ -23,9 +22,8 @@ struct MissionSettings {
   std::string planner = "optimizer";  // or "astar": the base path as it is
   std::string tracker = "full";       // or "pursuit": pure pursuit without lag compensation
   std::string vehicle_name = "warthog_paper";
-  sim::UncertainVehicle vehicle;  // one of its kind is drawn by the seed
-  bool spread = true;             // false: the typical one
-  uint64_t seed = 1;              // of all that is random but the scenario
+
+  uint64_t seed = 1;  // of all that is random but the scenario
   std::optional<sim::LabelSettings> labels;
   int lidar_columns = 1024;
   Configuration configuration;
@@ -45,11 +43,11 @@ struct MissionTrace {
     double y_m = 0.0;
     double yaw_rad = 0.0;
     double speed_mps = 0.0;
-    double planned_mps = 0.0;      // by the plan at that place
+    double planned_mps = 0.0;  // by the plan at that place
     double yaw_rate_radps = 0.0;
     double commanded_yaw_radps = 0.0;  // of the wheels' setpoints, without slip
     double cross_track_m = 0.0;
-    double reaction_m = 0.0;       // median so far
+    double reaction_m = 0.0;  // median so far
   };
   struct Plan {
     double t_s = 0.0;

@@ -90,6 +90,7 @@ class ScriptedVehicle {
   SimLidar& lidar() { return lidar_; }
   SimIns& ins() { return ins_; }
   world::World& world() { return world_; }
+  const world::World& world() const { return world_; }
   SensorFaults& faults(Sensor sensor) { return sensor_faults_[static_cast<size_t>(sensor)]; }
 
   // A frame of a node that should not be, `count` times; the drives hear it too.
