@@ -10,6 +10,7 @@
 #include <iostream>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "CLI/CLI.hpp"
@@ -18,6 +19,7 @@
 #include "test/onboard/scripted_vehicle_sockets.h"
 #include "tools/sim/script.h"
 #include "tools/sim/scripted_vehicle.h"
+#include "tools/world/named_worlds.h"
 
 namespace hardpack::sim {
 namespace {
@@ -40,6 +42,9 @@ struct Options {
   std::string trace;
   std::string metadata;
   std::string world = "lane";
+  uint32_t world_seed = 1;
+  std::string labels_from = "127.0.0.1:17503";
+  std::string labels_to;
   std::string profile = "legacy";
   std::string login;
   bool interactive = false;
@@ -53,6 +58,9 @@ void AddOptions(CLI::App& app, Options& options) {
   app.add_option("--lidar-to", options.lidar_to, "and to; empty: it sends nothing");
   app.add_option("--ins-from", options.ins_from, "ADDRESS:PORT that the INS sends from");
   app.add_option("--ins-to", options.ins_to, "and to; empty: it sends nothing");
+  app.add_option("--labels-from", options.labels_from,
+                 "ADDRESS:PORT that the segmentation computer sends from");
+  app.add_option("--labels-to", options.labels_to, "and to; without it there is none");
   app.add_option("--foreign-address", options.foreign_address,
                  "where lidar-foreign and ins-foreign come from");
   app.add_option("--seconds", options.seconds, "ends after so long; 0: at SIGTERM or quit");
@@ -69,8 +77,11 @@ void AddOptions(CLI::App& app, Options& options) {
   app.add_option("--trace", options.trace, "file of JSON lines of what happened");
   app.add_option("--trace-period", options.settings.trace_period_s, "between two samples [s]");
   app.add_option("--metadata", options.metadata, "file to write the lidar's metadata to");
-  app.add_option("--world", options.world, "lane, or open: nothing but ground")
-      ->check(CLI::IsMember({"lane", "open"}));
+  std::vector<std::string> worlds = world::WorldNames();
+  worlds.emplace_back("lane");
+  app.add_option("--world", options.world, "lane, or one of tools/world/named_worlds.h")
+      ->check(CLI::IsMember(worlds));
+  app.add_option("--world-seed", options.world_seed, "its variations (1)");
   app.add_option("--lidar-profile", options.profile, "legacy or rng19")
       ->check(CLI::IsMember({"legacy", "rng19"}));
   app.add_option("--lidar-columns", options.settings.lidar.columns, "a revolution")
@@ -130,7 +141,15 @@ ReadOutcome Complete(Options& options) {
   right.identity = options.settings.vehicle.right.identity;
   right.sign = options.settings.vehicle.right.sign;
   options.settings.vehicle.right = right;
-  if (options.world == "lane") options.settings.world = LaneWorld();
+  if (!options.labels_to.empty()) options.settings.labels.emplace();
+  if (options.world == "lane") {
+    options.settings.world = LaneWorld();
+  } else {
+    world::Scenario scenario;
+    const ReadOutcome outcome = world::MakeScenario(options.world, options.world_seed, scenario);
+    if (!outcome.ok()) return outcome;
+    options.settings.world = std::move(scenario.world);
+  }
   if (options.profile == "rng19") options.settings.lidar.profile = LidarProfile::kRng19;
   return {};
 }
@@ -172,7 +191,10 @@ class RealTime {
     const ReadOutcome lidar =
         senders_[0].Open(options.lidar_from, options.lidar_to, options.foreign_address);
     if (!lidar.ok()) return lidar;
-    return senders_[1].Open(options.ins_from, options.ins_to, options.foreign_address);
+    const ReadOutcome ins =
+        senders_[1].Open(options.ins_from, options.ins_to, options.foreign_address);
+    if (!ins.ok()) return ins;
+    return senders_[2].Open(options.labels_from, options.labels_to, options.foreign_address);
   }
 
   void Run(ScriptedVehicle& vehicle, double seconds) {
@@ -195,7 +217,7 @@ class RealTime {
   std::string Summary(const ScriptedVehicle& vehicle) const {
     auto summary = nlohmann::ordered_json::parse(vehicle.Summary());
     summary["can"] = {{"received", can_.received}, {"sent", can_.sent}, {"failed", can_.failed}};
-    const char* const names[] = {"lidar", "ins"};
+    const char* const names[] = {"lidar", "ins", "labels"};
     for (size_t i = 0; i < kSensors; ++i) {
       summary[names[i]] = {{"sent", senders_[i].own.sent},
                            {"foreign", senders_[i].foreign.sent},

@@ -13,6 +13,8 @@
 #include "tools/hardpack/plan_command.h"
 #include "tools/hardpack/replay_command.h"
 #include "tools/hardpack/scene_command.h"
+#include "tools/hardpack/sim_command.h"
+#include "tools/hardpack/world_command.h"
 #include "tools/picture/canvas.h"
 
 namespace {
@@ -77,6 +79,8 @@ int main(int argc, char** argv) {
   hardpack::command::AddSceneCommand(app);
   hardpack::command::AddCtlCommand(app);
   hardpack::command::AddReplayCommand(app);
+  hardpack::command::AddSimCommand(app);
+  hardpack::command::AddWorldCommand(app);
   const int exit_code = Run(app, argc, argv);
   hardpack::picture::ReleaseFonts();
   return exit_code;

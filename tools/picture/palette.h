@@ -20,6 +20,7 @@ inline constexpr Colour kSoft = {0.70, 0.36, 0.00};
 inline constexpr Colour kPerson = {0.80, 0.10, 0.75};
 inline constexpr Colour kBasePath = {0.85, 0.05, 0.05};
 inline constexpr Colour kOptimizedPath = {0.05, 0.20, 0.90};
+inline constexpr Colour kDriven = {1.00, 0.90, 0.10};
 inline constexpr Colour kGoal = {1.00, 0.35, 0.70};
 inline constexpr Colour kVehicle = {0.05, 0.05, 0.05};
 inline constexpr Colour kUnperturbed = {0.10, 0.60, 0.15};

@@ -7,6 +7,9 @@
 #include <optional>
 #include <sstream>
 
+#include "tools/world/features.h"
+#include "tools/world/named_worlds.h"
+
 namespace hardpack::sim {
 namespace {
 
@@ -217,11 +220,28 @@ MaybeAction AddBox(const Words& words) {
   const auto size_m = Real(words[2]);
   const auto height_m = Real(words[3]);
   if (!x_m || !y_m || !size_m || !height_m || *size_m <= 0.0) return std::nullopt;
-  const double half_m = *size_m / 2.0;
-  const scene::Box box = {{*x_m - half_m, *y_m - half_m, -0.5},
-                          {*x_m + half_m, *y_m + half_m, *height_m},
-                          scene::kObject};
-  return [box](ScriptedVehicle& scripted) { scripted.world().boxes.push_back(box); };
+  return [=](ScriptedVehicle& scripted) {
+    world::AddBoxOnGround(scripted.world(), {*x_m, *y_m}, 0.0, *size_m, *size_m, *height_m,
+                          world::kThing);
+  };
+}
+
+MaybeAction SelectWorld(const Words& words) {
+  const auto seed = Bounded<uint32_t>(words.size() > 1 ? words[1] : "1");
+  world::Scenario scenario;
+  if (!seed || !world::MakeScenario(words[0], *seed, scenario).ok()) return std::nullopt;
+  return [scenario](ScriptedVehicle& scripted) { scripted.world() = scenario.world; };
+}
+
+// NORTH EAST, of two members of InsErrors.
+MaybeAction ShiftIns(const Words& words, double InsErrors::*north, double InsErrors::*east) {
+  const auto to_north = Real(words[0]);
+  const auto to_east = Real(words[1]);
+  if (!to_north || !to_east) return std::nullopt;
+  return [=](ScriptedVehicle& scripted) {
+    scripted.ins().settings().errors.*north = *to_north;
+    scripted.ins().settings().errors.*east = *to_east;
+  };
 }
 
 struct Command {
@@ -275,6 +295,14 @@ void AddSensorCommands(std::map<std::string, Command>& commands) {
   }
   commands["ins-cut"] = {1, 1, InsCut};
   commands["ins-mode"] = {1, 1, InsMode};
+  commands["ins-jump"] = {2, 2, [](const Words& words) {
+                            return ShiftIns(words, &InsErrors::jump_north_m,
+                                            &InsErrors::jump_east_m);
+                          }};
+  commands["ins-drift"] = {2, 2, [](const Words& words) {
+                             return ShiftIns(words, &InsErrors::drift_north_mps,
+                                             &InsErrors::drift_east_mps);
+                           }};
   commands["lidar-restart"] = {0, 0, [](const Words&) -> MaybeAction {
                                  return [](ScriptedVehicle& scripted) { scripted.RestartLidar(); };
                                }};
@@ -288,6 +316,7 @@ const std::map<std::string, Command>& Commands() {
     made["can-frame"] = {1, 3, ForeignFrame};
     made["bus-error"] = {1, 1, ReportBusError};
     made["box"] = {4, 4, AddBox};
+    made["world"] = {1, 2, SelectWorld};
     made["quit"] = {0, 0, [](const Words&) -> MaybeAction {
                       return [](ScriptedVehicle& scripted) { scripted.Quit(); };
                     }};

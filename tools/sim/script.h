@@ -42,7 +42,10 @@
 //   lidar-restart                its clock, its frame count and its init id begin anew
 //   ins-cut BYTES                datagrams of 1 .. BYTES bytes; 0: one a message
 //   ins-mode MODE                InsStatus, 0 .. 3
+//   ins-jump NORTH EAST          its positions are so many metres off, from now on
+//   ins-drift NORTH EAST         and so many metres a second more; 0 0: no further
 //   box X Y SIZE HEIGHT          appears in the world
+//   world NAME [SEED]            the world is another one (tools/world/named_worlds.h)
 //   quit                         ends the simulation
 
 namespace hardpack::sim {

@@ -6,14 +6,12 @@
 #include <utility>
 
 #include "nlohmann/json.hpp"
+#include "tools/world/features.h"
 
 namespace hardpack::sim {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kHalfLength_m = 0.76;
-constexpr double kHalfWidth_m = 0.69;
 
 const char* Name(Side side) {
   return side == Side::kLeft ? "left" : "right";
@@ -51,6 +49,7 @@ ScriptedVehicle::ScriptedVehicle(const ScriptedVehicleSettings& settings,
       next_sample_ns_(start_ns) {
   std::stable_sort(script_.begin(), script_.end(),
                    [](const ScriptEvent& a, const ScriptEvent& b) { return a.at_s < b.at_s; });
+  if (settings.labels) labels_.emplace(*settings.labels);
 }
 
 double ScriptedVehicle::Since_s() const {
@@ -90,15 +89,25 @@ void ScriptedVehicle::Step() {
   SendForeignFrames();
   vehicle_.Advance(now_ns_, pending_.frames);
   max_speed_mps_ = std::max(max_speed_mps_, std::abs(vehicle_.speed_mps()));
-  std::vector<std::vector<uint8_t>> datagrams;
-  lidar_.Advance(now_ns_, vehicle_.pose(), world_, datagrams);
-  Deliver(Sensor::kLidar, datagrams);
-  datagrams.clear();
-  ins_.Advance(now_ns_, vehicle_, datagrams);
-  Deliver(Sensor::kIns, datagrams);
+  AdvanceSensors();
   for (const Side side : kBothSides) TraceChanges(side);
   TraceCollision();
   if (sample_ns_ > 0 && now_ns_ >= next_sample_ns_) TraceSample();
+}
+
+void ScriptedVehicle::AdvanceSensors() {
+  const BodyMotion motion = MotionOf(vehicle_, world_);
+  std::vector<std::vector<uint8_t>> datagrams;
+  std::vector<CastColumn> truth;
+  lidar_.Advance(now_ns_, motion.pose, world_, datagrams, labels_ ? &truth : nullptr);
+  Deliver(Sensor::kLidar, datagrams);
+  datagrams.clear();
+  ins_.Advance(now_ns_, motion, datagrams);
+  Deliver(Sensor::kIns, datagrams);
+  if (!labels_) return;
+  datagrams.clear();
+  labels_->Advance(now_ns_, truth, datagrams);
+  Deliver(Sensor::kLabels, datagrams);
 }
 
 void ScriptedVehicle::SendForeignFrame(const CanFrame& frame, double period_s, int count) {
@@ -163,10 +172,11 @@ void ScriptedVehicle::TraceChanges(Side side) {
 }
 
 void ScriptedVehicle::TraceCollision() {
+  if (collided_) return;
   const Pose& pose = vehicle_.pose();
   const bool collides =
-      Collides(world_, {pose.x_m, pose.y_m}, pose.theta_rad, kHalfLength_m, kHalfWidth_m);
-  if (!collides || collided_) return;
+      world::ContactOf(world_, pose.x_m, pose.y_m, pose.theta_rad, Since_s()).touches();
+  if (!collides) return;
   collided_ = true;
   pending_.trace.push_back(Json{{"t", Rounded(Since_s())}, {"event", "collision"}}.dump());
 }
@@ -202,12 +212,10 @@ std::string ScriptedVehicle::Summary() const {
   return summary.dump();
 }
 
-FlatWorld LaneWorld() {
-  FlatWorld world;
+world::World LaneWorld() {
+  world::World world;
   const auto add_box = [&world](double x_m, double y_m, double size_m, double height_m) {
-    world.boxes.push_back({{x_m - size_m / 2.0, y_m - size_m / 2.0, -0.5},
-                           {x_m + size_m / 2.0, y_m + size_m / 2.0, height_m},
-                           scene::kObject});
+    world::AddBoxOnGround(world, {x_m, y_m}, 0.0, size_m, size_m, height_m, world::kThing);
   };
   add_box(12.0, 6.5, 2.0, 1.4);
   add_box(22.0, -6.0, 2.5, 2.0);
@@ -217,7 +225,7 @@ FlatWorld LaneWorld() {
   add_box(62.0, 6.5, 2.0, 1.5);
   for (const auto& [x_m, y_m] :
        {std::pair{7.0, -5.0}, {17.0, 5.5}, {28.0, -5.0}, {40.0, 5.5}, {-6.0, -7.0}}) {
-    world.cylinders.push_back({x_m, y_m, 0.15, -0.5, 3.0, scene::kTree});
+    world.AddCylinder({x_m, y_m}, 0.15, -0.5, 3.0, world::kHardWood);
   }
   return world;
 }

@@ -4,24 +4,27 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "hal/can_frame.h"
-#include "tools/sim/flat_world.h"
 #include "tools/sim/sim_ins.h"
+#include "tools/sim/sim_labels.h"
 #include "tools/sim/sim_lidar.h"
 #include "tools/sim/sim_vehicle.h"
+#include "tools/world/world.h"
 
-// A whole vehicle on the far side of the wires: two drives, a lidar and an INS in a world, with
-// faults that come at set times. In lock step with a caller's time: the same calls give the same
-// bytes. test/onboard/scripted_vehicle.cpp runs it against real sockets.
+// A whole vehicle on the far side of the wires: two drives, a lidar, an INS and maybe a
+// segmentation computer in a world, with faults that come at set times. In lock step with a
+// caller's time: the same calls give the same bytes. test/onboard/scripted_vehicle.cpp runs it
+// against real sockets.
 
 namespace hardpack::sim {
 
-enum class Sensor : uint8_t { kLidar = 0, kIns = 1 };
-inline constexpr int kSensors = 2;
+enum class Sensor : uint8_t { kLidar = 0, kIns = 1, kLabels = 2 };
+inline constexpr int kSensors = 3;
 
 struct SensorDatagram {
   Sensor sensor = Sensor::kLidar;
@@ -63,7 +66,8 @@ struct ScriptedVehicleSettings {
   VehicleSettings vehicle = DefaultVehicle();
   LidarSettings lidar;
   InsSettings ins;
-  FlatWorld world;
+  std::optional<LabelSettings> labels;  // none: nobody names the returns
+  world::World world;
   double trace_period_s = 0.02;  // of the samples; events are traced when they happen
   uint32_t seed = 1;             // of losses and garbage
 };
@@ -85,7 +89,8 @@ class ScriptedVehicle {
   const SimVehicle& vehicle() const { return vehicle_; }
   SimLidar& lidar() { return lidar_; }
   SimIns& ins() { return ins_; }
-  FlatWorld& world() { return world_; }
+  world::World& world() { return world_; }
+  const world::World& world() const { return world_; }
   SensorFaults& faults(Sensor sensor) { return sensor_faults_[static_cast<size_t>(sensor)]; }
 
   // A frame of a node that should not be, `count` times; the drives hear it too.
@@ -118,6 +123,7 @@ class ScriptedVehicle {
   void SendForeignFrames();
   void Deliver(Sensor sensor, std::vector<std::vector<uint8_t>>& datagrams);
   std::vector<uint8_t> Garbage();
+  void AdvanceSensors();
   void TraceChanges(Side side);
   void TraceCollision();
   void TraceSample();
@@ -128,7 +134,8 @@ class ScriptedVehicle {
   SimVehicle vehicle_;
   SimLidar lidar_;
   SimIns ins_;
-  FlatWorld world_;
+  std::optional<SimLabels> labels_;
+  world::World world_;
   SensorFaults sensor_faults_[kSensors];
   std::deque<ForeignFrame> foreign_frames_;
   std::mt19937 random_;
@@ -145,6 +152,6 @@ class ScriptedVehicle {
 };
 
 // Open ground around a straight lane along +x: boxes and posts at least 4 m off it, on both sides.
-FlatWorld LaneWorld();
+world::World LaneWorld();
 
 }  // namespace hardpack::sim

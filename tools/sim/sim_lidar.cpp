@@ -4,42 +4,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
+#include <iterator>
 
 #include "nlohmann/json.hpp"
 
 namespace hardpack::sim {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kOriginToBeam_m = 0.012163;  // first-generation OS1
-constexpr double kLidarAboveSensor_m = 0.03618;
+using world::kPi;
+using world::Turn;
+using world::TurnOf;
+using world::Vector;
+
 constexpr uint32_t kTicksPerRevolution = 90112;
 constexpr uint64_t kSerialNumber = 992012345678;
-constexpr int kBeamColumns = 4;  // of lasers, each with its azimuth
-
-// Near the published angles of an OS1-64: 33.2 degrees in even steps, four columns of beams.
-double AltitudeDeg(int beam) {
-  return 16.6 - 33.2 * beam / (SimLidar::kBeams - 1);
-}
-constexpr std::array<double, kBeamColumns> kAzimuth_deg = {3.1, 1.03, -1.03, -3.1};
-
-struct Beam {
-  double slope;   // rise over level distance
-  double secant;  // slant over level distance
-};
-
-const std::array<Beam, SimLidar::kBeams>& Beams() {
-  static const auto beams = [] {
-    std::array<Beam, SimLidar::kBeams> made = {};
-    for (int beam = 0; beam < SimLidar::kBeams; ++beam) {
-      const double altitude_rad = AltitudeDeg(beam) * kPi / 180.0;
-      made[static_cast<size_t>(beam)] = {std::tan(altitude_rad), 1.0 / std::cos(altitude_rad)};
-    }
-    return made;
-  }();
-  return beams;
-}
 
 template <typename Unsigned>
 void Append(std::vector<uint8_t>& bytes, Unsigned value, size_t size = sizeof(Unsigned)) {
@@ -72,8 +50,43 @@ uint16_t Signal(uint32_t range_mm) {
 
 }  // namespace
 
+LidarBeams LidarBeams::Default() {
+  constexpr double kAzimuth_deg[] = {3.1, 1.03, -1.03, -3.1};
+  LidarBeams beams;
+  for (size_t beam = 0; beam < kCount; ++beam) {
+    beams.altitude_deg[beam] = 16.6 - 33.2 * static_cast<double>(beam) / (kCount - 1);
+    beams.azimuth_deg[beam] = kAzimuth_deg[beam % std::size(kAzimuth_deg)];
+  }
+  return beams;
+}
+
+LidarBeams LidarBeams::Of(const ouster::Metadata& metadata) {
+  LidarBeams beams;
+  for (size_t beam = 0; beam < kCount; ++beam) {
+    beams.altitude_deg[beam] = double{metadata.beam_altitude_deg[beam]};
+    beams.azimuth_deg[beam] = double{metadata.beam_azimuth_deg[beam]};
+  }
+  beams.origin_to_beam_m = double{metadata.lidar_origin_to_beam_origin_m};
+  beams.lidar_above_sensor_m = double{metadata.sensor_from_lidar.translation.z_m};
+  return beams;
+}
+
+LidarSettings NoisyLidar() {
+  LidarSettings settings;
+  settings.noise_m = 0.01;
+  settings.noise_per_m = 0.0004;
+  settings.drop_out_share = 0.01;
+  return settings;
+}
+
 SimLidar::SimLidar(const LidarSettings& settings, uint64_t start_ns)
-    : settings_(settings), random_(settings.seed), start_ns_(start_ns), ranges_mm_(kBeams, 0) {}
+    : settings_(settings), first_start_ns_(start_ns), start_ns_(start_ns) {
+  for (size_t beam = 0; beam < kBeams; ++beam) {
+    const Turn altitude = TurnOf(settings_.beams.altitude_deg[beam] * kPi / 180.0);
+    const Turn azimuth = TurnOf(-settings_.beams.azimuth_deg[beam] * kPi / 180.0);
+    beams_[beam] = {altitude.cos * azimuth.cos, altitude.cos * azimuth.sin, altitude.sin};
+  }
+}
 
 void SimLidar::Restart(uint64_t now_ns) {
   start_ns_ = now_ns;
@@ -90,8 +103,8 @@ uint64_t SimLidar::ColumnTime_ns(uint64_t column) const {
   return column / per_s * 1'000'000'000 + column % per_s * 1'000'000'000 / per_s;
 }
 
-void SimLidar::Advance(uint64_t now_ns, const Pose& pose, const FlatWorld& world,
-                       std::vector<std::vector<uint8_t>>& packets) {
+void SimLidar::Advance(uint64_t now_ns, const world::BodyPose& pose, const world::World& world,
+                       std::vector<std::vector<uint8_t>>& packets, std::vector<CastColumn>* truth) {
   while (start_ns_ + ColumnTime_ns(columns_sent_) <= now_ns) {
     const auto id = static_cast<uint16_t>(columns_sent_ % static_cast<uint64_t>(settings_.columns));
     const auto turn =
@@ -99,49 +112,85 @@ void SimLidar::Advance(uint64_t now_ns, const Pose& pose, const FlatWorld& world
     frame_id_ = turn;
     if (id % kColumnsPerPacket == 0) BeginPacket();
     const uint64_t since_ns = ColumnTime_ns(columns_sent_);
+    const uint64_t time_ns = start_ns_ + since_ns;
     const double drift_ns = settings_.clock_drift * static_cast<double>(since_ns);
-    CastColumn(id, pose, world);
-    AppendColumn(
-        id, settings_.clock_start_ns + since_ns + static_cast<uint64_t>(std::llround(drift_ns)));
+    const uint64_t stamp_ns =
+        settings_.clock_start_ns + since_ns + static_cast<uint64_t>(std::llround(drift_ns));
+    CastOne(id, PoseAt(time_ns, now_ns, pose), world,
+            static_cast<double>(time_ns - first_start_ns_) * 1.0e-9);
+    AppendColumn(id, stamp_ns);
+    if (truth != nullptr) truth->push_back({time_ns, stamp_ns, frame_id_, id, labels_});
     ++columns_sent_;
+    ++columns_cast_;
     if (columns_sent_ % kColumnsPerPacket != 0) continue;
     EndPacket();
     packets.push_back(packet_);
   }
+  has_pose_ = true;
+  pose_ns_ = now_ns;
+  pose_ = pose;
 }
 
-void SimLidar::CastColumn(uint32_t measurement_id, const Pose& pose, const FlatWorld& world) {
+world::BodyPose SimLidar::PoseAt(uint64_t time_ns, uint64_t now_ns,
+                                 const world::BodyPose& pose) const {
+  if (!has_pose_ || time_ns >= now_ns || time_ns < pose_ns_) return pose;
+  const double left =
+      static_cast<double>(now_ns - time_ns) / static_cast<double>(now_ns - pose_ns_);
+  const auto between = [left](double from, double to) { return to - left * (to - from); };
+  const auto turned = [left](double from, double to) {
+    return to - left * world::Wrapped(to - from);
+  };
+  return {{between(pose_.position.x_m, pose.position.x_m),
+           between(pose_.position.y_m, pose.position.y_m),
+           between(pose_.position.z_m, pose.position.z_m)},
+          turned(pose_.roll_rad, pose.roll_rad),
+          turned(pose_.pitch_rad, pose.pitch_rad),
+          turned(pose_.yaw_rad, pose.yaw_rad)};
+}
+
+void SimLidar::CastOne(uint32_t measurement_id, const world::BodyPose& pose,
+                       const world::World& world, double time_s) {
   // In the lidar frame the encoder turns clockwise; the sensor frame is half a turn from it.
-  const double encoder_rad =
-      2.0 * kPi * (1.0 - static_cast<double>(measurement_id) / settings_.columns);
-  const double in_world_rad = pose.theta_rad + settings_.yaw_rad + kPi;
-  const double c = std::cos(pose.theta_rad);
-  const double s = std::sin(pose.theta_rad);
-  const double beam_rad = in_world_rad + encoder_rad;
-  const Point2 origin = {
-      pose.x_m + c * settings_.x_m - s * settings_.y_m + kOriginToBeam_m * std::cos(beam_rad),
-      pose.y_m + s * settings_.x_m + c * settings_.y_m + kOriginToBeam_m * std::sin(beam_rad)};
-  const double z_m = settings_.z_m + kLidarAboveSensor_m;
-  for (size_t column = 0; column < kBeamColumns; ++column) {
-    const double heading_rad = beam_rad - kAzimuth_deg[column] * kPi / 180.0;
-    FindCrossings(world, origin, {std::cos(heading_rad), std::sin(heading_rad)}, crossings_);
-    for (size_t beam = column; beam < kBeams; beam += kBeamColumns) {
-      const Beam& one = Beams()[beam];
-      const double level_m =
-          MeetLevel_m(crossings_, z_m, one.slope, settings_.reach_m / one.secant);
-      ranges_mm_[beam] = level_m < 0.0 ? 0 : Noisy_mm(level_m * one.secant + kOriginToBeam_m);
-    }
+  const Turn encoder =
+      TurnOf(2.0 * kPi * (1.0 - static_cast<double>(measurement_id) / settings_.columns) + kPi +
+             settings_.yaw_rad);
+  const world::Rotation to_world =
+      world::Rotation::FromAngles(pose.roll_rad, pose.pitch_rad, pose.yaw_rad);
+  const double n_m = settings_.beams.origin_to_beam_m;
+  const Vector offset =
+      to_world.Apply({settings_.x_m + n_m * encoder.cos, settings_.y_m + n_m * encoder.sin,
+                      settings_.z_m + settings_.beams.lidar_above_sensor_m});
+  world::Ray ray;
+  ray.origin = {pose.position.x_m + offset.x_m, pose.position.y_m + offset.y_m,
+                pose.position.z_m + offset.z_m};
+  ray.max_range_m = settings_.reach_m;
+  const std::vector<world::Body> people = world.PeopleAt(time_s);
+  const uint64_t foliage_key = world::KeyOf(settings_.seed, world::Stream::kFoliage);
+  for (size_t beam = 0; beam < kBeams; ++beam) {
+    const uint64_t index = columns_cast_ * kBeams + beam;
+    const Vector& d = beams_[beam];
+    ray.direction = to_world.Apply({encoder.cos * d.x_m - encoder.sin * d.y_m,
+                                    encoder.sin * d.x_m + encoder.cos * d.y_m, d.z_m});
+    ray.key = world::DrawBits(foliage_key, index);
+    const world::Hit hit = world.Cast(ray, people);
+    ranges_mm_[beam] = hit.any() ? Measured_mm(hit.range_m + n_m, index) : 0;
+    const bool returned = ranges_mm_[beam] != 0;
+    reflectivities_[beam] = returned ? hit.reflectivity : uint8_t{0};
+    labels_[beam] = returned ? static_cast<uint8_t>(hit.label) : uint8_t{0};
   }
 }
 
-uint32_t SimLidar::Noisy_mm(double range_m) {
-  double noise_m = 0.0;
-  if (settings_.noise_m > 0.0) {
-    const auto bits = static_cast<uint32_t>(random_());
-    const double sum = static_cast<double>(bits >> 16) + static_cast<double>(bits & 0xffffu);
-    noise_m = settings_.noise_m * (sum / 65535.0 - 1.0);
+// 0: it did not come back.
+uint32_t SimLidar::Measured_mm(double range_m, uint64_t index) const {
+  const auto key = [this](world::Stream stream) { return world::KeyOf(settings_.seed, stream); };
+  if (settings_.drop_out_share > 0.0 &&
+      world::DrawUniform(key(world::Stream::kDropOut), index) < settings_.drop_out_share) {
+    return 0;
   }
-  return static_cast<uint32_t>(std::lround(1000.0 * std::max(range_m + noise_m, 0.1)));
+  const double sigma_m = settings_.noise_m + settings_.noise_per_m * range_m;
+  double measured_m = range_m;
+  if (sigma_m > 0.0) measured_m += sigma_m * world::DrawNormal(key(world::Stream::kRange), index);
+  return static_cast<uint32_t>(1000.0 * std::max(measured_m, 0.1) + 0.5);
 }
 
 void SimLidar::BeginPacket() {
@@ -165,10 +214,10 @@ void SimLidar::AppendColumn(uint16_t measurement_id, uint64_t time_ns) {
   } else {
     Append(packet_, uint16_t{1});  // valid
   }
-  for (const uint32_t range_mm : ranges_mm_) {
-    Append(packet_, range_mm);
-    Append(packet_, uint16_t{40});  // reflectivity
-    Append(packet_, Signal(range_mm));
+  for (size_t beam = 0; beam < kBeams; ++beam) {
+    Append(packet_, ranges_mm_[beam]);
+    Append(packet_, uint16_t{reflectivities_[beam]});
+    Append(packet_, Signal(ranges_mm_[beam]));
     Append(packet_, uint16_t{300});  // near infrared
     Append(packet_, uint16_t{0});
   }
@@ -186,9 +235,9 @@ std::string SimLidar::MetadataJson() const {
   nlohmann::json altitudes = nlohmann::json::array();
   nlohmann::json azimuths = nlohmann::json::array();
   nlohmann::json shifts = nlohmann::json::array();
-  for (int beam = 0; beam < kBeams; ++beam) {
-    const double azimuth_deg = kAzimuth_deg[static_cast<size_t>(beam % kBeamColumns)];
-    altitudes.push_back(AltitudeDeg(beam));
+  for (size_t beam = 0; beam < kBeams; ++beam) {
+    const double azimuth_deg = settings_.beams.azimuth_deg[beam];
+    altitudes.push_back(settings_.beams.altitude_deg[beam]);
     azimuths.push_back(azimuth_deg);
     shifts.push_back(std::lround(azimuth_deg * settings_.columns / 360.0));
   }
@@ -201,9 +250,10 @@ std::string SimLidar::MetadataJson() const {
        std::to_string(settings_.columns) + "x" + std::to_string(settings_.revolutions_per_s)},
       {"beam_altitude_angles", altitudes},
       {"beam_azimuth_angles", azimuths},
-      {"lidar_origin_to_beam_origin_mm", kOriginToBeam_m * 1000.0},
+      {"lidar_origin_to_beam_origin_mm", settings_.beams.origin_to_beam_m * 1000.0},
       {"lidar_to_sensor_transform",
-       {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, kLidarAboveSensor_m * 1000.0, 0, 0, 0, 1}},
+       {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, settings_.beams.lidar_above_sensor_m * 1000.0, 0, 0, 0,
+        1}},
       {"data_format",
        {{"columns_per_frame", settings_.columns},
         {"columns_per_packet", kColumnsPerPacket},

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <optional>
-#include <random>
 #include <string>
 #include <vector>
 
-#include "tools/sim/flat_world.h"
-#include "tools/sim/sim_vehicle.h"
+#include "hal/ouster/ouster.h"
+#include "tools/world/contact.h"
+#include "tools/world/world.h"
 
 // An Ouster OS1-64 on the moving vehicle's roof, as its datagrams: each column is cast from the
-// place where the vehicle is when the beam passes. Packet layouts and geometry are written anew
-// from the maker's description (REFERENCES.md), so that they test the library's instead of
+// place where the vehicle is when the beam passes. The same settings, poses and times give the same
+// bytes on every machine (tools/world/portable_math.h). Packet layouts and geometry are written
+// anew from the maker's description (REFERENCES.md), so that they test the library's instead of
 // repeating it.
 
 namespace hardpack::sim {
@@ -22,8 +23,24 @@ enum class LidarProfile : uint8_t {
   kRng19,   // RNG19_RFL8_SIG16_NIR16 with header and CRC; firmware 3.2
 };
 
+// Where the beams of a sensor point, row 0 first as it sends them.
+struct LidarBeams {
+  static constexpr int kCount = 64;
+
+  std::array<double, kCount> altitude_deg = {};
+  std::array<double, kCount> azimuth_deg = {};
+  double origin_to_beam_m = 0.012163;  // first-generation OS1
+  double lidar_above_sensor_m = 0.03618;
+
+  // Near the published angles of an OS1-64: 33.2 degrees in even steps, four columns of beams.
+  static LidarBeams Default();
+  // Those of a sensor that exists, of 64 beams.
+  static LidarBeams Of(const ouster::Metadata& metadata);
+};
+
 struct LidarSettings {
   LidarProfile profile = LidarProfile::kLegacy;
+  LidarBeams beams = LidarBeams::Default();
   int columns = 1024;  // a revolution: 512, 1024 or 2048
   int revolutions_per_s = 10;
   double x_m = 0.0;  // of the sensor frame's origin in the body frame
@@ -31,23 +48,40 @@ struct LidarSettings {
   double z_m = 1.284;
   double yaw_rad = 0.0;  // pi: the sensor looks backward
   double reach_m = 110.0;
-  double noise_m = 0.01;                     // of a range: triangular, up to this either way
+  double noise_m = 0.004;                    // standard deviation of a range,
+  double noise_per_m = 0.0;                  // and this more for each metre of it
+  double drop_out_share = 0.0;               // of the returns, at random
   uint64_t clock_start_ns = 17'000'000'000;  // the sensor's clock when the simulation starts
   double clock_drift = 0.0;                  // of that clock, a second a second
   uint32_t seed = 1;
 };
 
+// 1 cm near by and 3 cm at 50 m, a return in a hundred lost.
+LidarSettings NoisyLidar();
+
+// What a column met in truth, for SimLabels.
+struct CastColumn {
+  uint64_t time_ns = 0;        // of ours
+  uint64_t lidar_time_ns = 0;  // as the sensor stamped it
+  uint16_t frame_id = 0;
+  uint16_t measurement_id = 0;
+  std::array<uint8_t, LidarBeams::kCount> labels = {};  // 0 where nothing came back
+};
+
 class SimLidar {
  public:
-  static constexpr int kBeams = 64;
+  static constexpr int kBeams = LidarBeams::kCount;
   static constexpr int kColumnsPerPacket = 16;
 
   SimLidar(const LidarSettings& settings, uint64_t start_ns);
 
-  // Casts the columns that passed up to now_ns from `pose`, and appends the packets that became
-  // whole. To be called every millisecond, or the pose is an old one's.
-  void Advance(uint64_t now_ns, const Pose& pose, const FlatWorld& world,
-               std::vector<std::vector<uint8_t>>& packets);
+  // Casts the columns that passed up to now_ns, and appends the packets that became whole. The
+  // vehicle moves evenly from the pose of the call before to `pose`, where it is at now_ns. People
+  // are where they are so many seconds after the start. truth: the columns that were cast are
+  // appended to it.
+  void Advance(uint64_t now_ns, const world::BodyPose& pose, const world::World& world,
+               std::vector<std::vector<uint8_t>>& packets,
+               std::vector<CastColumn>* truth = nullptr);
 
   // As after a loss of power: its clock and its frame count begin anew, with another init id.
   void Restart(uint64_t now_ns);
@@ -57,21 +91,30 @@ class SimLidar {
 
  private:
   uint64_t ColumnTime_ns(uint64_t column) const;
-  void CastColumn(uint32_t measurement_id, const Pose& pose, const FlatWorld& world);
+  world::BodyPose PoseAt(uint64_t time_ns, uint64_t now_ns, const world::BodyPose& pose) const;
+  void CastOne(uint32_t measurement_id, const world::BodyPose& pose, const world::World& world,
+               double time_s);
   void AppendColumn(uint16_t measurement_id, uint64_t time_ns);
   void BeginPacket();
   void EndPacket();
-  uint32_t Noisy_mm(double range_m);
+  uint32_t Measured_mm(double range_m, uint64_t index) const;
 
   LidarSettings settings_;
-  std::mt19937 random_;
+  std::array<world::Vector, kBeams> beams_;  // directions in the lidar frame, encoder at 0
+  uint64_t first_start_ns_;
   uint64_t start_ns_;
   uint32_t init_id_ = 0x00abcd;
   uint64_t columns_sent_ = 0;  // since start_ns_
+  uint64_t columns_cast_ = 0;  // ever: counts the random numbers
   uint16_t frame_id_ = 0;
+  bool has_pose_ = false;
+  uint64_t pose_ns_ = 0;
+  world::BodyPose pose_;  // of the call before
   std::vector<uint8_t> packet_;
-  std::vector<uint32_t> ranges_mm_;  // [kBeams], of the column under way
-  std::vector<Crossing> crossings_;
+  // Of the column under way.
+  std::array<uint32_t, kBeams> ranges_mm_ = {};
+  std::array<uint8_t, kBeams> reflectivities_ = {};
+  std::array<uint8_t, kBeams> labels_ = {};
 };
 
 }  // namespace hardpack::sim

@@ -43,7 +43,7 @@ class ClosedLoop {
   static constexpr uint64_t kTick_ns = 10'000'000;
 
   // The loop is made in memory that is full of `fill`: nothing may be left as it was found.
-  explicit ClosedLoop(std::string_view script = "", sim::FlatWorld world = sim::LaneWorld(),
+  explicit ClosedLoop(std::string_view script = "", world::World world = sim::LaneWorld(),
                       uint8_t fill = 0xa5)
       : memory_(std::make_unique<std::byte[]>(sizeof(VehicleLoop))) {
     std::memset(memory_.get(), fill, sizeof(VehicleLoop));
@@ -89,6 +89,10 @@ class ClosedLoop {
     std::vector<TickDatagram> datagrams;
     for (const sim::SensorDatagram& datagram : out.datagrams) {
       if (datagram.foreign || datagrams.size() == VehicleLoop::kMaxDatagramsPerTick) continue;
+      if (datagram.sensor == sim::Sensor::kLabels) {
+        datagrams.push_back({InputSource::kLabels, datagram.bytes});
+        continue;
+      }
       const bool is_lidar = datagram.sensor == sim::Sensor::kLidar;
       if (!is_lidar && !repeats_ins) last_ins_.assign(datagram.bytes.begin(), datagram.bytes.end());
       datagrams.push_back({is_lidar ? InputSource::kLidar : InputSource::kIns, datagram.bytes});

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/experiment/summary.h"
+
+#include <gtest/gtest.h>
+
+namespace hardpack::experiment {
+namespace {
+
+RunResult RunOf(uint64_t seed, bool success, double time_s, double driven_m) {
+  RunResult result;
+  result.world = "gap";
+  result.planner = "optimizer";
+  result.tracker = "full";
+  result.vehicle = "warthog_paper";
+  result.seed = seed;
+  result.success = success;
+  result.outcome = success ? Outcome::kReached : Outcome::kContact;
+  result.time_s = time_s;
+  result.driven_m = driven_m;
+  result.clearance_m = success ? 0.4 : 0.0;
+  return result;
+}
+
+// Wilson's interval by hand, n = 100, z = 1.96: 98: 0.930 .. 0.994; 100: 0.963 .. 1; 0: 0 .. 0.037.
+TEST(Confidence95, IsWilsons) {
+  EXPECT_NEAR(Confidence95(98, 100).low, 0.930, 0.0005);
+  EXPECT_NEAR(Confidence95(98, 100).high, 0.9945, 0.0005);
+  EXPECT_NEAR(Confidence95(100, 100).low, 0.963, 0.0005);
+  EXPECT_NEAR(Confidence95(100, 100).high, 1.0, 1e-12);
+  EXPECT_NEAR(Confidence95(0, 100).low, 0.0, 1e-12);
+  EXPECT_NEAR(Confidence95(0, 100).high, 0.037, 0.0005);
+  EXPECT_EQ(Confidence95(0, 0).low, 0.0);
+  EXPECT_EQ(Confidence95(0, 0).high, 1.0);
+}
+
+TEST(Summarise, MeansAreOfTheSuccessesAndExtremesOfAll) {
+  const std::vector<Row> rows = Summarise(
+      {RunOf(3, true, 10.0, 30.0), RunOf(1, true, 20.0, 90.0), RunOf(2, false, 1.0, 1.0)});
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0].runs, 3);
+  EXPECT_EQ(rows[0].successes, 2);
+  EXPECT_DOUBLE_EQ(rows[0].mean_time_s, 15.0);
+  EXPECT_DOUBLE_EQ(rows[0].mean_speed_mps, 4.0);  // 120 m in 30 s
+  EXPECT_DOUBLE_EQ(rows[0].clearance_m, 0.0);
+  EXPECT_EQ(rows[0].failed_seeds, std::vector<uint64_t>({2}));
+  EXPECT_EQ(rows[0].outcomes[static_cast<size_t>(Outcome::kContact)], 1);
+}
+
+TEST(Summarise, KeepsEveryWayOfRunningApart) {
+  RunResult other = RunOf(1, true, 1.0, 1.0);
+  other.planner = "astar";
+  RunResult third = RunOf(1, true, 1.0, 1.0);
+  third.vehicle = "warthog_recorded";
+  EXPECT_EQ(Summarise({RunOf(1, true, 1.0, 1.0), other, third}).size(), 3u);
+}
+
+TEST(Summarise, QuantilesAreOfAllRunsTogether) {
+  RunResult one = RunOf(1, true, 1.0, 1.0);
+  RunResult other = RunOf(2, true, 1.0, 1.0);
+  one.cross_track_m.Add(0.011, 90);
+  other.cross_track_m.Add(0.201, 10);
+  const std::vector<Row> rows = Summarise({one, other});
+  EXPECT_NEAR(rows[0].cross_track_m.Quantile(0.5), 0.015, 1e-9);
+  EXPECT_NEAR(rows[0].cross_track_m.Quantile(0.95), 0.205, 1e-9);
+}
+
+TEST(Summarise, OfNoSuccessHasNoNumberThatIsNone) {
+  const std::vector<Row> rows = Summarise({RunOf(1, false, 1.0, 1.0)});
+  const std::string text = ToJson(rows[0]).dump() + ToMarkdown(rows);
+  EXPECT_EQ(text.find("nan"), std::string::npos);
+  EXPECT_NE(text.find("0/1 (0-79 %)"), std::string::npos) << text;
+}
+
+TEST(ToMarkdown, NamesTheSeedsThatFailed) {
+  std::vector<RunResult> runs;
+  for (uint64_t seed = 1; seed <= 20; ++seed) runs.push_back(RunOf(seed, seed > 15, 1.0, 1.0));
+  const std::string text = ToMarkdown(Summarise(runs));
+  EXPECT_NE(text.find("| 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, ... |"), std::string::npos) << text;
+  EXPECT_NE(text.find("5/20"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hardpack::experiment

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "nlohmann/json.hpp"
+#include "tools/experiment/run_result.h"
+
+// The table of an experiment: one row for each way that its missions were run.
+
+namespace hardpack::experiment {
+
+struct Row {
+  std::string world;
+  std::string planner;
+  std::string tracker;
+  std::string vehicle;
+  int64_t runs = 0;
+  int64_t successes = 0;
+  int64_t outcomes[kOutcomes] = {};
+  int64_t replayed = 0;
+  std::vector<uint64_t> failed_seeds;  // growing
+  double mean_time_s = 0.0;            // of the successes, like the three below
+  double mean_speed_mps = 0.0;         // way over time, of all together
+  double mean_replans = 0.0;
+  double mean_jerk_mps3 = 0.0;  // root mean square of a run, averaged
+  double max_speed_mps = 0.0;   // of all runs, like all below
+  double clearance_m = 0.0;
+  double person_clearance_m = 0.0;
+  Histogram cross_track_m;
+  Histogram reaction_s{0.002, 500};
+  Histogram reaction_m{0.005, 400};
+};
+
+// The interval that contains the true share of successes with 95 % confidence (Wilson 1927,
+// REFERENCES.md). 0 .. 1 where there were no runs.
+struct Interval {
+  double low = 0.0;
+  double high = 1.0;
+};
+Interval Confidence95(int64_t successes, int64_t runs);
+
+// Rows in the order of their names.
+std::vector<Row> Summarise(const std::vector<RunResult>& results);
+
+nlohmann::ordered_json ToJson(const Row& row);
+std::string ToMarkdown(const std::vector<Row>& rows);
+
+}  // namespace hardpack::experiment

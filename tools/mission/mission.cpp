@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/mission/mission.h"
+
+#include <cmath>
+
+#include "tools/mission/lock_step.h"
+#include "tools/mission/observer.h"
+#include "tools/replay/replay.h"
+#include "tools/sim/script.h"
+
+namespace hardpack::mission {
+namespace {
+
+using experiment::Outcome;
+using experiment::RunResult;
+
+constexpr double kBootLimit_s = 20.0;
+constexpr double kSettle_s = 0.5;  // for the first columns to come in
+
+ReadOutcome Bad(const std::string& message) {
+  return {Status::kInvalidArgument, message};
+}
+
+ReadOutcome ChooseMethods(const MissionSettings& settings, Configuration& configuration) {
+  if (settings.planner == "astar") {
+    // No sweep of the descent: the base path as the search found it.
+    configuration.planner.optimizer.method = OptimizerParams::kPaperDescent;
+    configuration.planner.optimizer.max_sweeps = 0;
+  } else if (settings.planner != "optimizer") {
+    return Bad("there is no planner '" + settings.planner + "': optimizer or astar");
+  }
+  if (settings.tracker != "full" && settings.tracker != "pursuit") {
+    return Bad("there is no tracker '" + settings.tracker + "': full or pursuit");
+  }
+  return {};
+}
+
+LockStepSettings SettingsOf(const MissionSettings& settings) {
+  LockStepSettings run;
+  run.configuration = settings.configuration;
+  run.log = settings.log;
+  run.vehicle.world = settings.scenario.world;
+  run.vehicle.vehicle.start = {settings.scenario.start.position.x_m,
+                               settings.scenario.start.position.y_m,
+                               settings.scenario.start.yaw_rad};
+  run.vehicle.labels = settings.labels;
+  const auto seed = static_cast<uint32_t>(settings.seed);
+  run.vehicle.lidar = sim::NoisyLidar();
+  run.vehicle.lidar.columns = settings.lidar_columns;
+  run.vehicle.lidar.seed = seed;
+  run.vehicle.ins.errors = sim::Vn300Errors();
+  run.vehicle.ins.seed = seed;
+  run.vehicle.seed = seed;
+  if (run.vehicle.labels) run.vehicle.labels->seed = seed;
+  return run;
+}
+
+control::OperatorCommand Command(control::Kind kind) {
+  control::OperatorCommand command;
+  command.kind = kind;
+  return command;
+}
+
+// Ticks until it is true; false when it takes too long.
+template <typename Condition>
+bool Until(LockStep& run, double limit_s, Condition&& condition) {
+  const double end_s = run.time_s() + limit_s;
+  while (!condition()) {
+    if (run.time_s() > end_s || !IsUsable(run.Tick())) return false;
+  }
+  return true;
+}
+
+// Boots, arms and gives the goal. Empty, or why it was not accepted.
+std::string Begin(LockStep& run, world::Point2 goal) {
+  if (!Until(run, kBootLimit_s, [&] { return run.loop().drives().ready(); })) {
+    return "the drives do not become ready";
+  }
+  const double settled_s = run.time_s() + kSettle_s;
+  if (!Until(run, kBootLimit_s, [&] { return run.time_s() > settled_s; })) return "a tick failed";
+  const Status armed = run.Say(Command(control::Kind::kArm));
+  if (!IsUsable(armed) || run.output().answer != Status::kOk) return "arming was refused";
+  if (!Until(run, kBootLimit_s, [&] { return run.loop().drives().enabled(); })) {
+    return "the drives are not enabled";
+  }
+  const WorldFromOdom frame(run.vehicle().vehicle().pose(), run.loop().odometry().pose());
+  control::OperatorCommand command = Command(control::Kind::kGoal);
+  command.waypoints = 1;
+  command.waypoint[0].frame = control::GoalFrame::kOdom;
+  command.waypoint[0].position_m = frame.ToOdom(goal);
+  const Status sent = run.Say(command);
+  if (!IsUsable(sent) || run.output().answer != Status::kOk) return "the goal was refused";
+  return "";
+}
+
+}  // namespace
+
+Outcome WantedOutcome(const std::string& world) {
+  return world == "dead_end" || world == "ditch" ? Outcome::kSaid : Outcome::kReached;
+}
+
+ReadOutcome RunMission(const MissionSettings& settings, RunResult& result, MissionTrace* trace) {
+  MissionSettings chosen = settings;
+  ReadOutcome outcome = ChooseMethods(settings, chosen.configuration);
+  if (!outcome.ok()) return outcome;
+  std::vector<sim::ScriptEvent> script;
+  outcome = sim::ParseScript(settings.script, "script", script);
+  if (!outcome.ok()) return outcome;
+  LockStep run;
+  outcome = run.Start(SettingsOf(chosen));
+  if (!outcome.ok()) return outcome;
+
+  result = RunResult();
+  result.world = settings.scenario.name;
+  result.planner = settings.planner;
+  result.tracker = settings.tracker;
+  result.vehicle = settings.vehicle_name;
+  result.seed = settings.seed;
+  result.reason = "none";
+  result.clearance_m = world::Contact::kFar_m;
+  result.person_clearance_m = world::Contact::kFar_m;
+  const std::string refused = Begin(run, settings.scenario.goal);
+  if (!refused.empty()) {
+    result.outcome = Outcome::kFault;
+    result.reason = refused;
+    return run.End();
+  }
+  const double start_s = run.time_s();
+  Observer observer(result, trace, start_s);
+  size_t next_event = 0;
+  while (!observer.ended() && run.time_s() - start_s < settings.limit_s) {
+    for (; next_event < script.size() && script[next_event].at_s <= run.time_s() - start_s;
+         ++next_event) {
+      script[next_event].act(run.vehicle());
+    }
+    if (!IsUsable(run.Tick())) return Bad("a tick was refused");
+    observer.Watch(run);
+  }
+  observer.Finish(run);
+  result.driven_m = run.vehicle().vehicle().driven_m();
+  result.success = result.outcome == WantedOutcome(settings.scenario.name);
+  return run.End();
+}
+
+ReadOutcome ReplaysTheSame(const std::string& log, uint64_t decision_hash,
+                           std::string& difference) {
+  replay::Request request;
+  request.files = {log};
+  const auto loop = std::make_unique<VehicleLoop>();
+  const auto configuration = std::make_unique<Configuration>();
+  replay::Report report;
+  const ReadOutcome outcome = replay::ReplayLog(request, *loop, *configuration, report);
+  if (!outcome.ok()) return outcome;
+  if (report.difference.found) {
+    difference = "tick " + std::to_string(report.difference.index) + ": " + report.difference.what;
+  } else if (!report.not_comparable.empty()) {
+    difference = report.not_comparable;
+  } else if (report.decision_hash != decision_hash) {
+    difference = "another decision hash";
+  }
+  return {};
+}
+
+}  // namespace hardpack::mission

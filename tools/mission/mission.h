@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "port_linux/configuration.h"
+#include "port_linux/read_outcome.h"
+#include "tools/experiment/run_result.h"
+#include "tools/sim/sim_labels.h"
+#include "tools/world/named_worlds.h"
+
+// One mission in a simulated world, from power-on to rest: the drives boot, the operator arms and
+// gives the goal, the vehicle drives, and it is noted what became of it.
+
+namespace hardpack::mission {
+
+struct MissionSettings {
+  world::Scenario scenario;
+  std::string planner = "optimizer";  // or "astar": the base path as it is
+  std::string tracker = "full";       // or "pursuit": pure pursuit without lag compensation
+  std::string vehicle_name = "warthog_paper";
+
+  uint64_t seed = 1;  // of all that is random but the scenario
+  std::optional<sim::LabelSettings> labels;
+  int lidar_columns = 1024;
+  Configuration configuration;
+  std::string script;  // events besides (tools/sim/script.h), counted from the goal's acceptance
+  double limit_s = 120.0;  // from the goal on
+  std::string log;         // path of the flight log; empty: none
+};
+
+// What the experiment of a world is to end in.
+experiment::Outcome WantedOutcome(const std::string& world);
+
+// What happened, for pictures. Frame: the world's; times since the goal's acceptance.
+struct MissionTrace {
+  struct Sample {  // every 0.05 s
+    double t_s = 0.0;
+    double x_m = 0.0;
+    double y_m = 0.0;
+    double yaw_rad = 0.0;
+    double speed_mps = 0.0;
+    double planned_mps = 0.0;  // by the plan at that place
+    double yaw_rate_radps = 0.0;
+    double commanded_yaw_radps = 0.0;  // of the wheels' setpoints, without slip
+    double cross_track_m = 0.0;
+    double reaction_m = 0.0;  // median so far
+  };
+  struct Plan {
+    double t_s = 0.0;
+    std::vector<world::Point2> path;
+  };
+  struct Event {
+    double t_s = 0.0;
+    std::string text;  // "driving", "safe_stop: person", "touched a person at 0.2 m/s"
+  };
+  std::vector<Sample> samples;
+  std::vector<Plan> plans;  // each that was committed
+  std::vector<Event> events;
+};
+
+// Failures are settings that cannot be run; a mission that goes wrong is a result. `trace` may be
+// null. The map of the last tick is left in `map` where it is wanted.
+ReadOutcome RunMission(const MissionSettings& settings, experiment::RunResult& result,
+                       MissionTrace* trace);
+
+// Replays the log of a run that was written: true when every tick was decided the same, else what
+// was not in `difference`.
+ReadOutcome ReplaysTheSame(const std::string& log, uint64_t decision_hash, std::string& difference);
+
+}  // namespace hardpack::mission

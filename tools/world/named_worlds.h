@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "port_linux/read_outcome.h"
+#include "tools/world/contact.h"
+#include "tools/world/world.h"
+
+// Worlds to drive in, by name: those of the paper's experiments ([OS] Experimental Results) and a
+// few more. A seed gives small variations: never another kind of world.
+
+namespace hardpack::world {
+
+struct Scenario {
+  std::string name;
+  std::string description;
+  World world;
+  BodyPose start;  // of named worlds: at the origin, looking along +x
+  Point2 goal;
+};
+
+// gap, rock_pile, hill, forest, corridor, crossing, dead_end, ditch, open.
+const std::vector<std::string>& WorldNames();
+
+// kInvalidArgument: no such world; the message lists them.
+ReadOutcome MakeScenario(std::string_view name, uint64_t seed, Scenario& scenario);
+
+// The passage of the world `gap`: between these two points, the fence's and the boat's.
+inline constexpr double kGapWidth_m = 2.2;
+struct Passage {
+  Point2 fence;
+  Point2 boat;
+};
+Passage GapOf(uint64_t seed);
+
+}  // namespace hardpack::world
