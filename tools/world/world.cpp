@@ -29,7 +29,14 @@ uint8_t ReflectivityOf(Label label) {
 }
 
 int CellOf(double offset_m, double cell_m, int count) {
-  return std::clamp(static_cast<int>(offset_m / cell_m), 0, count - 1);
+  return static_cast<int>(std::clamp(offset_m / cell_m, 0.0, count - 1.0));
+}
+
+bool HasSize(const Body& body) {
+  constexpr double kFar_m = 1.0e6;
+  return std::abs(body.x_m) < kFar_m && std::abs(body.y_m) < kFar_m && body.radius_m > 0.0 &&
+         body.radius_m < kFar_m && body.low_m > -kFar_m && body.low_m < body.high_m &&
+         body.high_m < kFar_m;
 }
 
 }  // namespace
@@ -142,6 +149,7 @@ void World::AddEllipsoid(const Vector& middle, double radius_m, double half_heig
 }
 
 void World::AddBody(const Body& body, Point2 reach) {
+  if (!HasSize(body)) return;
   const auto index = static_cast<uint32_t>(bodies_.size());
   bodies_.push_back(body);
   top_m_ = std::max(top_m_, body.high_m);

@@ -125,7 +125,8 @@ class World {
   // Empty. Without a terrain: level ground at height 0.
   explicit World(const Bounds& bounds, Terrain terrain = {}, Label ground = Label::kGrass);
 
-  // Heights here are the world's; low_m < high_m. heading_rad is that of the length.
+  // Heights here are the world's; low_m < high_m. Bodies without a size, of numbers that are not
+  // finite, or more than 1000 km away are left out. heading_rad is that of the length.
   void AddBox(Point2 middle, double heading_rad, double length_m, double width_m, double low_m,
               double high_m, const Material& material);
   // The corners of a convex outline, anticlockwise, at least three.

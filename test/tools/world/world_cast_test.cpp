@@ -165,6 +165,27 @@ TEST(Cast, MakesNothingOfARayThatIsNone) {
   EXPECT_TRUE(nothing({0, 5000.0, 0.5}, {1, 0, 0}, 50.0)) << "outside the bounds";
 }
 
+TEST(World, LeavesOutBodiesThatAreNone) {
+  World world;
+  world.AddBox({kNaN, 0.0}, 0.0, 1.0, 1.0, 0.0, 1.0, kStone);
+  world.AddBox({1.0, 0.0}, 0.0, 0.0, 0.0, 0.0, 1.0, kStone);
+  world.AddBox({1.0, 0.0}, 0.0, 1.0, 1.0, 1.0, 1.0, kStone);
+  world.AddCylinder({1.0e300, 0.0}, 1.0, 0.0, 1.0, kStone);
+  world.AddCylinder({1.0, 0.0}, 1.0, kNaN, 1.0, kStone);
+  world.AddEllipsoid({0.0, kNaN, 0.0}, 1.0, 1.0, kStone);
+  world.AddEllipsoid({0.0, 0.0, 0.0}, -1.0, 1.0, kStone);
+  EXPECT_TRUE(world.bodies().empty());
+  EXPECT_FALSE(CastFrom(world, {0, 0, 0.5}, {1, 0, 0}).any());
+}
+
+TEST(Terrain, HasAHeightEverywhere) {
+  const World world({-10.0, -10.0, 10.0, 10.0},
+                    Terrain({-10.0, -10.0, 10.0, 10.0}, [](double x_m, double) { return x_m; }));
+  EXPECT_NEAR(world.GroundHeight_m(50.0, 0.0), 10.25, 0.26) << "the border's, beyond it";
+  EXPECT_NEAR(world.GroundHeight_m(-1.0e300, 0.0), -10.0, 1.0e-6);
+  EXPECT_TRUE(std::isfinite(world.GroundHeight_m(kNaN, kNaN)));
+}
+
 TEST(Cast, ComesInFromOutsideTheBounds) {
   World world({-10.0, -10.0, 10.0, 10.0});
   world.AddBox({6.0, 0.0}, 0.0, 2.0, 2.0, 0.0, 1.0, kStone);
