@@ -193,7 +193,7 @@ uint32_t SimLidar::Measured_mm(double range_m, uint64_t index) const {
   const double sigma_m = settings_.noise_m + settings_.noise_per_m * range_m;
   double measured_m = range_m;
   if (sigma_m > 0.0) measured_m += sigma_m * world::DrawNormal(range_key_, index);
-  return static_cast<uint32_t>(1000.0 * std::max(measured_m, 0.1) + 0.5);
+  return static_cast<uint32_t>(std::lround(1000.0 * std::max(measured_m, 0.1)));
 }
 
 void SimLidar::BeginPacket() {
