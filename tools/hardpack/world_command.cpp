@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/hardpack/world_command.h"
 
+#include <cmath>
 #include <iostream>
 #include <memory>
 
@@ -44,12 +45,13 @@ void Run(const WorldOptions& options) {
   } else {
     Require(world::MakeScenario(options.name, options.seed, scenario));
   }
-  const std::vector<WorldReturn> returns = ScanFromStart(scenario, options.seed);
+  const WorldScan scan = ScanFromStart(scenario, options.seed);
   MakeOutputFolder(options.out);
   const std::string path = options.out + "/world.png";
-  Require(DrawWorld(scenario, options.seed, returns).WritePng(path));
-  std::cout << "ok: " << scenario.world.bodies().size() << " bodies, " << returns.size()
-            << " returns from the start -> " << path << "\n";
+  Require(DrawWorld(scenario, options.seed, scan.returns).WritePng(path));
+  std::cout << "ok: " << scenario.world.bodies().size() << " bodies, " << scan.returns.size()
+            << " returns from the start, cast in " << std::round(scan.cast_ms * 10.0) / 10.0
+            << " ms -> " << path << "\n";
 }
 
 }  // namespace

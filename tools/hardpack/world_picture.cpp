@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ctime>
 #include <memory>
 
 #include "core/scan/scan.h"
@@ -243,7 +244,7 @@ void DrawLegend(Canvas& canvas, const WorldPicture& picture,
   heading("Ground");
   entry(kLowGround, "lowest: " + meters(picture.low_m()));
   entry(kHighGround, "highest: " + meters(picture.high_m()));
-  entry(kContour, "contour, each 0.5 m from 0.25 m on");
+  entry(kContour, "contour, each 0.5 m");
   heading("What stands on it");
   entry(kSolidFill, "solid");
   entry(kTrunkFill, "trunk");
@@ -290,14 +291,17 @@ struct Reader {
 
 }  // namespace
 
-std::vector<WorldReturn> ScanFromStart(const Scenario& scenario, uint32_t seed) {
+WorldScan ScanFromStart(const Scenario& scenario, uint32_t seed) {
   sim::LidarSettings settings = sim::NoisyLidar();
   settings.seed = seed;
   sim::SimLidar lidar(settings, 0);
   const Reader reader(lidar);
   std::vector<std::vector<uint8_t>> packets;
   std::vector<sim::CastColumn> truth;
+  WorldScan scan;
+  const std::clock_t before = std::clock();
   lidar.Advance(99'999'999, scenario.start, scenario.world, packets, &truth);
+  scan.cast_ms = 1000.0 * static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
   const auto mount = [](double value) { return static_cast<float>(value); };
   const world::BodyPose& start = scenario.start;
   const Transform3 world_from_sensor =
@@ -306,7 +310,6 @@ std::vector<WorldReturn> ScanFromStart(const Scenario& scenario, uint32_t seed) 
           {mount(start.position.x_m), mount(start.position.y_m), mount(start.position.z_m)}) *
       TransformFromRollPitchYaw(0.0f, 0.0f, mount(settings.yaw_rad),
                                 {mount(settings.x_m), mount(settings.y_m), mount(settings.z_m)});
-  std::vector<WorldReturn> returns;
   size_t cast = 0;
   for (const std::vector<uint8_t>& packet : packets) {
     for (int i = 0; i < sim::SimLidar::kColumnsPerPacket; ++i, ++cast) {
@@ -317,12 +320,12 @@ std::vector<WorldReturn> ScanFromStart(const Scenario& scenario, uint32_t seed) 
         if (column.range_mm[row] == 0) continue;
         const Vec3 point = world_from_sensor.Apply(
             PointInSensor(*reader.model, encoder, row, column.range_mm[row]));
-        returns.push_back({double{point.x_m}, double{point.y_m},
-                           world::Label{truth[cast].labels[static_cast<size_t>(row)]}});
+        scan.returns.push_back({double{point.x_m}, double{point.y_m},
+                                world::Label{truth[cast].labels[static_cast<size_t>(row)]}});
       }
     }
   }
-  return returns;
+  return scan;
 }
 
 Canvas DrawWorld(const Scenario& scenario, uint64_t seed, const std::vector<WorldReturn>& returns,

@@ -17,9 +17,14 @@ struct WorldReturn {
   world::Label label = world::Label::kVoid;
 };
 
+struct WorldScan {
+  std::vector<WorldReturn> returns;
+  double cast_ms = 0.0;  // of the processor, to cast the rays and write the packets
+};
+
 // The returns of one revolution of an OS1-64 (sim::NoisyLidar) on the vehicle that stands at the
 // start: cast, sent as packets, and read again with the library's own codec.
-std::vector<WorldReturn> ScanFromStart(const world::Scenario& scenario, uint32_t seed);
+WorldScan ScanFromStart(const world::Scenario& scenario, uint32_t seed);
 
 // What was driven there; nothing where it is empty.
 struct DrivenWay {

@@ -281,7 +281,8 @@ void AddDriveCommands(std::map<std::string, Command>& commands) {
 
 void AddSensorCommands(std::map<std::string, Command>& commands) {
   for (const auto& [name, sensor] : {std::pair{std::string("lidar"), Sensor::kLidar},
-                                     std::pair{std::string("ins"), Sensor::kIns}}) {
+                                     std::pair{std::string("ins"), Sensor::kIns},
+                                     std::pair{std::string("labels"), Sensor::kLabels}}) {
     const auto fault = [sensor = sensor](bool SensorFaults::*member, bool when_on = true) {
       return Command{1, 1,
                      [=](const Words& words) { return SetSensor(words, sensor, member, when_on); }};

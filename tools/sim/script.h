@@ -34,7 +34,8 @@
 //   speed-offset SIDE RPM        of the reported speed of the motor
 //   can-frame ID#HEX [PERIOD_S COUNT]       of a node that should not be there
 //   bus-error bus-off|passive|warning       as the controller would report it
-//   lidar SWITCH, ins SWITCH                off: silent
+//   lidar SWITCH, ins SWITCH                off: silent; of the labels too: labels SWITCH,
+//                                           labels-foreign, -duplicate, -garbage, -loss
 //   lidar-foreign SWITCH, ins-foreign SWITCH       from another address instead
 //   lidar-duplicate SWITCH, ins-duplicate SWITCH   everything twice
 //   lidar-garbage SWITCH, ins-garbage SWITCH       random bytes besides

@@ -80,7 +80,12 @@ LidarSettings NoisyLidar() {
 }
 
 SimLidar::SimLidar(const LidarSettings& settings, uint64_t start_ns)
-    : settings_(settings), first_start_ns_(start_ns), start_ns_(start_ns) {
+    : settings_(settings),
+      foliage_key_(world::KeyOf(settings.seed, world::Stream::kFoliage)),
+      range_key_(world::KeyOf(settings.seed, world::Stream::kRange)),
+      drop_out_key_(world::KeyOf(settings.seed, world::Stream::kDropOut)),
+      first_start_ns_(start_ns),
+      start_ns_(start_ns) {
   for (size_t beam = 0; beam < kBeams; ++beam) {
     const Turn altitude = TurnOf(settings_.beams.altitude_deg[beam] * kPi / 180.0);
     const Turn azimuth = TurnOf(-settings_.beams.azimuth_deg[beam] * kPi / 180.0);
@@ -165,13 +170,12 @@ void SimLidar::CastOne(uint32_t measurement_id, const world::BodyPose& pose,
                 pose.position.z_m + offset.z_m};
   ray.max_range_m = settings_.reach_m;
   const std::vector<world::Body> people = world.PeopleAt(time_s);
-  const uint64_t foliage_key = world::KeyOf(settings_.seed, world::Stream::kFoliage);
   for (size_t beam = 0; beam < kBeams; ++beam) {
     const uint64_t index = columns_cast_ * kBeams + beam;
     const Vector& d = beams_[beam];
     ray.direction = to_world.Apply({encoder.cos * d.x_m - encoder.sin * d.y_m,
                                     encoder.sin * d.x_m + encoder.cos * d.y_m, d.z_m});
-    ray.key = world::DrawBits(foliage_key, index);
+    ray.key = world::DrawBits(foliage_key_, index);
     const world::Hit hit = world.Cast(ray, people);
     ranges_mm_[beam] = hit.any() ? Measured_mm(hit.range_m + n_m, index) : 0;
     const bool returned = ranges_mm_[beam] != 0;
@@ -182,15 +186,14 @@ void SimLidar::CastOne(uint32_t measurement_id, const world::BodyPose& pose,
 
 // 0: it did not come back.
 uint32_t SimLidar::Measured_mm(double range_m, uint64_t index) const {
-  const auto key = [this](world::Stream stream) { return world::KeyOf(settings_.seed, stream); };
   if (settings_.drop_out_share > 0.0 &&
-      world::DrawUniform(key(world::Stream::kDropOut), index) < settings_.drop_out_share) {
+      world::DrawUniform(drop_out_key_, index) < settings_.drop_out_share) {
     return 0;
   }
   const double sigma_m = settings_.noise_m + settings_.noise_per_m * range_m;
   double measured_m = range_m;
-  if (sigma_m > 0.0) measured_m += sigma_m * world::DrawNormal(key(world::Stream::kRange), index);
-  return static_cast<uint32_t>(1000.0 * std::max(measured_m, 0.1) + 0.5);
+  if (sigma_m > 0.0) measured_m += sigma_m * world::DrawNormal(range_key_, index);
+  return static_cast<uint32_t>(std::lround(1000.0 * std::max(measured_m, 0.1)));
 }
 
 void SimLidar::BeginPacket() {

@@ -100,6 +100,9 @@ class SimLidar {
   uint32_t Measured_mm(double range_m, uint64_t index) const;
 
   LidarSettings settings_;
+  uint64_t foliage_key_;  // of the random numbers
+  uint64_t range_key_;
+  uint64_t drop_out_key_;
   std::array<world::Vector, kBeams> beams_;  // directions in the lidar frame, encoder at 0
   uint64_t first_start_ns_;
   uint64_t start_ns_;

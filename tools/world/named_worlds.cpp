@@ -261,6 +261,7 @@ Passage GapOf(uint64_t seed) {
 const std::vector<std::string>& WorldNames() {
   static const auto names = [] {
     std::vector<std::string> made;
+    made.reserve(kMakers.size());
     for (const Maker& maker : kMakers) made.emplace_back(maker.name);
     return made;
   }();

@@ -20,8 +20,9 @@ Terrain::Terrain(const Bounds& bounds, const std::function<double(double, double
 }
 
 Terrain::Place Terrain::PlaceOf(double x_m, double y_m) const {
-  const double across = std::clamp((x_m - low_x_m_) / kStep_m, 0.0, columns_ - 1.001);
-  const double up = std::clamp((y_m - low_y_m_) / kStep_m, 0.0, rows_ - 1.001);
+  // In this order NaN becomes 0.
+  const double across = std::max(0.0, std::min((x_m - low_x_m_) / kStep_m, columns_ - 1.001));
+  const double up = std::max(0.0, std::min((y_m - low_y_m_) / kStep_m, rows_ - 1.001));
   const int column = static_cast<int>(across);
   const int row = static_cast<int>(up);
   return {static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column),

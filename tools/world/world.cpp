@@ -29,7 +29,14 @@ uint8_t ReflectivityOf(Label label) {
 }
 
 int CellOf(double offset_m, double cell_m, int count) {
-  return std::clamp(static_cast<int>(offset_m / cell_m), 0, count - 1);
+  return static_cast<int>(std::clamp(offset_m / cell_m, 0.0, count - 1.0));
+}
+
+bool HasSize(const Body& body) {
+  constexpr double kFar_m = 1.0e6;
+  return std::abs(body.x_m) < kFar_m && std::abs(body.y_m) < kFar_m && body.radius_m > 0.0 &&
+         body.radius_m < kFar_m && body.low_m > -kFar_m && body.low_m < body.high_m &&
+         body.high_m < kFar_m;
 }
 
 }  // namespace
@@ -86,6 +93,7 @@ World::World(const Bounds& bounds, Terrain terrain, Label ground)
       top_m_ = std::max(top_m_, cell.top_m);
     }
   }
+  ground_top_m_ = top_m_;
 }
 
 void World::AddBox(Point2 middle, double heading_rad, double length_m, double width_m, double low_m,
@@ -142,6 +150,7 @@ void World::AddEllipsoid(const Vector& middle, double radius_m, double half_heig
 }
 
 void World::AddBody(const Body& body, Point2 reach) {
+  if (!HasSize(body)) return;
   const auto index = static_cast<uint32_t>(bodies_.size());
   bodies_.push_back(body);
   top_m_ = std::max(top_m_, body.high_m);
@@ -150,13 +159,37 @@ void World::AddBody(const Body& body, Point2 reach) {
   constexpr double kRounding_m = 1.0e-6;
   const double reach_x_m = reach.x_m + kRounding_m;
   const double reach_y_m = reach.y_m + kRounding_m;
+  const Bounds place = {body.x_m - reach_x_m, body.y_m - reach_y_m, body.x_m + reach_x_m,
+                        body.y_m + reach_y_m};
+  furnished_ = index == 0 ? place
+                          : Bounds{std::min(furnished_.low_x_m, place.low_x_m),
+                                   std::min(furnished_.low_y_m, place.low_y_m),
+                                   std::max(furnished_.high_x_m, place.high_x_m),
+                                   std::max(furnished_.high_y_m, place.high_y_m)};
+  const int first_row = CellOf(y_m - reach_y_m, kCell_m, rows_);
   const int last_row = CellOf(y_m + reach_y_m, kCell_m, rows_);
+  const int first_column = CellOf(x_m - reach_x_m, kCell_m, columns_);
   const int last_column = CellOf(x_m + reach_x_m, kCell_m, columns_);
-  for (int row = CellOf(y_m - reach_y_m, kCell_m, rows_); row <= last_row; ++row) {
-    for (int column = CellOf(x_m - reach_x_m, kCell_m, columns_); column <= last_column; ++column) {
+  TellDistances(first_column, last_column, first_row, last_row);
+  for (int row = first_row; row <= last_row; ++row) {
+    for (int column = first_column; column <= last_column; ++column) {
       SquareCell& cell = cells_[static_cast<size_t>(row * columns_ + column)];
       cell.bodies.push_back(index);
       cell.top_m = std::max(cell.top_m, body.high_m);
+    }
+  }
+}
+
+// A body came to these cells.
+void World::TellDistances(int first_column, int last_column, int first_row, int last_row) {
+  const int end_row = std::min(last_row + kFarCells, rows_);
+  const int end_column = std::min(last_column + kFarCells, columns_);
+  for (int row = std::max(first_row - kFarCells + 1, 0); row < end_row; ++row) {
+    const int rows_off = std::max({first_row - row, row - last_row, 0});
+    for (int column = std::max(first_column - kFarCells + 1, 0); column < end_column; ++column) {
+      const int columns_off = std::max({first_column - column, column - last_column, 0});
+      int32_t& to_body = cells_[static_cast<size_t>(row * columns_ + column)].to_body;
+      to_body = std::min(to_body, std::max(rows_off, columns_off));
     }
   }
 }

@@ -125,7 +125,8 @@ class World {
   // Empty. Without a terrain: level ground at height 0.
   explicit World(const Bounds& bounds, Terrain terrain = {}, Label ground = Label::kGrass);
 
-  // Heights here are the world's; low_m < high_m. heading_rad is that of the length.
+  // Heights here are the world's; low_m < high_m. Bodies without a size, of numbers that are not
+  // finite, or more than 1000 km away are left out. heading_rad is that of the length.
   void AddBox(Point2 middle, double heading_rad, double length_m, double width_m, double low_m,
               double high_m, const Material& material);
   // The corners of a convex outline, anticlockwise, at least three.
@@ -161,10 +162,14 @@ class World {
 
  private:
   static constexpr double kCell_m = 2.0;
+  static constexpr int32_t kFarCells = 16;
 
   struct SquareCell {
     double ground_high_m = 0.0;
     double top_m = 0.0;  // of ground and bodies
+    // Cells to the nearest one with a body, along the axis on which they are more; kFarCells: no
+    // nearer one.
+    int32_t to_body = kFarCells;
     std::vector<uint32_t> bodies;
   };
   struct Way {  // along a ray
@@ -174,6 +179,7 @@ class World {
 
   // reach: half of its extent along x and y.
   void AddBody(const Body& body, Point2 reach);
+  void TellDistances(int first_column, int last_column, int first_row, int last_row);
   bool IsWithin(const Ray& ray, Way& way) const;
   void Walk(const Ray& ray, Way way, Hit& hit) const;
   void MeetBodies(const Ray& ray, const SquareCell& cell, double low_m, Hit& hit) const;
@@ -188,7 +194,9 @@ class World {
   int columns_ = 0;
   int rows_ = 0;
   double top_m_ = 0.0;
-  std::vector<SquareCell> cells_;  // [rows x columns]
+  double ground_top_m_ = 0.0;
+  Bounds furnished_ = {0.0, 0.0, 0.0, 0.0};  // all bodies lie within
+  std::vector<SquareCell> cells_;            // [rows x columns]
   std::vector<Body> bodies_;
   std::vector<Side> sides_;
   std::vector<Person> people_;

@@ -45,13 +45,27 @@ size_t Count(const Outgoing& out, Sensor sensor) {
 constexpr uint64_t kStart_ns = 77'000'000'123;
 
 TEST(Script, SaysWhereALineIsWrong) {
-  for (const char* line :
-       {"at 1 nothing", "1 quit", "at -1 quit", "at x quit", "at 1 drive-silent up on",
-        "at 1 drive-silent left", "at 1 drive-silent left maybe", "at 1 emcy left 0x10000",
-        "at 1 can-frame 181#0", "at 1 can-frame 181#00 0.1", "at 1 can-frame 20000000#00",
-        "at 1 can-frame 181#000000000000000000", "at 1 object left 0x1018 2",
-        "at 1 lidar-loss 1001", "at 1 nmt left sleeping", "at 1 box 1 2 0 1", "at 1 quit now",
-        "at"}) {
+  for (const char* line : {"at 1 nothing",
+                           "1 quit",
+                           "at -1 quit",
+                           "at x quit",
+                           "at 1 drive-silent up on",
+                           "at 1 drive-silent left",
+                           "at 1 drive-silent left maybe",
+                           "at 1 emcy left 0x10000",
+                           "at 1 can-frame 181#0",
+                           "at 1 can-frame 181#00 0.1",
+                           "at 1 can-frame 20000000#00",
+                           "at 1 can-frame 181#000000000000000000",
+                           "at 1 object left 0x1018 2",
+                           "at 1 lidar-loss 1001",
+                           "at 1 nmt left sleeping",
+                           "at 1 box 1 2 0 1",
+                           "at 1 quit now",
+                           "at 1 world moon",
+                           "at 1 world gap x",
+                           "at 1 ins-jump 1",
+                           "at"}) {
     std::vector<ScriptEvent> script;
     const ReadOutcome outcome =
         ParseScript(std::string("# fine\nat 0 quit\n") + line, "a.txt", script);
@@ -95,9 +109,14 @@ TEST(Script, KnowsEveryCommandThatItsPageNames) {
     at 1 ins-cut 37
     at 1 ins-mode 1
     at 1 box 10 0 1.5 1
+    at 1 ins-jump 3.5 -2
+    at 1 ins-drift 0.1 0
+    at 1 labels off
+    at 1 world gap 3
+    at 1 world open
     at 1 quit
   )");
-  EXPECT_EQ(script.size(), 33u);
+  EXPECT_EQ(script.size(), 38u);
   EXPECT_EQ(script[0].text, "at 0.5 drive-silent left on");
   ScriptedVehicle vehicle(Small(), script, kStart_ns);
   RunFor(vehicle, 1.2);
@@ -140,6 +159,31 @@ TEST(ScriptedVehicle, SpoilsItsDatagramsAsTold) {
   for (const SensorDatagram& datagram : run("lidar-foreign on").datagrams) {
     EXPECT_EQ(datagram.foreign, datagram.sensor == Sensor::kLidar);
   }
+}
+
+TEST(ScriptedVehicle, NamesWhatItsLidarSees) {
+  ScriptedVehicleSettings settings = Small();
+  ScriptedVehicle without(settings, {}, kStart_ns);
+  EXPECT_EQ(Count(RunFor(without, 0.5), Sensor::kLabels), 0u);
+  settings.labels.emplace();
+  ScriptedVehicle with(settings, Script("at 0.5 labels off"), kStart_ns);
+  const Outgoing out = RunFor(with, 0.5);
+  // 512 columns a revolution, 16 a datagram, ten revolutions a second, 60 ms late.
+  EXPECT_NEAR(static_cast<double>(Count(out, Sensor::kLabels)), 0.44 * 320.0, 2.0);
+  EXPECT_EQ(Count(RunFor(with, 0.5), Sensor::kLabels), 0u);
+}
+
+TEST(ScriptedVehicle, StandsInAnotherWorldWhenTold) {
+  ScriptedVehicleSettings settings = Small();
+  settings.world = world::World();
+  ScriptedVehicle vehicle(settings, Script("at 0.2 world corridor\nat 0.4 box 0 0 1 1"), kStart_ns);
+  RunFor(vehicle, 0.1);
+  EXPECT_TRUE(vehicle.world().bodies().empty());
+  RunFor(vehicle, 0.2);
+  EXPECT_EQ(vehicle.world().bodies().size(), 3u);
+  EXPECT_FALSE(vehicle.collided());
+  RunFor(vehicle, 0.2);
+  EXPECT_TRUE(vehicle.collided());
 }
 
 TEST(ScriptedVehicle, SendsFramesOfANodeThatShouldNotBe) {

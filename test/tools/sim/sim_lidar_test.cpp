@@ -234,7 +234,7 @@ std::vector<double> RangesOfAWall(const LidarSettings& settings, double wall_m) 
       const SinCosPair encoder = EncoderSinCos(*decoder.model, column.measurement_id);
       for (int row = 0; row < SimLidar::kBeams; ++row) {
         const Vec3 near = PointInSensor(*decoder.model, encoder, row, 100'000);
-        if (near.x_m < 99.0f) continue;  // square on
+        if (near.x_m < 99.0f || near.z_m < 0.0f) continue;  // square on, and no ground
         const float share = static_cast<float>(wall_m) / near.x_m;
         const double range_m = 0.001 * column.range_mm[row];
         errors_m.push_back(column.range_mm[row] == 0 ? -1.0 : range_m - 100.0 * double{share});
@@ -249,12 +249,12 @@ TEST(SimLidar, ErrsByRangeAsItIsToldTo) {
     LidarSettings settings = NoisyLidar();
     settings.drop_out_share = 0.0;
     const std::vector<double> errors_m = RangesOfAWall(settings, wall_m);
-    ASSERT_GT(errors_m.size(), 400u);
+    ASSERT_GT(errors_m.size(), 200u);
     double squares_m2 = 0.0;
     for (const double error_m : errors_m) squares_m2 += error_m * error_m;
     const double expected_m = settings.noise_m + settings.noise_per_m * wall_m;
     EXPECT_NEAR(std::sqrt(squares_m2 / static_cast<double>(errors_m.size())), expected_m,
-                0.15 * expected_m);
+                0.2 * expected_m);
   }
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "gtest/gtest.h"
 #include "tools/world/features.h"
@@ -145,6 +147,57 @@ TEST(Cast, MeetsTheNearestOfMany) {
   }
 }
 
+// The nearest of upright cylinders and level ground, each met by itself.
+double NearestOf(const std::vector<Body>& bodies, const Vector& o, const Vector& d,
+                 double reach_m) {
+  double nearest_m = d.z_m < 0.0 ? -o.z_m / d.z_m : 1.0e9;
+  for (const Body& body : bodies) {
+    const double x_m = o.x_m - body.x_m;
+    const double y_m = o.y_m - body.y_m;
+    const double a = d.x_m * d.x_m + d.y_m * d.y_m;
+    const double b = x_m * d.x_m + y_m * d.y_m;
+    const double c = x_m * x_m + y_m * y_m - body.radius_m * body.radius_m;
+    if (b * b < a * c) continue;
+    const double root = std::sqrt(b * b - a * c);
+    const double low_m = (body.low_m - o.z_m) / d.z_m;
+    const double high_m = (body.high_m - o.z_m) / d.z_m;
+    const double enter_m = std::max({0.0, (-b - root) / a, std::min(low_m, high_m)});
+    const double leave_m = std::min((-b + root) / a, std::max(low_m, high_m));
+    if (enter_m <= leave_m) nearest_m = std::min(nearest_m, enter_m);
+  }
+  return nearest_m <= reach_m ? nearest_m : -1.0;
+}
+
+// Few bodies far apart, so that most of the way is leapt over, and many.
+TEST(Cast, MissesNothingOnItsWay) {
+  for (const int count : {1, 5, 40, 600}) {
+    Draws draws(11, static_cast<uint64_t>(count));
+    World world({-60.0, -60.0, 60.0, 60.0});
+    for (int i = 0; i < count; ++i) {
+      world.AddCylinder({draws.Uniform(-55.0, 55.0), draws.Uniform(-55.0, 55.0)},
+                        draws.Uniform(0.05, 1.5), draws.Uniform(-0.5, 1.0), draws.Uniform(1.1, 4.0),
+                        kStone);
+    }
+    int met = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const Vector origin = {draws.Uniform(-50.0, 50.0), draws.Uniform(-50.0, 50.0),
+                             draws.Uniform(0.2, 3.0)};
+      // Some exactly along an axis of the cells.
+      const Turn level =
+          i % 10 == 0 ? TurnOf(i / 10 % 4 * kPi / 2.0) : TurnOf(draws.Uniform(-kPi, kPi));
+      const Vector direction = Normalized({level.cos, level.sin, draws.Uniform(-0.1, 0.1)});
+      double expected_m = NearestOf(world.bodies(), origin, direction, 110.0);
+      const double x_m = origin.x_m + expected_m * direction.x_m;
+      const double y_m = origin.y_m + expected_m * direction.y_m;
+      if (std::max(std::abs(x_m), std::abs(y_m)) > 60.0) expected_m = -1.0;  // ground beyond
+      const double range_m = Range(world, origin, direction);
+      ASSERT_NEAR(range_m, expected_m, 1.0e-9) << count << " bodies, ray " << i;
+      met += range_m >= 0.0 ? 1 : 0;
+    }
+    EXPECT_GT(met, 1000);
+  }
+}
+
 TEST(Cast, MakesNothingOfARayThatIsNone) {
   World world;
   world.AddBox({6.0, 0.0}, 0.0, 2.0, 2.0, 0.0, 1.0, kStone);
@@ -163,6 +216,27 @@ TEST(Cast, MakesNothingOfARayThatIsNone) {
   EXPECT_TRUE(nothing({0, 0, 0.5}, {1, 0, 0}, 4.9));
   EXPECT_TRUE(nothing({1.0e300, 0, 0.5}, {1, 0, 0}, 50.0));
   EXPECT_TRUE(nothing({0, 5000.0, 0.5}, {1, 0, 0}, 50.0)) << "outside the bounds";
+}
+
+TEST(World, LeavesOutBodiesThatAreNone) {
+  World world;
+  world.AddBox({kNaN, 0.0}, 0.0, 1.0, 1.0, 0.0, 1.0, kStone);
+  world.AddBox({1.0, 0.0}, 0.0, 0.0, 0.0, 0.0, 1.0, kStone);
+  world.AddBox({1.0, 0.0}, 0.0, 1.0, 1.0, 1.0, 1.0, kStone);
+  world.AddCylinder({1.0e300, 0.0}, 1.0, 0.0, 1.0, kStone);
+  world.AddCylinder({1.0, 0.0}, 1.0, kNaN, 1.0, kStone);
+  world.AddEllipsoid({0.0, kNaN, 0.0}, 1.0, 1.0, kStone);
+  world.AddEllipsoid({0.0, 0.0, 0.0}, -1.0, 1.0, kStone);
+  EXPECT_TRUE(world.bodies().empty());
+  EXPECT_FALSE(CastFrom(world, {0, 0, 0.5}, {1, 0, 0}).any());
+}
+
+TEST(Terrain, HasAHeightEverywhere) {
+  const World world({-10.0, -10.0, 10.0, 10.0},
+                    Terrain({-10.0, -10.0, 10.0, 10.0}, [](double x_m, double) { return x_m; }));
+  EXPECT_NEAR(world.GroundHeight_m(50.0, 0.0), 10.25, 0.26) << "the border's, beyond it";
+  EXPECT_NEAR(world.GroundHeight_m(-1.0e300, 0.0), -10.0, 1.0e-6);
+  EXPECT_TRUE(std::isfinite(world.GroundHeight_m(kNaN, kNaN)));
 }
 
 TEST(Cast, ComesInFromOutsideTheBounds) {
