@@ -7,6 +7,7 @@
 namespace hardpack::sim {
 namespace {
 
+constexpr double kStanding_radps = 0.05;   // setpoints below are zero
 constexpr double kLeastLimit_radps = 0.1;  // however fast it drives, it can turn a little
 
 double Slowed(double speed_radps, double change_radps) {
@@ -99,7 +100,12 @@ void WheelDynamics::Drive(double common_setpoint_radps, double differential_setp
       std::clamp((error_radps - Scrub_radps(differential_radps) + integral_radps_) /
                      params_.time_constant_differential_s,
                  -params_.slew_differential_radps2, params_.slew_differential_radps2);
-  integral_radps_ = std::clamp(integral_radps_ + error_radps / params_.integral_time_s * step_s_,
+  const bool is_to_stand = std::abs(common_setpoint_radps) < kStanding_radps &&
+                           std::abs(differential_setpoint_radps) < kStanding_radps;
+  const double integral_change_radps2 =
+      is_to_stand ? -integral_radps_ / params_.time_constant_differential_s
+                  : error_radps / params_.integral_time_s;
+  integral_radps_ = std::clamp(integral_radps_ + integral_change_radps2 * step_s_,
                                -params_.scrub_radps, params_.scrub_radps);
   const double new_common_radps = common_radps + common_change_radps2 * step_s_;
   const double new_differential_radps = differential_radps + differential_change_radps2 * step_s_;

@@ -18,6 +18,9 @@
 //   i' = (s - d) / integral_time, |i| <= scrub      the drives' integral action
 //   |l|, |r| <= wheel_limit
 //
+// Setpoints of zero let go of i, with tau_d: a vehicle that is to stand would else go on turning a
+// little for seconds. Nothing recorded shows what the drives do then; this is a choice.
+//
 // So a turn starts with what the setpoint exceeds the resistance by, and creeps to the rest of it:
 // this is what was recorded (docs/simulation.md). Explicit Euler steps. The same calls give the
 // same bits on every processor, and mirrored setpoints give mirrored speeds, exactly.

@@ -203,6 +203,15 @@ TEST(VehicleModel, SettleGoesOnAsBefore) {
   EXPECT_NEAR(other.speed_mps(), model.speed_mps(), 1.0e-3);
 }
 
+TEST(VehicleModel, ComesToRestOutOfATurn) {
+  VehicleModel model({});
+  Drive(model, Setpoints(2.0, 8.0), 20.0);
+  Drive(model, Setpoints(0.0, 0.0), 4.0);
+  EXPECT_NEAR(model.wheels().left_radps, 0.0, 0.01);
+  EXPECT_NEAR(model.wheels().right_radps, 0.0, 0.01);
+  EXPECT_NEAR(model.yaw_rate_radps(), 0.0, 0.01);
+}
+
 TEST(VehicleModel, BrakesHoldWhatIsNotDriven) {
   VehicleModel model(Plain());
   Drive(model, Setpoints(9.0, 9.0), 10.0);
