@@ -191,7 +191,12 @@ void SevconDrive::MoveWheel() {
   const double motor_per_wheel = settings_.gear_ratio * settings_.sign * kRpmPerRadps;
   command_radps_ = CommandedMotor_rpm() / motor_per_wheel;
   const bool on = nmt_ != NmtState::kOff && nmt_ != NmtState::kInitialising;
-  motor_.Step(on && power_.driven(), faults_.opposite ? -command_radps_ : command_radps_);
+  turns_ = on && power_.driven();
+  if (has_motor_) {
+    motor_.Step(turns_, setpoint_radps());
+  } else {
+    motor_.Turn(turned_radps_);
+  }
   if (faults_.blocked) motor_.Stop();
   if (faults_.frozen) return;
   const double rpm = motor_.speed_radps() * motor_per_wheel;

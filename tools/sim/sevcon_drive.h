@@ -92,6 +92,13 @@ class SevconDrive final : private SdoObjects {
   // As if it had been made so: also after a reboot.
   void SetObject(uint16_t index, uint8_t sub_index, int64_t value);
 
+  // From here on its wheels are turned by somebody else, step by step: to setpoint_radps() if it
+  // turns() them, else they are braked.
+  void LeaveMotor() { has_motor_ = false; }
+  double setpoint_radps() const { return faults_.opposite ? -command_radps_ : command_radps_; }
+  bool turns() const { return turns_ && !faults_.blocked; }
+  void TurnWheels(double speed_radps) { turned_radps_ = speed_radps; }
+
   NmtState nmt_state() const { return nmt_; }
   PowerState power_state() const { return power_.state(); }
   uint16_t controlword() const { return power_.controlword(); }
@@ -175,6 +182,9 @@ class SevconDrive final : private SdoObjects {
   bool warning_ = false;  // RPDO time-out of severity 1: zero speed until the next
   std::array<HeartbeatConsumer, 8> consumers_;
   double command_radps_ = 0.0;
+  bool has_motor_ = true;
+  bool turns_ = false;
+  double turned_radps_ = 0.0;  // by somebody else
   int32_t reported_rpm_ = 0;
   Emergency emergency_;
   uint32_t emergencies_ = 0;

@@ -18,7 +18,12 @@ SimVehicle::SimVehicle(const VehicleSettings& settings, uint64_t start_ns)
       left_(settings.left, start_ns),
       right_(settings.right, start_ns),
       now_ns_(start_ns),
-      pose_(settings.start) {}
+      pose_(settings.start) {
+  if (!settings.model) return;
+  model_.emplace(*settings.model, settings.start);
+  left_.LeaveMotor();
+  right_.LeaveMotor();
+}
 
 void SimVehicle::TakeFrame(const CanFrame& frame, uint64_t now_ns) {
   StepTo(now_ns);
@@ -38,7 +43,11 @@ void SimVehicle::StepTo(uint64_t now_ns) {
   while (now_ns_ + kStep_ns <= now_ns) {
     now_ns_ += kStep_ns;
     CollectSent(now_ns_);
-    Move(kStep_s);
+    if (model_) {
+      MoveModel();
+    } else {
+      Move(kStep_s);
+    }
   }
 }
 
@@ -51,6 +60,19 @@ void SimVehicle::CollectSent(uint64_t now_ns) {
   for (const CanFrame& frame : of_right) left_.TakeFrame(frame, now_ns);
   outbox_.insert(outbox_.end(), of_left.begin(), of_left.end());
   outbox_.insert(outbox_.end(), of_right.begin(), of_right.end());
+}
+
+void SimVehicle::MoveModel() {
+  static_assert(kStep_ns == 1'000'000 && VehicleModel::kStep_s == 0.001);
+  model_->Step({.speeds = {left_.setpoint_radps(), right_.setpoint_radps()},
+                .left_driven = left_.turns(),
+                .right_driven = right_.turns()});
+  left_.TurnWheels(model_->wheels().left_radps);
+  right_.TurnWheels(model_->wheels().right_radps);
+  pose_ = model_->pose();
+  speed_mps_ = model_->speed_mps();
+  yaw_rate_radps_ = model_->yaw_rate_radps();
+  driven_m_ = model_->driven_m();
 }
 
 void SimVehicle::Move(double seconds) {

@@ -2,15 +2,19 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "hal/can_frame.h"
+#include "tools/sim/pose.h"
 #include "tools/sim/sevcon_drive.h"
+#include "tools/sim/vehicle_model.h"
 
 // Two simulated drives, and how a skid-steered vehicle moves over level ground by their wheels:
 //   v = ground_per_wheel r (w_l + w_r) / 2,  w = r (w_r - w_l) / baseline
-// No wheel slips otherwise, nothing is hit. Frame: that of the world it drives in, metres, x and y
-// level, angles anticlockwise.
+// or, where VehicleSettings has a model, as that model does (vehicle_model.h), which then moves the
+// wheels too. No wheel slips otherwise, nothing is hit. Frame: that of the world it drives in,
+// metres, x and y level, angles anticlockwise.
 
 namespace hardpack::sim {
 
@@ -20,17 +24,12 @@ struct GroundModel {
   double skid_baseline_m = 1.87;
 };
 
-struct Pose {
-  double x_m = 0.0;
-  double y_m = 0.0;
-  double theta_rad = 0.0;  // not wrapped
-};
-
 struct VehicleSettings {
   DriveSettings left;
   DriveSettings right;
   GroundModel ground;
   Pose start;
+  std::optional<VehicleModelParams> model;  // in place of the drives' motors and of `ground`
 };
 
 // Both drives at their nodes 2 and 3.
@@ -62,7 +61,10 @@ class SimVehicle {
   void CollectSent(uint64_t now_ns);
   void Move(double seconds);
 
+  void MoveModel();
+
   GroundModel ground_;
+  std::optional<VehicleModel> model_;
   SevconDrive left_;
   SevconDrive right_;
   uint64_t now_ns_;

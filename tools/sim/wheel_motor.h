@@ -32,6 +32,11 @@ class WheelMotor {
   double speed_radps() const { return speed_radps_; }
   double acceleration_radps2() const { return acceleration_radps2_; }
   void Stop() { speed_radps_ = 0.0; }  // as against a wall
+  // A step in which something else turns the wheels.
+  void Turn(double speed_radps) {
+    acceleration_radps2_ = (speed_radps - speed_radps_) / step_s_;
+    speed_radps_ = speed_radps;
+  }
 
  private:
   MotorModel model_;

@@ -94,6 +94,41 @@ TEST(MasterAndDrives, BringUpDriveAndStop) {
   EXPECT_EQ(both.vehicle().speed_mps(), 0.0);
 }
 
+TEST(MasterAndDrives, DriveAModelledVehicleToo) {
+  VehicleSettings settings = MasterAndDrives::WithGears();
+  settings.model.emplace();
+  MasterAndDrives both(settings);
+  both.Start();
+  both.Run(5.0);
+  ASSERT_TRUE(both.master().ready()) << both.Reports();
+  both.Run(20.0, MasterAndDrives::Speed(5.0f, 8.0f));
+  EXPECT_TRUE(both.master().enabled()) << both.Reports();
+  const WheelFeedback feedback = both.master().feedback(25'000'000'000);
+  EXPECT_TRUE(feedback.valid);
+  // The differential one as commanded in the end, the common one less what the turn takes.
+  EXPECT_NEAR(feedback.right_radps - feedback.left_radps, 3.0f, 0.2f);
+  EXPECT_NEAR(feedback.left_radps, both.vehicle().drive(Side::kLeft).wheel_radps(), 0.1);
+  EXPECT_NEAR(both.vehicle().yaw_rate_radps(), 2.0 * 0.3 * 1.5 / settings.model->skid_baseline_m,
+              0.03);
+  both.Run(6.0);
+  EXPECT_TRUE(both.vehicle().drive(Side::kLeft).braked());
+  EXPECT_EQ(both.vehicle().drive(Side::kLeft).wheel_radps(), 0.0);
+  EXPECT_NEAR(both.vehicle().speed_mps(), 0.0, 1.0e-6);
+  EXPECT_GT(both.vehicle().driven_m(), 20.0);
+}
+
+TEST(MasterAndDrives, HearOfABlockedWheelOfAModelledVehicle) {
+  VehicleSettings settings = MasterAndDrives::WithGears();
+  settings.model.emplace();
+  MasterAndDrives both(settings);
+  both.Start();
+  both.Run(5.0);
+  both.vehicle().drive(Side::kLeft).faults().blocked = true;
+  both.Run(3.0, MasterAndDrives::Speed(5.0f, 5.0f));
+  EXPECT_EQ(both.vehicle().drive(Side::kLeft).wheel_radps(), 0.0);
+  EXPECT_GT(both.vehicle().drive(Side::kRight).wheel_radps(), 1.0);
+}
+
 TEST(MasterAndDrives, FindTheirWayThroughEveryWayOfConfiguration) {
   VehicleSettings settings = MasterAndDrives::WithGears();
   for (DriveSettings* drive : {&settings.left, &settings.right}) {

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace hardpack::sim {
+
+// In the frame of the world that is driven in: metres, x and y level, anticlockwise.
+struct Pose {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double theta_rad = 0.0;  // not wrapped
+};
+
+}  // namespace hardpack::sim
