@@ -306,6 +306,16 @@ TEST(VehicleLoopSafety, StopsForAPersonAndGoesOnWhenTheWayIsFree) {
   EXPECT_NEAR(drive.Pose().x_m, 25.0, 0.7);
 }
 
+// It would brake for what plans are free to pass.
+TEST(VehicleLoopSafety, RefusesACorridorWiderThanWhatPlansAreCheckedFor) {
+  ClosedLoop drive;
+  VehicleConfig config = drive.config();
+  config.onboard.safety.corridor_margin_m = 0.2f;
+  EXPECT_EQ(drive.loop().Configure(config), Status::kParameterOutOfRange);
+  config.onboard.safety.corridor_margin_m = 0.0f;
+  EXPECT_EQ(drive.loop().Configure(config), Status::kOk);
+}
+
 TEST(VehicleLoopSafety, MeasuresItsReactionWhileItDrives) {
   ClosedLoop drive;
   drive.DriveTo(20.0f, 0.0f);
