@@ -82,6 +82,15 @@ struct SafetyParams {
   float operator_timeout_s = 0.0f;  // silence of the operator's program that stops; 0: none does
   float max_stop_s = 8.0f;          // a safe stop that takes longer becomes zero speed
   float hard_age_factor = 3.0f;     // an age beyond this many times its limit: zero speed at once
+  // The corridor that single returns are held against (core/safety/corridor.h).
+  float corridor_margin_m = 0.05f;  // beyond half the vehicle's width
+  // The last limits of a command (core/safety/command_gate.h).
+  float max_wheel_acceleration_radps2 = 200.0f;
+  // Motion against command (core/safety/motion_watch.h).
+  float motion_speed_margin_mps = 1.0f;
+  float motion_yaw_margin_radps = 0.6f;
+  float motion_time_s = 1.0f;  // so long beyond a margin is a fault
+  float stuck_time_s = 5.0f;   // told to move, and standing
 };
 
 // The work of one tick (hal/vehicle_loop.h).

@@ -142,7 +142,19 @@ inline constexpr std::array kSafetyTable = {
     HP_SAFETY(max_stop_s, 0.5f, 30.0f,
               "A safe stop along the path that takes longer becomes zero speed."),
     HP_SAFETY(hard_age_factor, 1.0f, 20.0f,
-              "An age beyond this many times its limit: zero speed at once.")};
+              "An age beyond this many times its limit: zero speed at once."),
+    HP_SAFETY(corridor_margin_m, 0.0f, 0.5f,
+              "Beyond half the vehicle's width a return so near to the path brakes at once. Not "
+              "more than vehicle.footprint_disc_radius_m allows: plans are checked for that."),
+    HP_SAFETY(max_wheel_acceleration_radps2, 1.0f, 2000.0f,
+              "No wheel's command changes faster; zero for both goes out at once."),
+    HP_SAFETY(motion_speed_margin_mps, 0.1f, 5.0f,
+              "Wheels that are faster than commanded lately by more than this ..."),
+    HP_SAFETY(motion_yaw_margin_radps, 0.1f, 5.0f,
+              "... or a yaw rate of the INS that is off by more than this ..."),
+    HP_SAFETY(motion_time_s, 0.1f, 10.0f, "... for this long are a fault."),
+    HP_SAFETY(stuck_time_s, 0.5f, 60.0f,
+              "Wheels that stand for this long although they are told to turn are a fault.")};
 #undef HP_SAFETY
 
 #define HP_TICK(...) HP_ENTRY("tick", TickParams, __VA_ARGS__)

@@ -198,7 +198,14 @@ inline constexpr std::array kSpeedTable = {
              "Time constant of the drives' first-order lag when stopping (ours)."),
     HP_SPEED(person_speed_mps, 0.1f, 10.0f, "How fast a person may walk into the way (ours)."),
     HP_SPEED(person_margin_m, 0.0f, 5.0f,
-             "Distance to be kept from a person when stopping (ours).")};
+             "Distance to be kept from a person when stopping (ours)."),
+    HP_SPEED(person_creep_mps, 0.0f, 1.0f,
+             "Speed past a person before whom no stop is possible any more, but who cannot reach "
+             "the way within the time that a stop from it takes; 0: the vehicle stands (ours).",
+             &SpeedParams::min_speed_mps),
+    HP_SPEED(max_unseen_m, 0.0f, 100.0f,
+             "A longer stretch along the path whose ground was not observed ends the observed "
+             "ground, before which the vehicle can always stop (ours).")};
 #undef HP_SPEED
 
 #define HP_REPLAN(...) HP_ENTRY("replan", ReplanParams, __VA_ARGS__)

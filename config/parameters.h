@@ -92,6 +92,8 @@ struct SpeedParams {
   float stopping_lag_s = 0.5f;             // first-order lag of the drives
   float person_speed_mps = 2.0f;           // how fast a person may walk into the way
   float person_margin_m = 0.5f;
+  float person_creep_mps = 0.2f;  // past a person who is near but leaves room; 0: none
+  float max_unseen_m = 0.6f;      // stretch of ground along the path that may be unobserved
 };
 
 // When the plan that is driven gives way to a new one, and where the new one joins it

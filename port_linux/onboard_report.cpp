@@ -21,6 +21,7 @@ void Fill(const VehicleLoop& loop, control::VehiclePart& part) {
   part.last_stop = static_cast<uint8_t>(loop.supervisor().last_stop());
   part.motion = static_cast<uint8_t>(permission.motion);
   const Odometry& odometry = loop.odometry();
+  part.stop_reason_age = control::AgeAt(loop.now_ns(), permission.reason_since_ns);
   part.x_m = odometry.pose().position.x_m;
   part.y_m = odometry.pose().position.y_m;
   part.yaw_rad = odometry.pose().yaw_rad;
@@ -110,6 +111,27 @@ void Fill(const VehicleLoop& loop, control::PlanPart& part) {
   part.reaches_goal = plan.reaches_goal;
   part.is_stop = plan.is_stop;
   part.narrow = plan.narrow;
+}
+
+void Fill(const VehicleLoop& loop, control::SafetyPart& part) {
+  const Corridor& corridor = loop.corridor();
+  part.obstacle_ahead = corridor.has_obstacle();
+  part.person_ahead = corridor.is_person();
+  if (corridor.has_obstacle()) {
+    part.obstacle_distance_m = corridor.obstacle_along_m() - loop.replanner().place().along_m;
+  }
+  const ReactionMeter& reaction = loop.reaction();
+  part.reaction_median_s = reaction.Time_s(0.5f);
+  part.reaction_p99_s = reaction.Time_s(0.99f);
+  part.reaction_median_m = reaction.Radius_m(0.5f);
+  part.reaction_p99_m = reaction.Radius_m(0.99f);
+  part.reaction_columns = reaction.columns();
+  part.reaction_lost = reaction.lost();
+  const GateCounters& gate = loop.gate().counters();
+  part.commands_not_finite = gate.not_finite;
+  part.commands_not_permitted = gate.not_permitted;
+  part.commands_above_speed = gate.above_speed;
+  part.commands_above_change = gate.above_change;
 }
 
 void Fill(const ReplanCounters& counters, control::ReplanPart& part) {
@@ -232,6 +254,7 @@ void Fill(const LoopCounters& counters, control::LoopPart& part) {
   part.lidar_restarts = counters.lidar_restarts;
   part.clock_jumps = counters.clock_jumps;
   part.odometry_gaps = counters.odometry_gaps;
+  part.odometry_jumps = counters.odometry_jumps;
   part.refused_labels = counters.refused_labels;
   part.commands = counters.commands;
   part.refused_commands = counters.refused_commands;
@@ -265,6 +288,7 @@ void Onboard::Report(control::StatusReport& report) const {
   Fill(loop_, report.inputs);
   Fill(loop_, report.goal);
   Fill(loop_, report.plan);
+  Fill(loop_, report.safety);
   Fill(loop_.replanner().counters(), report.replan);
   Fill(loop_.newest_ins(), report.ins);
   Fill(loop_.ins().counters(), report.ins_stream);

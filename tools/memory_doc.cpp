@@ -49,6 +49,9 @@ int main() {
   PrintRow("&nbsp; `PoseHistory`", sizeof(PoseHistory), "poses for motion compensation");
   PrintRow("`VehicleLoop`", sizeof(VehicleLoop),
            "everything on board: `Mapper`, `Replanner`, and of the rest:");
+  PrintRow("&nbsp; `Corridor`", sizeof(Corridor),
+           "returns against the path: a coarse grid, and the cells of the last ticks");
+  PrintRow("&nbsp; `ReactionMeter`", sizeof(ReactionMeter), "columns that wait, and histograms");
   PrintRow("&nbsp; `vectornav::StreamParser`", sizeof(vectornav::StreamParser),
            "the INS's stream, until a message is whole");
   PrintRow("&nbsp; `control::OperatorCommand`", sizeof(control::OperatorCommand), "waypoints");

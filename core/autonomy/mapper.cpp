@@ -85,6 +85,7 @@ Status Mapper::Configure(const PerceptionParams& params, const CostmapParams& ru
                       ? INT32_MAX
                       : InCentimeters(rule.clearance_height_m);
   counters_ = MapperCounters{};
+  fresh_.Clear();
   restarting_ = false;
   silent_ = true;
   newest_time_ns_ = 0;
@@ -153,6 +154,7 @@ void Mapper::Forget() {
 
 Status Mapper::AddColumn(const LidarColumn& column, uint64_t time_ns) {
   if (!configured_) return Status::kNotStarted;
+  fresh_.Clear();
   if (restarting_) return Status::kSensorRestarted;
   HP_LOOP_BOUND(kMaxBeams)
   for (int row = 0; row < model_.beams; ++row) self_[row] = 0;
@@ -261,7 +263,13 @@ void Mapper::ClassAsHard(int slot, int64_t looked) {
 void Mapper::FinishColumn(int slot) {
   if (ring_.column(slot).state != ColumnState::kRaw) return;
   ring_.MarkClassed(slot);
+  MarkFresh(slot);
   if (params_.mapping.use_labels == 0 || ring_.column(slot).labelled) Fold(slot);
+}
+
+// It has room for all that one call classes.
+void Mapper::MarkFresh(int slot) {
+  static_cast<void>(fresh_.PushBack(static_cast<int16_t>(slot)));
 }
 
 Mapper::Direction& Mapper::DirectionOf(int64_t sequence) {

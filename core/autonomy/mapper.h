@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <type_traits>
 
 #include "config/parameters.h"
+#include "core/base/fixed_vector.h"
 #include "core/base/status.h"
 #include "core/costmap/costmap.h"
 #include "core/costmap/height_grid.h"
@@ -111,6 +114,25 @@ class Mapper {
   // `since`, in a builder whose cells are classed. slot: 0 .. ring().slots() - 1. Cost: one column.
   void MarkPending(int slot, uint32_t since, CostmapBuilder& builder) const;
 
+  // A column that ends a gap classes what waits on both sides of it.
+  static constexpr int kMaxFresh = 2 * kMaxDirections + 2;
+  // Slots of the ring whose columns were classed, or were classed and got their labels, in the last
+  // call of AddColumn, AddLabels or Advance, in order: what a test of single returns is to look at.
+  std::span<const int16_t> fresh() const {
+    return {fresh_.begin(), static_cast<size_t>(fresh_.size())};
+  }
+
+  // What a return of a classed column by itself makes of its cell, as MarkPending would mark it:
+  // Costmap::kHard, kHard | kPerson, kSoft or 0. Where it is not 0 it sets where the return lies;
+  // 0 for one further away than max_range_mm. Preconditions: 0 <= slot < ring().slots(), 0 <= row <
+  // model().beams. Constant cost.
+  uint8_t ObstacleOf(int slot, int row, uint32_t max_range_mm, Vec2& point_odom) const;
+
+  // Our time of the newest column that looked along a level direction of odom with the sensor's
+  // newest pose; 0: none within the ring's last kLookBack revolutions. Constant cost.
+  static constexpr int kLookBack = 3;
+  uint64_t NewestLook_ns(Vec2 direction_odom) const;
+
   bool started() const { return configured_; }
   // A pose and a column have come: what the map calls free was not just never looked at.
   bool has_seen() const { return configured_ && poses_.size() > 0 && ring_.newest_sequence() >= 0; }
@@ -141,6 +163,7 @@ class Mapper {
   void ClassUpTo(int64_t last);
   void ClassAsHard(int slot, int64_t looked);
   void FinishColumn(int slot);
+  void MarkFresh(int slot);
   Direction& DirectionOf(int64_t sequence);
   void LookAlong(int64_t sequence);
   void LookWithBeam(int beam, int own_id, const Transform3& pose, Direction& direction);
@@ -175,6 +198,7 @@ class Mapper {
   PerceptionParams params_;
   LabelTable table_;
   MapperCounters counters_;
+  FixedVector<int16_t, kMaxFresh> fresh_;
   uint8_t self_[kMaxBeams] = {};
   DirectionView view_;
   Direction directions_[Segmenter::kLag + 1];  // by sequence, modulo

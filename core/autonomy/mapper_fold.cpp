@@ -3,12 +3,14 @@
 #include "core/autonomy/mapper.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
+#include "core/base/saturate.h"
 #include "core/base/units.h"
 
 namespace hardpack {
 
 Status Mapper::AddLabels(const ColumnLabels& labels) {
   if (!configured_) return Status::kNotStarted;
+  fresh_.Clear();
   if (labels.beams != model_.beams) return Status::kInvalidArgument;
   int64_t sequence = -1;
   const Status found = ring_.FindForLabels(labels.frame_id, labels.measurement_id, sequence);
@@ -25,7 +27,9 @@ Status Mapper::AddLabels(const ColumnLabels& labels) {
     ring_.Set(slot, row, packed);
   }
   ring_.MarkLabelled(slot);
-  if (ring_.column(slot).state == ColumnState::kClassed) Fold(slot);
+  if (ring_.column(slot).state != ColumnState::kClassed) return Status::kOk;
+  MarkFresh(slot);
+  Fold(slot);
   return Status::kOk;
 }
 
@@ -79,6 +83,7 @@ void Mapper::Fold(int slot) {
 
 void Mapper::Advance(uint64_t now_ns) {
   if (!configured_) return;
+  fresh_.Clear();
   const bool fell_silent = !silent_ && ring_.newest_sequence() >= 0 &&
                            now_ns > newest_time_ns_ + static_cast<uint64_t>(kSilence_ns);
   if (fell_silent) {
@@ -150,6 +155,43 @@ void Mapper::MarkPending(int slot, uint32_t since, CostmapBuilder& builder) cons
     const uint8_t flags = PendingFlags(packed, InCentimeters(point.z_m), heights_.At(cell));
     if (flags != 0) builder.Mark(window.Index(cell), flags);
   }
+}
+
+uint8_t Mapper::ObstacleOf(int slot, int row, uint32_t max_range_mm, Vec2& point_odom) const {
+  const ColumnState state = ring_.column(slot).state;
+  if (state != ColumnState::kClassed && state != ColumnState::kFolded) return 0;
+  const PackedReturn packed = ring_.at(slot, row);
+  if (packed.range_mm() > max_range_mm || !MayBeObstacle(packed)) return 0;
+  const Vec3 point = PointOdom(ring_.column(slot), row, packed);
+  const Cell cell = CellAt({point.x_m, point.y_m});
+  if (!IsFinite(point.x_m) || !IsFinite(point.y_m)) return 0;
+  point_odom = {point.x_m, point.y_m};
+  return PendingFlags(packed, InCentimeters(point.z_m), heights_.At(cell));
+}
+
+// The encoder's angle runs backwards: theta_e = 2 pi (1 - m / W). The beams' own azimuths are left
+// out: they shift a column's direction by less than the sectors in which ages differ.
+uint64_t Mapper::NewestLook_ns(Vec2 direction_odom) const {
+  const int64_t newest = ring_.newest_sequence();
+  if (!configured_ || newest < 0 || !ring_.Holds(newest)) return 0;
+  const float* odom = ring_.column(ring_.SlotOf(newest)).odom_from_sensor.rotation;
+  const float* own = model_.sensor_from_lidar.rotation;
+  const Vec2& d = direction_odom;
+  const Vec3 sensor = {odom[0] * d.x_m + odom[3] * d.y_m, odom[1] * d.x_m + odom[4] * d.y_m,
+                       odom[2] * d.x_m + odom[5] * d.y_m};
+  const float x = own[0] * sensor.x_m + own[3] * sensor.y_m + own[6] * sensor.z_m;
+  const float y = own[1] * sensor.x_m + own[4] * sensor.y_m + own[7] * sensor.z_m;
+  const int columns = model_.columns_per_revolution;
+  const float share = 1.0f - Atan2(y, x) / kTwoPi;  // of the revolution, 0.5 to 1.5
+  const int32_t turned = FloorToInt(share * static_cast<float>(columns) + 0.5f);
+  const int32_t looked = ClampInt(turned >= columns ? turned - columns : turned, 0, columns - 1);
+  const int32_t since = ring_.MeasurementIdOf(newest) - looked;
+  int64_t sequence = newest - (since < 0 ? since + columns : since);
+  HP_LOOP_BOUND(kLookBack)
+  for (int back = 0; back < kLookBack && sequence >= 0; ++back, sequence -= columns) {
+    if (ring_.Holds(sequence)) return ring_.column(ring_.SlotOf(sequence)).time_ns;
+  }
+  return 0;
 }
 
 bool Mapper::MayBeObstacle(PackedReturn packed) const {

@@ -26,8 +26,8 @@ constexpr CommittedPlan kNothingCommitted;
 
 Status CheckUpdate(const VehicleState& state, const PlanGoal& goal) {
   const bool finite = IsFinite(state.pose) && IsFinite(state.curvature_per_m) &&
-                      IsFinite(state.speed_mps) && IsFinite(goal.position_odom.x_m) &&
-                      IsFinite(goal.position_odom.y_m) &&
+                      IsFinite(state.speed_mps) && IsFinite(state.reaction_s) &&
+                      IsFinite(goal.position_odom.x_m) && IsFinite(goal.position_odom.y_m) &&
                       (!goal.has_heading || IsFinite(goal.heading_rad));
   if (!finite) return Status::kNotFinite;
   const bool fits = state.speed_mps >= -Replanner::kStanding_mps &&
@@ -160,7 +160,7 @@ void Replanner::StepOwn(int units) {
       if (planner_.StepCells(units) == Progress::kDone) Decide();
       return;
     case Phase::kSpeed:
-      if (caps_.Step(planner_.costmap(), params_.speed, params_.vehicle, candidate_.path, units) ==
+      if (caps_.Step(planner_.costmap(), caps_params_, params_.vehicle, candidate_.path, units) ==
           Progress::kDone) {
         Publish();
       }

@@ -70,6 +70,9 @@ struct VehicleState {
   // Forward. With lagging drives the speed that it has been told to have then: a plan that starts
   // from the speed it lags at would never let it accelerate.
   float speed_mps = 0.0f;
+  // Age that what is known of the ground ahead will have when a plan of now is driven. Where that
+  // is more than SpeedParams::reaction_time_s it is what speeds are made for.
+  float reaction_s = 0.0f;
 };
 
 // For an owner without a history of commands: the state after ahead_s at constant speed and
@@ -106,7 +109,10 @@ struct ReplanOutcome {
   Status plan_status = Status::kNotStarted;  // of the new plan, used or not
   bool anchored = false;                     // the new plan started on the committed path ...
   bool late = false;                         // ... and came too late to be used
-  float committed_cost = 0.0f;               // as they were compared; 0 where they were not
+  // Whether the committed plan keeps the vehicle standing where it is, short of its end, and why.
+  bool held = false;
+  CapCause held_by = CapCause::kPathEnd;
+  float committed_cost = 0.0f;  // as they were compared; 0 where they were not
   float new_cost = 0.0f;
 };
 
@@ -241,6 +247,7 @@ class Replanner {
   Status TimeFrom(const PathPlace& place);
 
   PlannerParams params_;
+  SpeedParams caps_params_;  // those of params_, with the reaction time of this round
   bool configured_ = false;
   bool has_state_ = false;
   uint64_t now_ns_ = 0;

@@ -10,6 +10,8 @@ namespace {
 constexpr float kWayCostPerMeter = kStraightLength * kCellsPerMeter;
 // Headings of goals that differ by less are the same.
 constexpr float kGoalTurn_rad = 0.1f;
+// The largest value of SpeedParams::reaction_time_s.
+constexpr float kMaxReaction_s = 5.0f;
 
 float Distance(Vec2 a, Vec2 b) {
   const Vec2 arm = {a.x_m - b.x_m, a.y_m - b.y_m};
@@ -178,7 +180,10 @@ void Replanner::Decide() {
     MakeCandidate(decision, ReplanReason::kNone);
   }
   if (candidate_.path.size() < 2) return DropAll();
-  caps_.Begin(planner_.costmap().window, params_.speed, params_.vehicle, candidate_.path);
+  caps_params_ = params_.speed;
+  caps_params_.reaction_time_s =
+      Clamp(state_.reaction_s, params_.speed.reaction_time_s, kMaxReaction_s);
+  caps_.Begin(planner_.costmap().window, caps_params_, params_.vehicle, candidate_.path);
   phase_ = Phase::kSpeed;
 }
 

@@ -75,6 +75,10 @@ void Replanner::Commit(const PathPlace& place) {
   const Status timed = TimeFrom(place);
   round_.decision = candidate_.decision;
   round_.reason = candidate_.reason;
+  const int next = place.point + 1;
+  round_.held_by = caps_.cause(next);
+  round_.held = caps_.cap_mps()[static_cast<size_t>(next)] <= kStanding_mps &&
+                round_.held_by != CapCause::kPathEnd;
   round_.status = plan.is_stop ? StopStatus() : (IsUsable(timed) ? plan.status : timed);
 }
 

@@ -8,8 +8,8 @@
 namespace hardpack {
 namespace {
 
-// Further than any two points of a map.
-constexpr float kFar_m = 1.0e3f;
+constexpr float kFar_m = SpeedCaps::kFar_m;
+constexpr float kSample_m = 0.5f * kCellSize_m;
 constexpr float kHalfCellDiagonal_m = 0.5f * kCellDiagonal_m;
 
 // How far ahead a person can matter: beyond, the vehicle can stop first from any speed.
@@ -52,7 +52,13 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
   HP_LOOP_BOUND(kMaxPathPoints)
   for (int k = 0; k < points_; ++k) {
     cap_mps_[k] = ReactionSpeedCap(params, along_m_[points_ - 1] - along_m_[k]);
+    cause_[k] = CapCause::kPathEnd;
   }
+  chord_ = 0;
+  observed_m_ = kFar_m;
+  max_unseen_m_ = params.max_unseen_m;
+  HP_LOOP_BOUND(kTracks)
+  for (float& seen_m : seen_m_) seen_m = 0.0f;
   low_ = window.Nearest(CellAt({low.x_m - reach_m_, low.y_m - reach_m_}));
   high_ = window.Nearest(CellAt({high.x_m + reach_m_, high.y_m + reach_m_}));
   row_ = low_.y;
@@ -63,15 +69,67 @@ Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
                          const VehicleParams& vehicle, const WorldPath& path, int units) {
   HP_LOOP_BOUND(kMaxUnits)
   for (int unit = 0; unit < units && point_ < points_; ++unit) {
-    if (row_ <= high_.y) {
+    if (chord_ < points_) {
+      LookAlong(map, vehicle, path, chord_);
+      ++chord_;
+    } else if (row_ <= high_.y) {
       SearchRow(map, path);
       ++row_;
     } else {
+      const float free_m = observed_m_ - 0.5f * vehicle.length_m - along_m_[point_];
+      Lower(point_, ReactionSpeedCap(params, free_m), CapCause::kUnseenGround);
       CapForPersonAt(point_, params, vehicle);
       ++point_;
     }
   }
   return point_ < points_ ? Progress::kBusy : Progress::kDone;
+}
+
+void SpeedCaps::Lower(int point, float cap_mps, CapCause cause) {
+  if (cap_mps >= cap_mps_[point]) return;
+  cap_mps_[point] = cap_mps;
+  cause_[point] = cause;
+}
+
+// The chord behind a point; behind the last one straight on, as far as the vehicle's front reaches.
+void SpeedCaps::LookAlong(const Costmap& map, const VehicleParams& vehicle, const WorldPath& path,
+                          int point) {
+  if (observed_m_ < kFar_m) return;  // it ends before
+  const Pose2& from = path[point];
+  const bool is_last = point + 1 == points_;
+  const float length_m = is_last ? 0.5f * vehicle.length_m : along_m_[point + 1] - along_m_[point];
+  if (!HasLength(length_m)) return;
+  const SinCosPair heading = SinCos(from.theta_rad);
+  Vec2 direction = {heading.cos, heading.sin};
+  if (!is_last) {
+    direction = {(path[point + 1].x_m - from.x_m) / length_m,
+                 (path[point + 1].y_m - from.y_m) / length_m};
+  }
+  const float aside_m = kTrack * vehicle.width_m;
+  const Vec2 aside = {-aside_m * direction.y_m, aside_m * direction.x_m};
+  const int samples = ClampInt(FloorToInt(Min(length_m / kSample_m, 1.0e6f)) + 1, 1, kMaxSamples);
+  const float step_m = length_m / static_cast<float>(samples);
+  HP_LOOP_BOUND(kMaxSamples)
+  for (int i = 1; i <= samples; ++i) {
+    const float on_m = step_m * static_cast<float>(i);
+    LookAt(map, {from.x_m + on_m * direction.x_m, from.y_m + on_m * direction.y_m}, aside,
+           along_m_[point] + on_m);
+  }
+}
+
+void SpeedCaps::LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m) {
+  HP_LOOP_BOUND(kTracks)
+  for (int track = 0; track < kTracks; ++track) {
+    const float side = static_cast<float>(track - 1);
+    const Cell cell = CellAt({place.x_m + side * aside.x_m, place.y_m + side * aside.y_m});
+    const bool is_seen =
+        map.window.Contains(cell) && (map.flags[map.window.Index(cell)] & Costmap::kObserved) != 0;
+    if (is_seen) {
+      seen_m_[track] = along_m;
+    } else if (along_m - seen_m_[track] > max_unseen_m_) {
+      observed_m_ = Min(observed_m_, seen_m_[track]);
+    }
+  }
 }
 
 void SpeedCaps::SearchRow(const Costmap& map, const WorldPath& path) {
@@ -109,7 +167,7 @@ void SpeedCaps::CapForPersonAt(int point, const SpeedParams& params, const Vehic
   for (int k = 0; k < points_; ++k) {
     const float to_person_m = along_m_[point] - along_m_[k];
     if (to_person_m > ahead_m) continue;
-    cap_mps_[k] = Min(cap_mps_[k], PersonSpeedCap(params, vehicle, to_person_m, lateral_m));
+    Lower(k, PersonSpeedCap(params, vehicle, to_person_m, lateral_m), CapCause::kPerson);
   }
 }
 

@@ -13,10 +13,26 @@
 
 // What the surroundings allow along a path that has been checked (docs/algorithm.md sections 6 and
 // 8): at each point the speed from which the vehicle can still stop within the rest of the path,
-// since nothing beyond its end was checked, and the caps for the people beside it. It does not look
-// for obstacles on the path: the check has.
+// since nothing beyond its end was checked, and before the end of the observed ground; and the caps
+// for the people beside it. It does not look for obstacles on the path: the check has.
+//
+//        |<- free ->|<- half the length ->|
+//   o====o==========+=====================#? ? ? ? ?o      # the end of the observed ground
+//
+// The observed ground ends where on one of three tracks, the path's own and kTrack of the width to
+// either side, no cell has been observed (Costmap::kObserved) for more than max_unseen_m. Shorter
+// stretches are what the lidar's ring spacing and the directions' spacing leave open. It is looked
+// for up to half the vehicle's length beyond the path's end. A path begins where the vehicle is, so
+// that its first point counts as observed.
 
 namespace hardpack {
+
+// What it is that holds the vehicle back at a point.
+enum class CapCause : uint8_t {
+  kPathEnd,       // nothing but the end of what was checked
+  kUnseenGround,  // the observed ground ends before it
+  kPerson,
+};
 
 class SpeedCaps {
  public:
@@ -24,17 +40,31 @@ class SpeedCaps {
   void Begin(const GridWindow& window, const SpeedParams& params, const VehicleParams& vehicle,
              const WorldPath& path);
 
-  // A unit is one row of the map searched for people (each goes to every point where the path
-  // passes it), or one point whose nearest person caps the points before it. At most kMaxUnits
-  // units.
-  static constexpr int kMaxUnits = kMapSize_cells + kMaxPathPoints;
+  // A unit is one chord looked along for ground that was not observed, one row of the map searched
+  // for people (each goes to every point where the path passes it), or one point whose nearest
+  // person caps the points before it. At most kMaxUnits units.
+  static constexpr int kMaxUnits = kMapSize_cells + 2 * kMaxPathPoints;
   Progress Step(const Costmap& map, const SpeedParams& params, const VehicleParams& vehicle,
                 const WorldPath& path, int units);
 
   // [n] m/s, valid once Step has returned kDone.
   std::span<const float> cap_mps() const { return {cap_mps_, static_cast<size_t>(points_)}; }
+  // Of the cap at a point, 0 .. n - 1; valid with it.
+  CapCause cause(int point) const { return cause_[point]; }
+  // Way along the path to the end of the observed ground; kFar_m if that is not on it.
+  float observed_m() const { return observed_m_; }
+  static constexpr float kFar_m = 1.0e3f;  // further than any two points of a map
+  static constexpr float kTrack = 0.4f;    // of the width
 
  private:
+  static constexpr int kTracks = 3;
+  // Between two points of a path; those of a longer chord lie further apart than half a cell.
+  static constexpr int kMaxSamples = 32;
+
+  void LookAlong(const Costmap& map, const VehicleParams& vehicle, const WorldPath& path,
+                 int point);
+  void LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m);
+  void Lower(int point, float cap_mps, CapCause cause);
   void SearchRow(const Costmap& map, const WorldPath& path);
   void FilePerson(Vec2 person_odom, const WorldPath& path);
   void CapForPersonAt(int point, const SpeedParams& params, const VehicleParams& vehicle);
@@ -43,8 +73,13 @@ class SpeedCaps {
   float cap_mps_[kMaxPathPoints] = {};
   float person2_m2_[kMaxPathPoints] = {};  // squared, to the nearest person filed with the point
   float reach_m_ = 0.0f;                   // people further from the path cap nothing
+  CapCause cause_[kMaxPathPoints] = {};
   int32_t points_ = 0;
-  Cell low_;  // the part of the map that is searched
+  int32_t chord_ = 0;        // next to be looked along; the one behind the last is beyond
+  float observed_m_ = 0.0f;  // way to the end of the observed ground
+  float max_unseen_m_ = 0.0f;
+  float seen_m_[kTracks] = {};  // of each track, the way to the last observed cell
+  Cell low_;                    // the part of the map that is searched
   Cell high_;
   int32_t row_ = 0;    // next, up to high_.y
   int32_t point_ = 0;  // next

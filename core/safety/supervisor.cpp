@@ -54,7 +54,7 @@ StopReason Supervisor::Unfit(const SupervisorInput& input) const {
   if (input.foreign_sender) return StopReason::kForeignSender;
   if (!input.bus_active) return StopReason::kBus;
   if (input.drives_faulty) return StopReason::kDrives;
-  return StopReason::kNone;
+  return input.misbehaves;
 }
 
 StopReason Supervisor::MayNotArm(const SupervisorInput& input) const {
@@ -123,9 +123,7 @@ void Supervisor::StepArmed(const SupervisorInput& input) {
     return;
   }
   reason_ = OldInput(input);
-  if (reason_ == StopReason::kNone && input.has_goal && !input.has_plan) {
-    reason_ = StopReason::kNoPlan;
-  }
+  if (reason_ == StopReason::kNone && input.has_goal && !input.has_plan) reason_ = Waits(input);
   if (reason_ == StopReason::kNone && input.has_goal &&
       IsOlder(input.now_ns, input.plan_checked_ns, params_.max_plan_age_s)) {
     reason_ = StopReason::kPlanOld;
@@ -134,6 +132,18 @@ void Supervisor::StepArmed(const SupervisorInput& input) {
   if (reason_ == StopReason::kNone && goes && input.drives_enabled) {
     Change(Mode::kDriving, StopReason::kNone, input.now_ns);
   }
+}
+
+// Why the vehicle stops or waits for its way, while it drives or would.
+StopReason Supervisor::Waits(const SupervisorInput& input) const {
+  if (input.ahead != WayAhead::kClear) {
+    return input.ahead_is_person ? StopReason::kPerson : StopReason::kObstacle;
+  }
+  if (input.held_by != StopReason::kNone) return input.held_by;
+  if (!zero_) return input.has_plan ? StopReason::kNone : StopReason::kNoPlan;
+  // It comes to rest before it goes on, for the reason for which that began.
+  const bool was_blocked = reason_ == StopReason::kPerson || reason_ == StopReason::kObstacle;
+  return was_blocked ? reason_ : StopReason::kNoPlan;
 }
 
 void Supervisor::StepDriving(const SupervisorInput& input) {
@@ -153,7 +163,8 @@ void Supervisor::StepDriving(const SupervisorInput& input) {
   }
   if (!input.has_plan && !input.has_path) zero_ = true;
   if (input.at_rest) zero_ = false;
-  reason_ = input.has_plan && !zero_ ? StopReason::kNone : StopReason::kNoPlan;
+  if (input.ahead == WayAhead::kTooNear && !input.at_rest) zero_ = true;
+  reason_ = Waits(input);
   if ((input.arrived && input.at_rest) || !input.has_goal) {
     Change(Mode::kArmed, StopReason::kNone, input.now_ns);
   }
@@ -170,7 +181,7 @@ void Supervisor::StepSafeStop(const SupervisorInput& input) {
     disarming_ = false;
     return;
   }
-  if (IsFarTooOld(input)) zero_ = true;
+  if (IsFarTooOld(input) || input.ahead == WayAhead::kTooNear) zero_ = true;
   if (SecondsBetween(since_ns_, input.now_ns) > params_.max_stop_s) {
     zero_ = true;
     reason_ = StopReason::kStopTooLong;
@@ -184,7 +195,7 @@ Motion Supervisor::MotionOf(const SupervisorInput& input) const {
       return Motion::kHold;
     case Mode::kDriving:
       if (zero_) return Motion::kZero;
-      if (input.has_plan) return Motion::kFollow;
+      if (input.has_plan && input.ahead == WayAhead::kClear) return Motion::kFollow;
       return input.has_path ? Motion::kStopAlong : Motion::kZero;
     case Mode::kSafeStop:
       return input.has_path && !zero_ ? Motion::kStopAlong : Motion::kZero;
@@ -221,6 +232,9 @@ Permission Supervisor::Judge(const SupervisorInput& input) {
         break;
     }
   }
+  if (reason_ != told_) reason_since_ns_ = input.now_ns;
+  told_ = reason_;
+  permission.reason_since_ns = reason_since_ns_;
   permission.mode = mode_;
   if (permission.wish_status == Status::kOk) permission.reason = reason_;
   permission.motion = MotionOf(input);

@@ -6,6 +6,7 @@
 
 #include "config/onboard_parameters.h"
 #include "core/base/status.h"
+#include "core/safety/corridor.h"
 
 // Whether the vehicle may move, and how it stops (docs/safety.md). Owns the modes; sees ages, flags
 // and the operator's wishes; commands no wheel. Times are ours.
@@ -25,7 +26,9 @@
 // operator's disarm alone. A fault of a drive in standby stays there: arming resets it. A goal that
 // still waits for its plan is dropped by a stop, too. Once zero speed was commanded for want of a
 // path, nothing is followed before the vehicle is at rest: a plan from a state at rest is no plan
-// for one that rolls.
+// for one that rolls. A return in the corridor of the path (core/safety/corridor.h) does not leave
+// driving either: the vehicle stops along its path, or with zero speed at once where that is too
+// long, until a plan that was checked since is clear of it.
 
 namespace hardpack {
 
@@ -48,8 +51,17 @@ enum class StopReason : uint8_t {
   kBus,             // the CAN bus is down or off
   kEmergency,       // told to, by the operator
   kMoving,          // it still moves: not to be armed yet
+  kNoWay,           // planning found that there is no way
+  kUnseenGround,    // the ground ahead has not been observed
+  kPerson,          // a person stands in the way, or too near to it
+  kObstacle,        // a return stands in the way of the committed path
+  kGoalInObstacle,  // the goal lies in an obstacle, and is not to be moved
+  kRunaway,     // it moves when it was told to stand, or much faster (core/safety/motion_watch.h)
+  kWrongTurn,   // it turns against its command
+  kStuck,       // it was told to move, and does not
+  kBadCommand,  // a command was no number (core/safety/command_gate.h)
 };
-inline constexpr int kStopReasons = 14;
+inline constexpr int kStopReasons = 23;
 
 // What is asked of the drives.
 enum class Motion : uint8_t {
@@ -86,6 +98,15 @@ struct SupervisorInput {
   bool has_plan = false;  // a checked, committed plan that may be driven
   bool has_path = false;  // a committed path along which to stop
   bool arrived = false;   // at the last goal
+  // The first return in the corridor of the path.
+  WayAhead ahead = WayAhead::kClear;
+  bool ahead_is_person = false;
+  // Why there is no plan, as far as it is known, or why the plan keeps the vehicle standing short
+  // of its end: kNone, kNoWay, kUnseenGround, kPerson or kGoalInObstacle.
+  StopReason held_by = StopReason::kNone;
+  // What the vehicle does against its commands, or with them: kNone, kRunaway, kWrongTurn, kStuck
+  // or kBadCommand. A fault, once it has torque.
+  StopReason misbehaves = StopReason::kNone;
   OperatorWishes wishes;
 };
 
@@ -93,6 +114,7 @@ struct Permission {
   Mode mode = Mode::kStandby;
   StopReason reason = StopReason::kNone;
   Motion motion = Motion::kOff;
+  uint64_t reason_since_ns = 0;      // that reason() has been what it is; 0: since the start
   bool drop_goal = false;            // the goals are void from this tick on
   bool reset_faults = false;         // of the drives: arming begins with it
   Status wish_status = Status::kOk;  // of this tick's wishes: kNotPermitted with `reason`
@@ -112,6 +134,8 @@ class Supervisor {
   Mode mode() const { return mode_; }
   // Why the last stop was made; kept until the next goal is taken.
   StopReason last_stop() const { return last_stop_; }
+  // Why the vehicle does not move now, whatever this tick's wishes were refused for.
+  StopReason reason() const { return reason_; }
 
  private:
   StopReason OldInput(const SupervisorInput& input) const;
@@ -123,6 +147,7 @@ class Supervisor {
   void StepArmed(const SupervisorInput& input);
   void StepDriving(const SupervisorInput& input);
   void StepSafeStop(const SupervisorInput& input);
+  StopReason Waits(const SupervisorInput& input) const;
   Motion MotionOf(const SupervisorInput& input) const;
 
   SafetyParams params_;
@@ -130,6 +155,8 @@ class Supervisor {
   Mode mode_ = Mode::kStandby;
   StopReason reason_ = StopReason::kNone;
   StopReason last_stop_ = StopReason::kNone;
+  StopReason told_ = StopReason::kNone;  // reason_ at the end of the tick before
+  uint64_t reason_since_ns_ = 0;
   uint64_t since_ns_ = 0;   // of the mode
   bool disarming_ = false;  // a safe stop that ends in standby
   bool zero_ = false;       // no path is followed before the vehicle is at rest

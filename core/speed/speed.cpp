@@ -257,7 +257,11 @@ float PersonSpeedCap(const SpeedParams& params, const VehicleParams& vehicle, fl
   if (aside_m * params.min_speed_mps > params.person_speed_mps * way_by_m) {
     return params.max_speed_mps;
   }
-  return ReactionSpeedCap(params, along_m - half_length_m - params.person_margin_m);
+  const float stop_mps = ReactionSpeedCap(params, along_m - half_length_m - params.person_margin_m);
+  const float creep_mps = params.person_creep_mps;
+  const float walk_s = params.reaction_time_s + creep_mps / params.max_deceleration_mps2;
+  const bool may_creep = aside_m > params.person_speed_mps * walk_s;
+  return may_creep ? Max(stop_mps, creep_mps) : stop_mps;
 }
 
 Status PlanSpeed(const SpeedParams& params, const VehicleParams& vehicle, const ActuatorPath& path,

@@ -67,7 +67,11 @@ float ReactionSpeedCap(const SpeedParams& params, float free_m);
 // person_speed_mps, is within person_margin_m of the corridor; else the speed from which it stops
 // person_margin_m short of the person. "Will be past" is judged at a fixed speed, so that a vehicle
 // which drives at least as fast never has the answer turn against it while it approaches; one that
-// is slower than that is close to standing anyway. Source: docs/algorithm.md section 6 (ours).
+// is slower than that is close to standing anyway. Where the person keeps more than person_margin_m
+// and what one walks while the vehicle reacts and brakes from person_creep_mps,
+//   lateral - margin > v_person (t_r + v_creep / a),
+// it is at least person_creep_mps: else one who stands beside the way would block it for ever.
+// Source: docs/algorithm.md section 6 (ours).
 float PersonSpeedCap(const SpeedParams& params, const VehicleParams& vehicle, float along_m,
                      float lateral_m);
 

@@ -55,6 +55,7 @@ struct VehiclePart {
   uint8_t stop_reason = 0;  // StopReason
   uint8_t last_stop = 0;    // StopReason
   uint8_t motion = 0;       // Motion
+  Age stop_reason_age;      // since when stop_reason is what it is
   float x_m = 0.0f;         // pose, odom
   float y_m = 0.0f;
   float yaw_rad = 0.0f;
@@ -129,6 +130,26 @@ struct PlanPart {
   bool reaches_goal = false;
   bool is_stop = false;
   bool narrow = false;
+};
+
+// What is looked after besides planning (core/safety).
+struct SafetyPart {
+  bool obstacle_ahead = false;       // a return in the corridor of the committed path ...
+  bool person_ahead = false;         // ... of a person
+  float obstacle_distance_m = 0.0f;  // along the path from the vehicle's middle; 0: none
+  // The reaction radius (core/autonomy/reaction_meter.h): from a column's stamp to the first
+  // command whose path knows it, and that time times the speed. 1e6: never.
+  float reaction_median_s = 0.0f;
+  float reaction_p99_s = 0.0f;
+  float reaction_median_m = 0.0f;
+  float reaction_p99_m = 0.0f;
+  uint32_t reaction_columns = 0;
+  uint32_t reaction_lost = 0;  // of these, never in any map
+  // Commands at the gate (core/safety/command_gate.h).
+  uint32_t commands_not_finite = 0;
+  uint32_t commands_not_permitted = 0;
+  uint32_t commands_above_speed = 0;
+  uint32_t commands_above_change = 0;
 };
 
 inline constexpr int kReplanReasonCount = 8;
@@ -260,6 +281,7 @@ struct LoopPart {
   uint64_t lidar_restarts = 0;
   uint64_t clock_jumps = 0;
   uint64_t odometry_gaps = 0;
+  uint64_t odometry_jumps = 0;
   uint64_t refused_labels = 0;
   uint64_t commands = 0;
   uint64_t refused_commands = 0;
@@ -287,6 +309,7 @@ struct StatusReport {
   AgePart inputs;
   GoalPart goal;
   PlanPart plan;
+  SafetyPart safety;
   InsPart ins;
   DrivePart left_drive;
   DrivePart right_drive;

@@ -74,6 +74,7 @@ constexpr void VisitVehicle(Part& part, Visit& visit) {
   HP_STATUS_ENTRY(stop_reason, kStopReason, kProblem);
   HP_STATUS_SHOWN(last_stop, kStopReason);
   HP_STATUS_SHOWN(motion, kMotion);
+  HP_STATUS_SHOWN(stop_reason_age, kAge);
   HP_STATUS_FIELD(x_m);
   HP_STATUS_FIELD(y_m);
   HP_STATUS_FIELD(yaw_rad);
@@ -149,6 +150,23 @@ constexpr void VisitPlan(Part& part, Visit& visit) {
   HP_STATUS_FIELD(reaches_goal);
   HP_STATUS_FIELD(is_stop);
   HP_STATUS_FIELD(narrow);
+}
+
+template <typename Part, typename Visit>
+constexpr void VisitSafety(Part& part, Visit& visit) {
+  HP_STATUS_FLAG(obstacle_ahead, kProblem);
+  HP_STATUS_FLAG(person_ahead, kProblem);
+  HP_STATUS_FIELD(obstacle_distance_m);
+  HP_STATUS_FIELD(reaction_median_s);
+  HP_STATUS_FIELD(reaction_p99_s);
+  HP_STATUS_FIELD(reaction_median_m);
+  HP_STATUS_FIELD(reaction_p99_m);
+  HP_STATUS_FIELD(reaction_columns);
+  HP_STATUS_LOSS(reaction_lost);
+  HP_STATUS_LOSS(commands_not_finite);
+  HP_STATUS_LOSS(commands_not_permitted);
+  HP_STATUS_LOSS(commands_above_speed);
+  HP_STATUS_LOSS(commands_above_change);
 }
 
 template <typename Part, typename Visit>
@@ -302,6 +320,7 @@ constexpr void VisitLoop(Part& part, Visit& visit) {
   HP_STATUS_LOSS(lidar_restarts);
   HP_STATUS_LOSS(clock_jumps);
   HP_STATUS_LOSS(odometry_gaps);
+  HP_STATUS_LOSS(odometry_jumps);
   HP_STATUS_LOSS(refused_labels);
   HP_STATUS_FIELD(commands);
   HP_STATUS_LOSS(refused_commands);
@@ -373,6 +392,8 @@ constexpr void VisitStatus(Report& report, Visit& visit) {
   VisitGoal(report.goal, visit);
   visit.BeginGroup("plan");
   VisitPlan(report.plan, visit);
+  visit.BeginGroup("safety");
+  VisitSafety(report.safety, visit);
   visit.BeginGroup("ins");
   VisitIns(report.ins, visit);
   visit.BeginGroup("left_drive");

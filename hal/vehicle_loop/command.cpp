@@ -54,6 +54,10 @@ SupervisorInput VehicleLoop::Situation(const TickInput& input) const {
   situation.has_plan = HasPlan();
   situation.has_path = replanner_.committed().number != 0;
   situation.arrived = HasArrived();
+  situation.ahead = Ahead();
+  situation.ahead_is_person = corridor_.is_person();
+  situation.held_by = situation.arrived ? StopReason::kNone : HeldBy();
+  situation.misbehaves = Misbehaves();
   situation.wishes = wishes_;
   return situation;
 }
@@ -65,7 +69,9 @@ void VehicleLoop::UpdatePlanner() {
   const PlanGoal wanted = {.position_odom = goal.position_odom,
                            .has_heading = goal.has_heading,
                            .heading_rad = goal.heading_rad};
-  is_located_ = IsUsable(replanner_.Update(now_ns_, PredictedState(), wanted));
+  VehicleState state = PredictedState();
+  state.reaction_s = ReactionTime();
+  is_located_ = IsUsable(replanner_.Update(now_ns_, state, wanted));
   if (!is_located_) ++counters_.refused_states;
 }
 
@@ -117,7 +123,7 @@ void VehicleLoop::Command(TickOutput& output) {
   sevcon::DriveDemand demand;
   demand.reset_faults = permission_.reset_faults;  // the tick before they are enabled
   demand.enable = permission_.motion != Motion::kOff && !demand.reset_faults;
-  demand.wheels = tracking_output_.wheels;
+  demand.wheels = PassGate();
   drives_.Tick(now_ns_, demand, output.frames);
 }
 
@@ -125,7 +131,11 @@ void VehicleLoop::Command(TickOutput& output) {
 // that it has.
 void VehicleLoop::StepPlanner() {
   if (goals_.empty() || permission_.mode == Mode::kSafeStop) return;
-  if (replanner_.Step(mapper_, config_.onboard.tick.planning_units) != Progress::kDone) return;
+  const bool was_busy = replanner_.busy();
+  const bool is_judged =
+      replanner_.Step(mapper_, config_.onboard.tick.planning_units) == Progress::kDone;
+  NoteRound(was_busy, is_judged);
+  if (!is_judged) return;
   ++counters_.plans;
   hardpack::AddToHash(replanner_, hash_);
 }

@@ -46,6 +46,7 @@ Status VehicleLoop::Configure(const VehicleConfig& config) {
                                 onboard.tracking);
   }
   if (IsUsable(status)) status = supervisor_.Configure(onboard.safety);
+  if (IsUsable(status)) status = ConfigureSafety();
   if (IsUsable(status)) {
     const auto beams = static_cast<size_t>(lidar.beams);
     status = MakeBeamModel({lidar.beam_altitude_deg, beams}, {lidar.beam_azimuth_deg, beams},
@@ -88,10 +89,13 @@ Status VehicleLoop::Tick(const TickInput& input, TickOutput& output) {
   TakeDatagrams(input, InputSource::kLabels);
   TakeDatagrams(input, InputSource::kLidar);
   mapper_.Advance(now_ns_);
+  TestReturns(true);
   TakeCommand(input.command, output);
   FollowEarth();
   AdvanceGoal();
   UpdatePlanner();
+  FollowPlan();
+  WatchMotion();
   permission_ = supervisor_.Judge(Situation(input));
   if (permission_.drop_goal) DropGoals();
   if (output.has_answer && IsUsable(output.answer)) {
@@ -174,6 +178,7 @@ Status VehicleLoop::TakeLabels(std::span<const uint8_t> bytes) {
   for (int i = 0; i < header.columns; ++i) {
     if (!IsUsable(labels::DecodeColumn(header, bytes, i, labels_))) continue;
     if (!IsUsable(mapper_.AddLabels(labels_))) ++counters_.refused_labels;
+    TestReturns(false);
   }
   return Status::kOk;
 }
@@ -214,9 +219,11 @@ Status VehicleLoop::TakeLidar(std::span<const uint8_t> bytes) {
     const Result<uint64_t> time_ns = lidar_time_.ToHost(column_.timestamp_ns);
     if (!time_ns.ok() || !IsUsable(mapper_.AddColumn(column_, time_ns.value()))) {
       ++counters_.refused_columns;
-    } else if (time_ns.value() > lidar_ns_) {
-      lidar_ns_ = time_ns.value();
+      if (!goals_.empty()) reaction_.Lost();
+      continue;
     }
+    if (time_ns.value() > lidar_ns_) lidar_ns_ = time_ns.value();
+    TestReturns(true);
   }
   return Status::kOk;
 }
@@ -234,7 +241,24 @@ void VehicleLoop::AddPose() {
     map_from_odom_.Restart();
   }
   const StampedPose& pose = odometry_.pose();
+  const uint32_t jumps = mapper_.counters().position_jumps;
   static_cast<void>(mapper_.AddPose(pose));
+  if (!is_gap_ && mapper_.counters().position_jumps != jumps) {
+    // The ground around is as good as never looked at: it begins anew as after a gap, and the
+    // vehicle stops, rather than that it stands on unseen ground for good.
+    is_gap_ = true;
+    ++counters_.odometry_jumps;
+    replanner_.Forget();
+    static_cast<void>(ConfigureMapper());
+    static_cast<void>(mapper_.AddPose(pose));
+    map_from_odom_.Restart();
+  }
+  if (is_gap_) corridor_.Reset();
+  corridor_.Advance({pose.position.x_m, pose.position.y_m}, static_cast<uint32_t>(index_));
+  LocateInMap(pose);
+}
+
+void VehicleLoop::LocateInMap(const StampedPose& pose) {
   const Pose2 pose_odom = {pose.position.x_m, pose.position.y_m, pose.yaw_rad};
   if (has_position_) {
     static_cast<void>(

@@ -8,11 +8,15 @@
 #include "config/onboard_parameters.h"
 #include "config/parameters.h"
 #include "core/autonomy/mapper.h"
+#include "core/autonomy/reaction_meter.h"
 #include "core/autonomy/replanner.h"
 #include "core/base/decision_hash.h"
 #include "core/base/status.h"
 #include "core/odometry/map_from_odom.h"
 #include "core/odometry/odometry.h"
+#include "core/safety/command_gate.h"
+#include "core/safety/corridor.h"
+#include "core/safety/motion_watch.h"
 #include "core/safety/supervisor.h"
 #include "core/segmentation/label_table.h"
 #include "core/timebase/timebase.h"
@@ -78,6 +82,7 @@ struct LoopCounters {
   uint64_t lidar_restarts = 0;
   uint64_t clock_jumps = 0;     // of the lidar
   uint64_t odometry_gaps = 0;   // pauses that odometry does not bridge: the map began anew
+  uint64_t odometry_jumps = 0;  // steps that no vehicle makes: the same
   uint64_t refused_labels = 0;  // columns of labels that the map has no use for any more
   uint64_t commands = 0;
   uint64_t refused_commands = 0;
@@ -121,6 +126,10 @@ class VehicleLoop {
   const sevcon::DrivePair& drives() const { return drives_; }
   const Mapper& mapper() const { return mapper_; }
   const Replanner& replanner() const { return replanner_; }
+  const Corridor& corridor() const { return corridor_; }
+  const CommandGate& gate() const { return gate_; }
+  const MotionWatch& motion() const { return motion_; }
+  const ReactionMeter& reaction() const { return reaction_; }
   const Odometry& odometry() const { return odometry_; }
   const MapFromOdom& map_from_odom() const { return map_from_odom_; }
   const Timebase& lidar_time() const { return lidar_time_; }
@@ -161,6 +170,7 @@ class VehicleLoop {
   Status ObserveLidarClock(std::span<const uint8_t> bytes);
   uint64_t MeasuredAt(const InsSample& sample);
   void AddPose();
+  void LocateInMap(const StampedPose& pose);
   Status ConfigureMapper();
   void AddToHash(const TickOutput& output);
 
@@ -183,6 +193,22 @@ class VehicleLoop {
   TrackingInput Target() const;
   void Move();
   void Command(TickOutput& output);
+
+  // What is looked after besides (safety.cpp).
+  Status ConfigureSafety();
+  CorridorSize SizeOfCorridor() const;
+  void TestReturns(bool are_new);
+  void FollowPlan();
+  WayAhead Ahead() const;
+  float MeasuredYawRate() const;
+  void WatchMotion();
+  StopReason Misbehaves() const;
+  bool IsPersonNear() const;
+  void NoteNoWay();
+  StopReason HeldBy() const;
+  float ReactionTime() const;
+  void NoteRound(bool was_busy, bool is_judged);
+  WheelCommand PassGate();
 
   bool configured_ = false;
   uint64_t index_ = 0;
@@ -219,6 +245,14 @@ class VehicleLoop {
   BeamModel beam_model_;
   Mapper mapper_;
   Replanner replanner_;
+  Corridor corridor_;
+  CommandGate gate_;
+  MotionWatch motion_;
+  ReactionMeter reaction_;
+  StopReason no_way_ = StopReason::kNone;  // as the last round found
+  uint32_t round_tick_ = 0;                // in which the round began
+  uint32_t seen_plan_ = 0;                 // number and check of the plan that the corridor is of
+  uint64_t seen_check_ns_ = 0;
   DecisionHash hash_;
   LoopCounters counters_;
 };

@@ -37,9 +37,18 @@ constexpr CodeName kStopReasonNames[] = {
     {"bus", "the CAN bus is down or off", true},
     {"emergency", "stopped by the operator's emergency stop", true},
     {"moving", "it still moves", false},
+    {"no_way", "planning finds no way", true},
+    {"unseen_ground", "the ground ahead has not been observed", true},
+    {"person", "a person stands in the way, or too near to it", true},
+    {"obstacle", "something stands in the way of the path", true},
+    {"goal_in_obstacle", "the goal lies in an obstacle", true},
+    {"runaway", "it moves when it was told to stand, or much faster", true},
+    {"wrong_turn", "it turns against its command", true},
+    {"stuck", "it was told to move, and does not", true},
+    {"bad_command", "a command was no number", true},
 };
 static_assert(std::size(kStopReasonNames) == kStopReasons);
-static_assert(static_cast<int>(StopReason::kMoving) + 1 == kStopReasons);
+static_assert(static_cast<int>(StopReason::kBadCommand) + 1 == kStopReasons);
 
 constexpr CodeName kMotionNames[] = {
     {"off", "", false},        {"hold", "", false}, {"follow", "", false},

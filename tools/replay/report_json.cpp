@@ -100,6 +100,21 @@ json CountersJson(const VehicleLoop& loop) {
           {"plans", loop.replanner().counters().plans}};
 }
 
+// Of all columns so far; null: never, or none yet (core/autonomy/reaction_meter.h).
+json ReactionJson(const ReactionMeter& reaction) {
+  const auto told = [&](float value) {
+    const bool is_known = reaction.columns() > 0 && value < ReactionMeter::kBeyond;
+    // To a thousandth, as far as bins tell it.
+    return is_known ? json(std::round(1000.0 * double{value}) / 1000.0) : json(nullptr);
+  };
+  return {{"columns", reaction.columns()},
+          {"lost", reaction.lost()},
+          {"median_s", told(reaction.Time_s(0.5f))},
+          {"p99_s", told(reaction.Time_s(0.99f))},
+          {"median_m", told(reaction.Radius_m(0.5f))},
+          {"p99_m", told(reaction.Radius_m(0.99f))}};
+}
+
 json DifferenceJson(const Report& report) {
   if (!report.difference.found) return nullptr;
   return {{"tick", report.difference.index},
@@ -129,6 +144,7 @@ json ReportToJson(const Report& report, const VehicleLoop& loop) {
                  {"modes", ModesJson(report)},
                  {"plans", PlansJson(report)},
                  {"counters", CountersJson(loop)},
+                 {"reaction", ReactionJson(loop.reaction())},
                  {"durations", {{"replayed", DurationJson(report.replayed)}}}};
   if (report.is_flight_log) {
     object["same"] = report.same();

@@ -143,6 +143,86 @@ TEST(Supervisor, WaitsArmedAfterArriving) {
   EXPECT_EQ(vehicle.permission.motion, Motion::kHold);
 }
 
+//   [>]------x
+TEST(Supervisor, BrakesForAReturnInTheWayAndGoesOnWhenAPlanIsClearOfIt) {
+  Vehicle vehicle;
+  vehicle.Drive();
+  vehicle.input.ahead = WayAhead::kObstacle;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kStopAlong);
+  EXPECT_EQ(vehicle.permission.reason, StopReason::kObstacle);
+  EXPECT_EQ(vehicle.permission.mode, Mode::kDriving);
+  EXPECT_FALSE(vehicle.permission.drop_goal);
+  vehicle.input.ahead_is_person = true;
+  EXPECT_EQ(vehicle.Tick().reason, StopReason::kPerson);
+  vehicle.input.ahead = WayAhead::kClear;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kFollow);
+  EXPECT_EQ(vehicle.permission.reason, StopReason::kNone);
+}
+
+TEST(Supervisor, ZeroAtOnceForAReturnTooNearAndStandsBeforeItFollowsAgain) {
+  for (const bool is_person : {true, false}) {
+    const StopReason reason = is_person ? StopReason::kPerson : StopReason::kObstacle;
+    Vehicle vehicle;
+    vehicle.Drive();
+    vehicle.input.ahead = WayAhead::kTooNear;
+    vehicle.input.ahead_is_person = is_person;
+    EXPECT_EQ(vehicle.Tick().motion, Motion::kZero);
+    EXPECT_EQ(vehicle.permission.reason, reason);
+    vehicle.input.ahead = WayAhead::kClear;
+    EXPECT_EQ(vehicle.Ticks(10).motion, Motion::kZero);
+    EXPECT_EQ(vehicle.permission.reason, reason);
+    vehicle.input.at_rest = true;
+    EXPECT_EQ(vehicle.Tick().motion, Motion::kFollow);
+    EXPECT_EQ(vehicle.permission.reason, StopReason::kNone);
+  }
+  Vehicle stopping;
+  stopping.Drive();
+  EXPECT_EQ(stopping.Tick({.stop = true}).motion, Motion::kStopAlong);
+  stopping.input.ahead = WayAhead::kTooNear;
+  EXPECT_EQ(stopping.Tick().motion, Motion::kZero);
+}
+
+TEST(Supervisor, SaysWhyItWaitsAndSinceWhen) {
+  Vehicle vehicle;
+  vehicle.Drive();
+  for (const StopReason reason : {StopReason::kNoWay, StopReason::kUnseenGround,
+                                  StopReason::kPerson, StopReason::kGoalInObstacle}) {
+    vehicle.input.has_plan = reason == StopReason::kUnseenGround;
+    vehicle.input.held_by = reason;
+    EXPECT_EQ(vehicle.Tick().reason, reason);
+    const uint64_t since_ns = vehicle.input.now_ns;
+    EXPECT_EQ(vehicle.Ticks(50).reason, reason);
+    EXPECT_EQ(vehicle.permission.reason_since_ns, since_ns);
+    EXPECT_EQ(vehicle.permission.mode, Mode::kDriving);
+    vehicle.input.held_by = StopReason::kNone;
+    vehicle.input.has_plan = true;
+    EXPECT_EQ(vehicle.Tick().motion, Motion::kFollow);
+    EXPECT_EQ(vehicle.permission.reason_since_ns, vehicle.input.now_ns);
+  }
+}
+
+TEST(Supervisor, MotionAgainstCommandsIsAFaultInEveryModeWithTorque) {
+  for (const StopReason reason : {StopReason::kRunaway, StopReason::kWrongTurn, StopReason::kStuck,
+                                  StopReason::kBadCommand}) {
+    Vehicle driving;
+    driving.Drive();
+    driving.input.misbehaves = reason;
+    EXPECT_EQ(driving.Tick().mode, Mode::kFault);
+    EXPECT_EQ(driving.permission.reason, reason);
+    EXPECT_EQ(driving.permission.motion, Motion::kOff);
+    EXPECT_TRUE(driving.permission.drop_goal);
+    Vehicle armed;
+    armed.Arm();
+    armed.input.misbehaves = reason;
+    EXPECT_EQ(armed.Tick().mode, Mode::kFault);
+    Vehicle stopping;
+    stopping.Drive();
+    stopping.Tick({.stop = true});
+    stopping.input.misbehaves = reason;
+    EXPECT_EQ(stopping.Tick().mode, Mode::kFault);
+  }
+}
+
 TEST(Supervisor, StopsAlongThePathAndGoesOnWhenBlocked) {
   Vehicle vehicle;
   vehicle.Drive();

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <new>
 #include <string>
@@ -74,6 +75,8 @@ class ClosedLoop {
   CanBusState bus = CanBusState::kActive;
   bool drops_frames = false;  // nothing reaches the vehicle
   bool repeats_ins = false;   // the INS's bytes are those that came last, again and again
+  // What comes besides the vehicle's own datagrams.
+  std::function<void(std::vector<TickDatagram>&)> adds;
 
   // Ticks that are missed: time passes, and what comes meanwhile comes with the next one.
   void Miss(int ticks) {
@@ -98,6 +101,7 @@ class ClosedLoop {
       datagrams.push_back({is_lidar ? InputSource::kLidar : InputSource::kIns, datagram.bytes});
       if (!is_lidar && repeats_ins) datagrams.back().bytes = last_ins_;
     }
+    if (adds) adds(datagrams);
     TickInput input;
     input.index = ++index_;
     input.now_ns = now_ns_;

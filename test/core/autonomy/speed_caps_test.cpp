@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/autonomy/speed_caps.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+
+#include "core/path/path.h"
+
+namespace hardpack {
+namespace {
+
+// A map whose ground was observed everywhere, until a test says otherwise, and a path along x.
+struct Ground {
+  std::unique_ptr<Costmap> map = std::make_unique<Costmap>();
+  SpeedParams speed;
+  VehicleParams vehicle;
+  WorldPath path;
+  std::unique_ptr<SpeedCaps> caps = std::make_unique<SpeedCaps>();
+
+  explicit Ground(float length_m = 30.0f, float step_m = 0.275f) {
+    map->window.origin = {-256, -256};
+    std::memset(map->flags, Costmap::kObserved, sizeof(map->flags));
+    for (float x_m = 0.0f; x_m <= length_m && !path.full(); x_m += step_m) {
+      EXPECT_EQ(path.PushBack({x_m, 0.0f, 0.0f}), Status::kOk);
+    }
+  }
+  uint8_t& At(float x_m, float y_m) { return map->flags[map->window.Index(CellAt({x_m, y_m}))]; }
+  // The ground from x0 to x1, of all cells from y0 to y1.
+  void Hide(float x0, float x1, float y0 = -3.0f, float y1 = 3.0f) {
+    for (float x = x0 + 0.1f; x < x1; x += 0.2f) {
+      for (float y = y0 + 0.1f; y < y1; y += 0.2f) At(x, y) = 0;
+    }
+  }
+  const SpeedCaps& Caps(int units = SpeedCaps::kMaxUnits) {
+    caps->Begin(map->window, speed, vehicle, path);
+    int steps = 0;
+    while (caps->Step(*map, speed, vehicle, path, units) == Progress::kBusy) {
+      EXPECT_LT(++steps, SpeedCaps::kMaxUnits);
+    }
+    return *caps;
+  }
+  float CapAt(float x_m) { return caps->cap_mps()[static_cast<size_t>(std::lround(x_m / 0.275f))]; }
+  CapCause CauseAt(float x_m) { return caps->cause(static_cast<int>(std::lround(x_m / 0.275f))); }
+};
+
+TEST(SpeedCaps, ObservedGroundDoesNotCap) {
+  Ground ground;
+  EXPECT_EQ(ground.Caps().observed_m(), SpeedCaps::kFar_m);
+  EXPECT_EQ(ground.CapAt(5.5f), ground.speed.max_speed_mps);
+  EXPECT_EQ(ground.CauseAt(29.7f), CapCause::kPathEnd);
+}
+
+//  [>]=============?????????
+TEST(SpeedCaps, StopsBeforeTheEndOfTheObservedGround) {
+  Ground ground;
+  ground.Hide(12.0f, 40.0f);
+  EXPECT_NEAR(ground.Caps().observed_m(), 12.0f, 0.11f);
+  for (float x_m = 0.0f; x_m < 11.0f; x_m += 0.275f) {
+    const float free_m = std::max(0.0f, 12.0f - 0.5f * ground.vehicle.length_m - x_m);
+    EXPECT_LE(StoppingDistance(ground.speed, ground.CapAt(x_m)), free_m + 0.11f) << x_m;
+    EXPECT_GE(StoppingDistance(ground.speed, ground.CapAt(x_m)) + 0.2f,
+              std::min(free_m, StoppingDistance(ground.speed, ground.speed.max_speed_mps)))
+        << x_m;
+  }
+  EXPECT_EQ(ground.CapAt(11.55f), 0.0f);
+  EXPECT_EQ(ground.CapAt(29.7f), 0.0f);
+  EXPECT_EQ(ground.CauseAt(11.55f), CapCause::kUnseenGround);
+}
+
+TEST(SpeedCaps, GapsUpToTheParameterAreBridgedAndWiderOnesAreNot) {
+  for (int cells = 1; cells <= 8; ++cells) {
+    Ground ground;
+    const float width_m = 0.2f * static_cast<float>(cells);
+    ground.Hide(10.0f, 10.0f + width_m);
+    const bool ends = ground.Caps().observed_m() < SpeedCaps::kFar_m;
+    // By the samples' spacing of 0.1 m.
+    if (width_m < 0.55f) {
+      EXPECT_FALSE(ends) << width_m;
+    }
+    if (width_m > 0.75f) {
+      EXPECT_TRUE(ends) << width_m;
+    }
+  }
+}
+
+// A ditch under one wheel alone, and one beside both.
+TEST(SpeedCaps, LooksUnderBothWheels) {
+  for (const float side : {-1.0f, 1.0f}) {
+    Ground under;
+    under.Hide(9.8f, 12.0f, side > 0.0f ? 0.4f : -0.8f, side > 0.0f ? 0.8f : -0.4f);
+    EXPECT_NEAR(under.Caps().observed_m(), 9.8f, 0.11f);
+    Ground beside;
+    beside.Hide(9.8f, 12.0f, side > 0.0f ? 0.8f : -3.0f, side > 0.0f ? 3.0f : -0.8f);
+    EXPECT_EQ(beside.Caps().observed_m(), SpeedCaps::kFar_m);
+  }
+}
+
+TEST(SpeedCaps, LooksWhereTheVehiclesFrontStandsAtThePathsEnd) {
+  Ground ground(10.0f);
+  ground.Hide(9.9f, 20.0f);
+  ground.speed.max_unseen_m = 0.5f;
+  ground.Caps();
+  EXPECT_EQ(ground.CapAt(9.9f), 0.0f);
+  EXPECT_NEAR(ground.caps->observed_m(), 9.9f, 0.11f);
+  EXPECT_EQ(ground.CauseAt(9.35f), CapCause::kUnseenGround);
+}
+
+TEST(SpeedCaps, TheMapsEdgeEndsTheObservedGround) {
+  Ground ground(60.0f);
+  ground.Caps();
+  EXPECT_NEAR(ground.caps->observed_m(), 51.2f, 0.15f);
+}
+
+TEST(SpeedCaps, APathOfOnePointOrATurnOnTheSpotIsNoWay) {
+  Ground one(0.0f);
+  ASSERT_EQ(one.path.size(), 1);
+  EXPECT_EQ(one.Caps().cap_mps()[0], 0.0f);
+  Ground turn(0.0f);
+  ASSERT_EQ(turn.path.PushBack({0.0f, 0.0f, 1.0f}), Status::kOk);
+  EXPECT_EQ(turn.Caps().cap_mps()[1], 0.0f);
+  EXPECT_EQ(turn.caps->cause(0), CapCause::kPathEnd);
+}
+
+TEST(SpeedCaps, AnySplitOfTheUnitsGivesTheSame) {
+  Ground ground;
+  ground.Hide(14.0f, 40.0f);
+  ground.At(9.0f, 2.0f) |= Costmap::kHard | Costmap::kPerson;
+  const SpeedCaps whole = ground.Caps();
+  for (const int units : {1, 3, 64}) {
+    const SpeedCaps& split = ground.Caps(units);
+    for (int k = 0; k < ground.path.size(); ++k) {
+      ASSERT_EQ(split.cap_mps()[static_cast<size_t>(k)], whole.cap_mps()[static_cast<size_t>(k)]);
+      ASSERT_EQ(split.cause(k), whole.cause(k));
+    }
+  }
+}
+
+//            P   3 m beside
+//   [>]=========================
+// No stop before the person is possible any more from 0.8 m on: it goes by slowly.
+TEST(SpeedCaps, CreepsPastAPersonWhoLeavesRoom) {
+  Ground ground;
+  ground.At(9.0f, 3.0f) |= Costmap::kHard | Costmap::kPerson;
+  ground.Caps();
+  float least_mps = 1e9f;
+  for (float x_m = 0.0f; x_m < 9.5f; x_m += 0.275f) {
+    least_mps = std::min(least_mps, ground.CapAt(x_m));
+  }
+  EXPECT_EQ(least_mps, ground.speed.person_creep_mps);
+  EXPECT_EQ(ground.CapAt(13.0f), ground.speed.max_speed_mps);
+  ground.speed.person_creep_mps = 0.0f;
+  ground.Caps();
+  EXPECT_EQ(ground.CapAt(7.975f), 0.0f);
+  EXPECT_EQ(ground.CauseAt(7.975f), CapCause::kPerson);
+}
+
+TEST(SpeedCaps, StandsForAPersonWhoCouldStepIntoTheWay) {
+  for (const float beside_m : {0.0f, 0.9f, 1.5f, 1.9f}) {
+    Ground ground;
+    ground.At(9.0f, beside_m) |= Costmap::kHard | Costmap::kPerson;
+    ground.Caps();
+    EXPECT_EQ(ground.CapAt(8.25f), 0.0f) << beside_m;
+    EXPECT_EQ(ground.CauseAt(8.25f), CapCause::kPerson) << beside_m;
+  }
+}
+
+}  // namespace
+}  // namespace hardpack

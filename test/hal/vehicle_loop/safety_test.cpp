@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hal/labels/labels.h"
+#include "hal/ouster/ouster.h"
+#include "test/hal/vehicle_loop/closed_loop.h"
+
+// What is looked after besides planning, in the closed loop.
+
+namespace hardpack {
+namespace {
+
+using control::Kind;
+using testing::ClosedLoop;
+
+std::string BoxAt(double x_m, double y_m, double size_m, double height_m) {
+  return "at 0 box " + std::to_string(x_m) + " " + std::to_string(y_m) + " " +
+         std::to_string(size_m) + " " + std::to_string(height_m);
+}
+
+bool IsCommandedToMove(ClosedLoop& drive) {
+  const WheelCommand told = drive.loop().drives().commanded();
+  return told.left_radps != 0.0f || told.right_radps != 0.0f;
+}
+
+//   [>] ------->      |wall|
+// It brakes in the tick of the first return, long before a plan knows.
+TEST(VehicleLoopSafety, AWallThatAppearsBrakesInTheTickOfItsFirstReturn) {
+  ClosedLoop drive;
+  drive.DriveTo(40.0f, 0.0f);
+  ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Speed_mps() > 3.0; }));
+  const double x_m = drive.Pose().x_m + 6.5;
+  drive.Act(BoxAt(x_m + 1.5, 0.0, 3.0, 1.5));
+  const uint32_t plan = drive.loop().replanner().committed().number;
+  ASSERT_TRUE(drive.Until(0.3, [&] { return drive.loop().corridor().has_obstacle(); }));
+  EXPECT_EQ(drive.loop().replanner().committed().number, plan);
+  EXPECT_EQ(drive.mode(), Mode::kDriving);
+  EXPECT_EQ(drive.reason(), StopReason::kObstacle);
+  EXPECT_NE(drive.loop().permission().motion, Motion::kFollow);
+  ASSERT_TRUE(drive.Until(30.0, [&] { return drive.mode() == Mode::kArmed; }));
+  EXPECT_FALSE(drive.vehicle().collided());
+  EXPECT_NEAR(drive.Pose().x_m, 40.0, 0.7);
+}
+
+TEST(VehicleLoopSafety, SomethingAtOneMetreIsZeroAtOnce) {
+  ClosedLoop drive;
+  drive.DriveTo(40.0f, 0.0f);
+  ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Speed_mps() > 2.0; }));
+  // Its near side is 1 m ahead of the front.
+  drive.Act(BoxAt(drive.Pose().x_m + 0.76 + 1.0 + 0.25, 0.0, 0.5, 1.7));
+  ASSERT_TRUE(drive.Until(0.3, [&] { return drive.loop().corridor().has_obstacle(); }));
+  EXPECT_EQ(drive.loop().permission().motion, Motion::kZero);
+  EXPECT_FALSE(IsCommandedToMove(drive));
+  ASSERT_TRUE(drive.Until(5.0, [&] { return std::fabs(drive.Speed_mps()) < 0.02; }));
+}
+
+// Beside the way and behind the vehicle nothing brakes.
+TEST(VehicleLoopSafety, WhatStandsBesideTheWayOrBehindDoesNotBrake) {
+  ClosedLoop drive;
+  drive.DriveTo(30.0f, 0.0f);
+  drive.Act(BoxAt(drive.Pose().x_m + 8.0, 2.6, 1.0, 1.5));
+  drive.Act(BoxAt(drive.Pose().x_m - 4.0, 0.0, 1.0, 1.5));
+  drive.Act("at 0 lidar-duplicate on");  // and everything comes twice
+  bool has_braked = false;
+  ASSERT_TRUE(drive.Until(30.0, [&] {
+    has_braked = has_braked || drive.reason() == StopReason::kObstacle;
+    return drive.mode() == Mode::kArmed;
+  }));
+  EXPECT_FALSE(has_braked);
+  EXPECT_NEAR(drive.Pose().x_m, 30.0, 0.7);
+}
+
+//   ____________
+//  |            |
+//  |  [>]       |        goal
+//  |____________|
+// A room around it, and then it is gone.
+TEST(VehicleLoopSafety, SaysThatThereIsNoWayAndGoesOnWhenThereIsOne) {
+  ClosedLoop drive;
+  drive.DriveTo(40.0f, 0.0f);
+  ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Pose().x_m > 3.0; }));
+  const size_t before = drive.vehicle().world().boxes.size();
+  const double x_m = drive.Pose().x_m;
+  for (double y_m = -7.0; y_m <= 7.0; y_m += 1.0) {
+    drive.Act(BoxAt(x_m + 9.5, y_m, 1.0, 1.5));
+    drive.Act(BoxAt(x_m - 7.0, y_m, 1.0, 1.5));
+  }
+  for (double along_m = -7.0; along_m <= 10.0; along_m += 1.0) {
+    drive.Act(BoxAt(x_m + along_m, 7.0, 1.0, 1.5));
+    drive.Act(BoxAt(x_m + along_m, -7.0, 1.0, 1.5));
+  }
+  ASSERT_TRUE(drive.Until(15.0, [&] {
+    return std::fabs(drive.Speed_mps()) < 0.01 && drive.reason() == StopReason::kNoWay;
+  })) << static_cast<int>(drive.reason());
+  EXPECT_EQ(drive.mode(), Mode::kDriving);
+  EXPECT_FALSE(drive.vehicle().collided());
+  EXPECT_EQ(drive.loop().goals(), 1);
+  const uint64_t since_ns = drive.loop().permission().reason_since_ns;
+  drive.Ticks(100);
+  EXPECT_EQ(drive.reason(), StopReason::kNoWay);
+  EXPECT_EQ(drive.loop().permission().reason_since_ns, since_ns);
+  EXPECT_FALSE(IsCommandedToMove(drive));
+  drive.vehicle().world().boxes.resize(before);
+  ASSERT_TRUE(drive.Until(60.0, [&] { return drive.mode() == Mode::kArmed; }))
+      << static_cast<int>(drive.reason());
+  EXPECT_NEAR(drive.Pose().x_m, 40.0, 0.7);
+  EXPECT_FALSE(drive.vehicle().collided());
+}
+
+TEST(VehicleLoopSafety, SaysThatTheGoalLiesInAnObstacle) {
+  ClosedLoop drive("at 0 box 14 0 1 1.5");
+  VehicleConfig config = drive.config();
+  config.planner.astar.move_goal_out_of_obstacle = 0;
+  ASSERT_EQ(drive.loop().Configure(config), Status::kOk);
+  drive.BringUpAndArm();
+  ASSERT_EQ(drive.Goal(13.6f, 0.0f), Status::kOk);
+  ASSERT_TRUE(drive.Until(20.0, [&] { return drive.reason() == StopReason::kGoalInObstacle; }))
+      << static_cast<int>(drive.reason());
+  EXPECT_FALSE(drive.vehicle().collided());
+}
+
+TEST(VehicleLoopSafety, AVehicleThatIsToldToMoveAndDoesNotIsAFault) {
+  ClosedLoop drive;
+  drive.DriveTo(40.0f, 0.0f);
+  drive.Act("at 0 blocked both on");
+  ASSERT_TRUE(drive.Until(15.0, [&] { return drive.mode() == Mode::kFault; }));
+  EXPECT_EQ(drive.reason(), StopReason::kStuck);
+  EXPECT_FALSE(IsCommandedToMove(drive));
+  ASSERT_TRUE(drive.Until(5.0, [&] { return !drive.loop().drives().enabled(); }));
+  drive.Act("at 0 blocked both off");
+  ASSERT_EQ(drive.Say(Kind::kDisarm), Status::kOk);
+  EXPECT_EQ(drive.mode(), Mode::kStandby);
+  ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Say(Kind::kArm) == Status::kOk; }));
+}
+
+TEST(VehicleLoopSafety, WheelsThatTurnUnaskedAreAFault) {
+  ClosedLoop drive;
+  drive.BringUpAndArm();
+  // 3 m/s, as the drives report it.
+  const double motor_rpm =
+      3.0 / (0.3 * 0.962) * 60.0 / (2.0 * M_PI) * double{drive.config().onboard.drive.gear_ratio};
+  drive.Act("at 0 speed-offset both " + std::to_string(static_cast<int>(motor_rpm)));
+  ASSERT_TRUE(drive.Until(3.0, [&] { return drive.mode() == Mode::kFault; }));
+  EXPECT_EQ(drive.reason(), StopReason::kRunaway);
+}
+
+// The odometry says that the vehicle was somewhere else all of a sudden: it stops, and can be sent
+// on, although what it saw before has no place any more.
+TEST(VehicleLoopSafety, DrivesAgainAfterAJumpOfThePosition) {
+  ClosedLoop drive;
+  drive.DriveTo(60.0f, 0.0f);
+  const double motor_rpm =
+      300.0 / (0.3 * 0.962) * 60.0 / (2.0 * M_PI) * double{drive.config().onboard.drive.gear_ratio};
+  drive.Act("at 0 speed-offset both " + std::to_string(static_cast<int>(motor_rpm)));
+  ASSERT_TRUE(drive.Until(0.2, [&] { return drive.loop().counters().odometry_jumps > 0; }));
+  drive.Act("at 0 speed-offset both 0");
+  EXPECT_EQ(drive.mode(), Mode::kSafeStop);
+  ASSERT_TRUE(drive.Until(10.0, [&] { return drive.mode() == Mode::kArmed; }));
+  EXPECT_EQ(drive.loop().goals(), 0);
+  ASSERT_EQ(drive.Goal(10.0f, 0.0f, control::GoalFrame::kBody), Status::kOk);
+  const double x_m = drive.Pose().x_m;
+  ASSERT_TRUE(drive.Until(30.0, [&] { return drive.Pose().x_m > x_m + 8.0; }))
+      << static_cast<int>(drive.reason());
+}
+
+// Of every tick of a whole drive: nothing but zero unless the mode permits it, and nothing beyond
+// the limits.
+TEST(VehicleLoopSafety, NothingButZeroLeavesUnlessTheModePermits) {
+  ClosedLoop drive;
+  WheelCommand before;
+  int moved = 0;
+  const auto judge = [&] {
+    const WheelCommand told = drive.loop().drives().commanded();
+    const Mode mode = drive.mode();
+    const bool is_zero = told.left_radps == 0.0f && told.right_radps == 0.0f;
+    EXPECT_TRUE(is_zero || mode == Mode::kDriving || mode == Mode::kSafeStop);
+    if (!is_zero) {
+      ++moved;
+      EXPECT_LE(std::fabs(told.left_radps - before.left_radps), 2.001f);
+      EXPECT_LE(std::fabs(told.right_radps - before.right_radps), 2.001f);
+    }
+    before = told;
+    return false;
+  };
+  drive.Until(1.0, judge);
+  drive.BringUpAndArm();
+  drive.Until(0.5, judge);
+  ASSERT_EQ(drive.Goal(12.0f, 3.0f), Status::kOk);
+  drive.Until(4.0, judge);
+  ASSERT_EQ(drive.Say(Kind::kStop), Status::kOk);
+  drive.Until(4.0, judge);
+  ASSERT_EQ(drive.Goal(12.0f, 3.0f), Status::kOk);
+  drive.Until(3.0, judge);
+  ASSERT_EQ(drive.Say(Kind::kEmergencyStop), Status::kOk);
+  drive.Until(3.0, judge);
+  EXPECT_GT(moved, 200);
+  EXPECT_EQ(drive.loop().gate().counters().not_finite, 0u);
+  EXPECT_EQ(drive.loop().gate().counters().above_change, 0u);
+}
+
+//  [>]==????????-------
+// Nobody has told it of the ground in the lidar's blind cone.
+TEST(VehicleLoopSafety, StopsAtTheEndOfTheObservedGroundAndSaysSo) {
+  ClosedLoop drive;
+  VehicleConfig config = drive.config();
+  config.perception.mapping.start_ground_radius_m = 2.0f;
+  ASSERT_EQ(drive.loop().Configure(config), Status::kOk);
+  drive.BringUpAndArm();
+  ASSERT_EQ(drive.Goal(30.0f, 0.0f), Status::kOk);
+  ASSERT_TRUE(drive.Until(30.0, [&] {
+    return drive.reason() == StopReason::kUnseenGround && std::fabs(drive.Speed_mps()) < 0.02;
+  })) << static_cast<int>(drive.reason());
+  EXPECT_GT(drive.Pose().x_m, 0.7);
+  EXPECT_LT(drive.Pose().x_m + 0.76, 2.2);
+  EXPECT_EQ(drive.mode(), Mode::kDriving);
+  const double x_m = drive.Pose().x_m;
+  drive.Ticks(300);
+  EXPECT_NEAR(drive.Pose().x_m, x_m, 0.1);
+  EXPECT_EQ(drive.reason(), StopReason::kUnseenGround);
+}
+
+// Says as a segmentation computer would, a tick late, what the lidar sees in a level world: what
+// ends before the ground is a person.
+class PeopleLabels {
+ public:
+  explicit PeopleLabels(const VehicleConfig& config) : lidar_(config.lidar) {}
+
+  // What it said of the packets before goes with those of this tick.
+  void Exchange(std::vector<TickDatagram>& datagrams) {
+    sent_.swap(next_);
+    next_.clear();
+    for (const TickDatagram& datagram : datagrams) {
+      if (datagram.source == InputSource::kLidar) Look(datagram.bytes);
+    }
+    for (const std::vector<uint8_t>& datagram : sent_) {
+      datagrams.push_back({InputSource::kLabels, datagram});
+    }
+  }
+
+ private:
+  void Look(std::span<const uint8_t> packet) {
+    ouster::PacketLayout layout;
+    ASSERT_TRUE(IsUsable(ouster::MakeLayout(lidar_, layout)));
+    labels::Header header;
+    header.beams = static_cast<uint8_t>(lidar_.beams);
+    header.columns = static_cast<uint16_t>(layout.columns_per_packet);
+    std::vector<uint8_t> codes;
+    for (int i = 0; i < layout.columns_per_packet; ++i) {
+      ASSERT_TRUE(IsUsable(ouster::DecodeColumn(layout, packet, i, column_)));
+      if (i == 0) header.frame_id = column_.frame_id;
+      if (i == 0) header.first_measurement = column_.measurement_id;
+      for (int row = 0; row < lidar_.beams; ++row) codes.push_back(CodeOf(row));
+    }
+    std::vector<uint8_t> datagram(labels::kMaxDatagramBytes);
+    int size_bytes = 0;
+    ASSERT_EQ(labels::Encode(header, codes, datagram, size_bytes), Status::kOk);
+    datagram.resize(static_cast<size_t>(size_bytes));
+    next_.push_back(datagram);
+  }
+  uint8_t CodeOf(int row) const {
+    constexpr uint8_t kGrass = 3;
+    constexpr uint8_t kPerson = 17;
+    const double range_m = column_.range_mm[row] * 1e-3;
+    const double height_m =
+        1.284 + range_m * std::sin(double{lidar_.beam_altitude_deg[row]} * M_PI / 180.0);
+    return height_m > 0.3 ? kPerson : kGrass;
+  }
+
+  ouster::Metadata lidar_;
+  LidarColumn column_;
+  std::vector<std::vector<uint8_t>> sent_;
+  std::vector<std::vector<uint8_t>> next_;
+};
+
+//   [>] ------->   P
+TEST(VehicleLoopSafety, StopsForAPersonAndGoesOnWhenTheWayIsFree) {
+  ClosedLoop drive("", sim::FlatWorld{});
+  VehicleConfig config = drive.config();
+  config.perception.mapping.use_labels = 1;
+  ASSERT_EQ(drive.loop().Configure(config), Status::kOk);
+  PeopleLabels people(config);
+  drive.adds = [&](std::vector<TickDatagram>& datagrams) { people.Exchange(datagrams); };
+  drive.DriveTo(25.0f, 0.0f);
+  ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Speed_mps() > 2.0; }));
+  const double x_m = drive.Pose().x_m + 5.0;
+  drive.Act(BoxAt(x_m, 0.0, 0.5, 1.7));
+  ASSERT_TRUE(drive.Until(0.4, [&] { return drive.reason() == StopReason::kPerson; }))
+      << static_cast<int>(drive.reason());
+  EXPECT_TRUE(drive.loop().corridor().is_person());
+  ASSERT_TRUE(drive.Until(8.0, [&] { return std::fabs(drive.Speed_mps()) < 0.02; }));
+  drive.Ticks(300);
+  EXPECT_LT(drive.Pose().x_m, x_m - 1.0);
+  EXPECT_EQ(drive.reason(), StopReason::kPerson);
+  EXPECT_LT(std::fabs(drive.Speed_mps()), 0.25);
+  EXPECT_FALSE(drive.vehicle().collided());
+  drive.vehicle().world().boxes.clear();
+  ASSERT_TRUE(drive.Until(60.0, [&] { return drive.mode() == Mode::kArmed; }))
+      << static_cast<int>(drive.reason());
+  EXPECT_NEAR(drive.Pose().x_m, 25.0, 0.7);
+}
+
+// It would brake for what plans are free to pass.
+TEST(VehicleLoopSafety, RefusesACorridorWiderThanWhatPlansAreCheckedFor) {
+  ClosedLoop drive;
+  VehicleConfig config = drive.config();
+  config.onboard.safety.corridor_margin_m = 0.2f;
+  EXPECT_EQ(drive.loop().Configure(config), Status::kParameterOutOfRange);
+  config.onboard.safety.corridor_margin_m = 0.0f;
+  EXPECT_EQ(drive.loop().Configure(config), Status::kOk);
+}
+
+TEST(VehicleLoopSafety, MeasuresItsReactionWhileItDrives) {
+  ClosedLoop drive;
+  drive.DriveTo(20.0f, 0.0f);
+  ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Speed_mps() > 2.0; }));
+  const ReactionMeter& reaction = drive.loop().reaction();
+  EXPECT_GT(reaction.columns(), 2000u);
+  EXPECT_EQ(reaction.lost(), 0u);
+  EXPECT_GT(reaction.Time_s(0.5f), 0.01f);
+  EXPECT_LT(reaction.Time_s(0.99f), 1.0f);
+  EXPECT_LT(reaction.Radius_m(0.99f), 3.0f);
+  RecordProperty("median_ms", static_cast<int>(1000.0f * reaction.Time_s(0.5f)));
+  RecordProperty("p99_ms", static_cast<int>(1000.0f * reaction.Time_s(0.99f)));
+}
+
+}  // namespace
+}  // namespace hardpack
