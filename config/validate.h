@@ -60,6 +60,9 @@ constexpr const auto& TableOf(const InsParams&) {
 constexpr const auto& TableOf(const OdometryParams&) {
   return kOdometryTable;
 }
+constexpr const auto& TableOf(const DynamicsParams&) {
+  return kDynamicsTable;
+}
 constexpr const auto& TableOf(const TrackingParams&) {
   return kTrackingTable;
 }
@@ -92,6 +95,7 @@ constexpr void VisitParameters(Params& params, Visit&& visit) {
     visit(params.drive, kDriveTable);
     visit(params.ins, kInsTable);
     visit(params.odometry, kOdometryTable);
+    visit(params.dynamics, kDynamicsTable);
     visit(params.tracking, kTrackingTable);
     visit(params.safety, kSafetyTable);
     visit(params.tick, kTickTable);

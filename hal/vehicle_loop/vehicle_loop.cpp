@@ -40,8 +40,13 @@ Status VehicleLoop::Configure(const VehicleConfig& config) {
   }
   if (IsUsable(status)) {
     status = tracker_.Configure(config.planner.vehicle, config.planner.speed, onboard.odometry,
-                                onboard.tracking);
+                                onboard.dynamics, onboard.tracking);
   }
+  // What a plan takes to stop is not to be less than what the tracker needs.
+  const SpeedParams& speed = config.planner.speed;
+  const bool stops = speed.stopping_dead_time_s >= onboard.dynamics.dead_time_s &&
+                     speed.stopping_lag_s >= onboard.dynamics.common_lag_s;
+  if (IsUsable(status) && !stops) status = Status::kParameterOutOfRange;
   if (IsUsable(status)) status = supervisor_.Configure(onboard.safety);
   if (IsUsable(status)) {
     const auto beams = static_cast<size_t>(lidar.beams);
@@ -208,7 +213,8 @@ Status VehicleLoop::TakeLidar(std::span<const uint8_t> bytes) {
 // a gap nobody knows: what was mapped before it no longer has a place.
 void VehicleLoop::AddPose() {
   const uint32_t gaps = odometry_.gaps();
-  static_cast<void>(odometry_.Advance(now_ns_, drives_.feedback(now_ns_)));
+  const WheelFeedback wheels = drives_.feedback(now_ns_);
+  static_cast<void>(odometry_.Advance(now_ns_, wheels));
   is_gap_ = odometry_.gaps() != gaps;
   if (is_gap_) {
     ++counters_.odometry_gaps;
@@ -216,6 +222,9 @@ void VehicleLoop::AddPose() {
     static_cast<void>(ConfigureMapper());  // as when it was configured: it cannot fail
   }
   static_cast<void>(mapper_.AddPose(odometry_.pose()));
+  const StampedPose& pose = odometry_.pose();
+  static_cast<void>(
+      tracker_.Predict(now_ns_, {pose.position.x_m, pose.position.y_m, pose.yaw_rad}, wheels));
 }
 
 void VehicleLoop::AddToHash(const TickOutput& output) {
