@@ -44,7 +44,7 @@ struct TrackingParams {
   static constexpr int32_t kPurePursuit = 0;  // without the lags, for comparison
   static constexpr int32_t kLagAware = 1;
   int32_t method = kLagAware;
-  float bandwidth_radps = 2.5f;      // of the feedback of place and heading, at most ...
+  float bandwidth_radps = 2.3f;      // of the feedback of place and heading, at most ...
   float settle_way_m = 0.6f;         // ... and at most the speed over this way
   float speed_gain_per_s = 3.0f;     // change of the speed per speed error
   float yaw_rate_gain_per_s = 4.0f;  // change of the yaw rate per yaw rate error, at least

@@ -92,8 +92,10 @@ inline constexpr std::array kTrackingTable = {
     HP_TRACKING(method, 0.0f, 1.0f,
                 "0: pure pursuit, which knows nothing of the drives' lags, for comparison; 1: "
                 "feed-forward and feedback through the model of the drives (dynamics)."),
-    HP_TRACKING(bandwidth_radps, 0.2f, 6.0f,
-                "Place and heading errors are brought back this fast (three poles), at most ..."),
+    HP_TRACKING(
+        bandwidth_radps, 0.2f, 6.0f,
+        "Place and heading errors are brought back this fast (frequency of three poles), at most "
+        "..."),
     HP_TRACKING(settle_way_m, 0.2f, 5.0f, "... and at most as fast as the speed over this way."),
     HP_TRACKING(speed_gain_per_s, 0.2f, 10.0f, "Change of the speed per speed error."),
     HP_TRACKING(yaw_rate_gain_per_s, 0.2f, 20.0f,

@@ -17,6 +17,12 @@ constexpr float kBiasRate_radps = 2.0f;
 // A bias belongs to what is being driven: without measurements it fades, by half in 0.35 s.
 constexpr uint64_t kFreshBias_ns = 100'000'000;
 constexpr float kBiasFade = 0.98f;
+// The quickness: the steps over which a change is looked at, the change from which on it tells
+// something, the part of what it tells that is taken, and at most.
+constexpr int kLearnSteps = 2;
+constexpr float kLeastChange_radps = 0.05f;
+constexpr float kQuicknessRate = 0.08f;
+constexpr float kMostLearned = 0.05f;
 // From here on the continued fraction is above 1.
 constexpr float kTanhEnd = 4.97f;
 constexpr int kNewtonSteps = 5;
@@ -82,6 +88,7 @@ void DriveModel::Forget(uint64_t now_ns) {
   at_ns_ = now_ns;
   newest_ = 0;
   bias_ = WheelParts{};
+  quickness_ = 1.0f;
   HP_LOOP_BOUND(kHistory)
   for (WheelParts& command : commands_) command = WheelParts{};
   HP_LOOP_BOUND(kHistory)
@@ -105,7 +112,7 @@ WheelParts DriveModel::Next(const WheelParts& wheels, const WheelParts& command)
   return {Toward(wheels.common_radps, command.common_radps + bias_.common_radps,
                  params_.common_lag_s, params_.slew_radps2),
           Toward(wheels.differential_radps, settled_radps + bias_.differential_radps,
-                 params_.differential_lag_s, params_.slew_radps2)};
+                 DifferentialLag_s(), params_.slew_radps2)};
 }
 
 void DriveModel::StepOnce() {
@@ -134,22 +141,33 @@ void DriveModel::TakeFeedback(const WheelFeedback& feedback) {
   const WheelParts& then = at_[Place(back)];
   const WheelParts taken = {kTakenAtOnce * (measured.common_radps - then.common_radps),
                             kTakenAtOnce * (measured.differential_radps - then.differential_radps)};
+  Learn(taken, back);
   HP_LOOP_BOUND(kMaxFeedbackSteps + 1)
   for (int i = 0; i <= back; ++i) at_[Place(i)] = Sum(at_[Place(i)], taken);
+}
+
+// From what a measurement of `back` steps ago differs from the model by.
+void DriveModel::Learn(const WheelParts& taken, int back) {
   // What wheels do that are told nothing (pushed, or rolling out under a brake) says nothing.
   const WheelParts& told = commands_[Place(back)];
   if (told.common_radps == 0.0f && told.differential_radps == 0.0f) {
     bias_ = WheelParts{};
     return;
   }
+  const float changed_radps =
+      at_[Place(back)].differential_radps - at_[Place(back + kLearnSteps)].differential_radps;
+  const float share = taken.differential_radps * changed_radps /
+                      (changed_radps * changed_radps + kLeastChange_radps * kLeastChange_radps);
+  quickness_ =
+      Clamp(quickness_ * (1.0f + Clamp(kQuicknessRate * share, -kMostLearned, kMostLearned)),
+            kMinQuickness, kMaxQuickness);
   // A bias that is off by one makes a difference of step / lag / kTakenAtOnce at each measurement.
   bias_.common_radps =
       Clamp(bias_.common_radps + kBiasRate_radps * params_.common_lag_s * taken.common_radps,
             -kMaxBias_radps, kMaxBias_radps);
-  bias_.differential_radps =
-      Clamp(bias_.differential_radps +
-                kBiasRate_radps * params_.differential_lag_s * taken.differential_radps,
-            -kMaxBias_radps, kMaxBias_radps);
+  bias_.differential_radps = Clamp(
+      bias_.differential_radps + kBiasRate_radps * DifferentialLag_s() * taken.differential_radps,
+      -kMaxBias_radps, kMaxBias_radps);
 }
 
 Status DriveModel::Advance(uint64_t now_ns, const WheelFeedback& feedback) {

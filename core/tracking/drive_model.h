@@ -16,12 +16,14 @@
 //
 //   common c = (w_r + w_l) / 2, differential d = (w_r - w_l) / 2, commands u(t) of both
 //   c' = clamp((u_c(t - dead) + b_c - c) / lag_c, -slew, slew)
-//   d' = clamp((L tanh(g u_d(t - dead) / L) + b_d - d) / lag_d, -slew, slew)
+//   d' = clamp(q (L tanh(g u_d(t - dead) / L) + b_d - d) / lag_d, -slew, slew)
 //   v = c r ground_per_wheel,  w = d 2 r ground_per_wheel / baseline
 //
 // The form and its numbers are fits to recordings of a Warthog (docs/vehicle.md, "How it moves").
-// What the fit does not know (b_c, b_d) is learned from the measured speeds: an observer of the
-// speed with a bias, within kMaxBias_radps. Without measurements the model goes on by itself.
+// What the fit does not know is learned from the measured speeds: b_c, b_d by an observer of the
+// speed with a bias, within kMaxBias_radps; q, how much quicker a turn follows than the fit says,
+// by normalised least mean squares of what is measured over what the model changed by, within
+// kMinQuickness to kMaxQuickness. Without measurements the model goes on by itself.
 
 namespace hardpack {
 
@@ -64,6 +66,8 @@ class DriveModel {
   // A longer pause is a gap: the drives have stopped by themselves, or nobody knows.
   static constexpr int kMaxCatchUpSteps = 20;
   static constexpr float kMaxBias_radps = 2.5f;
+  static constexpr float kMinQuickness = 0.75f;
+  static constexpr float kMaxQuickness = 2.2f;
   static constexpr float kMaxWheel_radps = 100.0f;  // a report beyond is none
 
   // At rest. kParameterOutOfRange: odometry or dynamics; `vehicle` was checked before.
@@ -86,6 +90,8 @@ class DriveModel {
 
   const WheelParts& wheels() const { return at_[Place(0)]; }  // now
   const WheelParts& bias() const { return bias_; }
+  float quickness() const { return quickness_; }
+  float DifferentialLag_s() const { return params_.differential_lag_s / quickness_; }
   const DynamicsParams& params() const { return params_; }
   float RimWay_m() const { return rim_m_; }                 // of the vehicle, per radian of common
   float PerTurn() const { return differential_per_turn_; }  // differential speed per yaw rate
@@ -97,6 +103,7 @@ class DriveModel {
   void Forget(uint64_t now_ns);
   void StepOnce();
   void TakeFeedback(const WheelFeedback& feedback);
+  void Learn(const WheelParts& taken, int back);
 
   DynamicsParams params_;
   float rim_m_ = 0.0f;
@@ -109,6 +116,7 @@ class DriveModel {
   int32_t newest_ = 0;        // place in both rings
   WheelParts command_;        // in force
   WheelParts bias_;
+  float quickness_ = 1.0f;
   WheelParts commands_[kHistory];  // [step]: in force in the step that ended there
   WheelParts at_[kHistory];        // [step]: the wheels at its end
 };

@@ -7,10 +7,14 @@
 namespace hardpack {
 namespace {
 
+// (s + p)(s^2 + 1.4 p s + p^2) = s^3 + 2.4 p s^2 + 2.4 p^2 s + p^3
+constexpr float kGains = 2.4f;
 // No nearer than this is a point a direction to aim at.
 constexpr float kMinAim_m = 0.05f;
 // Below this speed the way back to the path is not looked for: the vehicle hardly moves.
 constexpr float kLeastSpeed_mps = 0.2f;
+// A lasting error of the yaw rate keeps the vehicle no further off its path than this.
+constexpr float kLearnWithin_m = 0.25f;
 constexpr float kLeastCurvatureSpeed_mps = 0.5f;
 // A turn on the spot ends here.
 constexpr float kTurned_rad = 0.02f;
@@ -163,11 +167,11 @@ Tracker::Turn Tracker::TurnFor(const TrackingInput& input, const Errors& errors,
   const float speed_mps = predicted_.speed_mps;
   const float magnitude_mps = Abs(speed_mps);
   const float pole_radps = Min(params_.bandwidth_radps, magnitude_mps / params_.settle_way_m);
-  const float rate_gain_per_s = Max(3.0f * pole_radps, params_.yaw_rate_gain_per_s);
-  const float heading_gain_per_s = 3.0f * pole_radps * pole_radps / rate_gain_per_s;
+  const float rate_gain_per_s = Max(kGains * pole_radps, params_.yaw_rate_gain_per_s);
+  const float heading_gain_per_s = kGains * pole_radps * pole_radps / rate_gain_per_s;
   const float towards_mps = Max(magnitude_mps, kLeastSpeed_mps);
   float back_rad =
-      Limited(pole_radps * errors.cross_track_m / (3.0f * towards_mps), kMaxReturn_rad);
+      Limited(pole_radps * errors.cross_track_m / (kGains * towards_mps), kMaxReturn_rad);
   if (input.reverse) back_rad = -back_rad;
   const float feedback_radps = heading_gain_per_s * (errors.heading_rad + back_rad);
   const float path_radps = speed_mps * input.curvature_per_m;
@@ -178,8 +182,10 @@ Tracker::Turn Tracker::TurnFor(const TrackingInput& input, const Errors& errors,
   turn.wanted_radps = Limited(asked_radps, limits_.max_yaw_rate_radps);
   turn.change_radps2 =
       path_change_radps2 + rate_gain_per_s * (turn.wanted_radps - predicted_.yaw_rate_radps);
-  // What is not done does not teach anything.
-  if (!saturated_ && turn.wanted_radps == asked_radps && magnitude_mps > kLeastCurvatureSpeed_mps) {
+  // What is not done does not teach anything, nor does the way back from far off.
+  const bool is_done = !saturated_ && turn.wanted_radps == asked_radps;
+  if (is_done && magnitude_mps > kLeastCurvatureSpeed_mps &&
+      Abs(errors.cross_track_m) < kLearnWithin_m) {
     integral_radps_ = Limited(integral_radps_ + params_.integral_rate_per_s * feedback_radps * dt_s,
                               kMaxIntegral_radps);
   }
@@ -267,7 +273,7 @@ float Tracker::DifferentialCommandFor(float change_radps2) const {
   const DynamicsParams& drives = model_.params();
   const float change = Limited(change_radps2, drives.slew_radps2);
   return DifferentialCommand(drives, predicted_.wheels.differential_radps +
-                                         drives.differential_lag_s * change -
+                                         model_.DifferentialLag_s() * change -
                                          model_.bias().differential_radps);
 }
 

@@ -27,9 +27,10 @@
 //   speed       v'   = v_r' + k_v (v_r - v)
 //   turn        w_d  = v kappa - (k_2 / k_1) (psi + k_3 e / (k_2 v)) - i
 //               w'   = (v kappa)' + k_1 (w_d - w)
-//     with k_1 = 3 p, k_2 = 3 p^2, k_3 = p^3: a triple pole at p = min(bandwidth, |v| / settle way)
-//     of e' = v psi, psi' = w - v kappa. The heading that brings e back is at most kMaxReturn_rad.
-//     i is the integral of what the feedback asks for, stopped where a limit is reached.
+//     with k_1 = 2.4 p, k_2 = 2.4 p^2, k_3 = p^3: for e' = v psi, psi' = w - v kappa a pole at -p
+//     and a pair of that frequency, damped by 0.7; p = min(bandwidth, |v| / settle way). The
+//     heading that brings e back is at most kMaxReturn_rad. i is the integral of what the feedback
+//     asks for; it waits where a limit is reached and while the vehicle is far off.
 //   wheels      u_c = c + lag_c c' - b_c;   u_d = S^-1(d + lag_d d' - b_d), S the settled one
 //
 // The turn keeps the vehicle on its path: where a wheel would be too fast, the common part is cut.

@@ -39,6 +39,7 @@ void RunBase(Report& report);
 void RunCells(Report& report);
 void RunScenes(Report& report);
 void RunReplan(Report& report);
+void RunTracking(Report& report);
 
 inline void RunAll() {
   Report report;
@@ -46,6 +47,7 @@ inline void RunAll() {
   RunCells(report);
   RunScenes(report);
   RunReplan(report);
+  RunTracking(report);
   report.PrintTotal();
 }
 

@@ -105,6 +105,27 @@ TEST(DriveModel, LearnsWhatItsGainDoesNotKnow) {
   EXPECT_GE(model.bias().differential_radps, -DriveModel::kMaxBias_radps);
 }
 
+// Drives that turn twice as quickly, and ones that are slower than the fit: the first turns tell.
+TEST(DriveModel, LearnsHowQuicklyTheVehicleTurns) {
+  for (const double lag_s : {0.48, 0.91, 1.15}) {
+    TrueVehicle other;
+    other.differential_lag_s = lag_s;
+    DriveModel model = MakeModel();
+    VehicleBench bench(other);
+    for (int tick = 1; tick <= 600; ++tick) {
+      const float turn = tick % 120 < 60 ? 4.0f : -4.0f;
+      model.SetCommand({8.0f, turn});
+      for (int ms = 0; ms < 10; ++ms) bench.Step_ms({8.0f - turn, 8.0f + turn});
+      const uint64_t now_ns = kStart_ns + static_cast<uint64_t>(tick) * kTick_ns;
+      ASSERT_EQ(model.Advance(now_ns, tick % 2 == 0 ? FeedbackOf(bench, now_ns) : WheelFeedback{}),
+                Status::kOk);
+      ASSERT_GE(model.quickness(), DriveModel::kMinQuickness);
+      ASSERT_LE(model.quickness(), DriveModel::kMaxQuickness);
+    }
+    EXPECT_NEAR(model.DifferentialLag_s(), lag_s, 0.2 * lag_s);
+  }
+}
+
 TEST(DriveModel, TakesNoFeedbackThatIsNoneOrOldOrTheSameTwice) {
   DriveModel model = MakeModel();
   model.SetCommand({5.0f, 0.0f});

@@ -97,6 +97,31 @@ TEST(TrackerDriving, KeepsToThePathOverTheSpreadOfVehicles) {
   std::printf("  all: p95 %.3f  p99 %.3f\n", Percentile(all, 0.95), Percentile(all, 0.99));
 }
 
+// Far outside the spread: turns that follow twice as quickly, or half again as slowly, as the fit.
+TEST(TrackerDriving, LearnsDrivesThatAreOthers) {
+  TrueVehicle quick;
+  quick.differential_lag_s = 0.48;
+  quick.differential_gain = 1.0;
+  quick.differential_limit_radps = 100.0;
+  quick.dead_time_s = 0.15;
+  TrueVehicle slow;
+  slow.differential_lag_s = 1.3;
+  slow.differential_gain = 0.75;
+  slow.dead_time_s = 0.20;
+  for (const TrueVehicle& vehicle : {quick, slow}) {
+    for (const NamedPath& named : Paths()) {
+      DriveSetup setup;
+      setup.vehicle = vehicle;
+      const Driven driven = Drive(named.path, setup, 1);
+      const double p95_m = Percentile(driven.off_m, 0.95);
+      std::printf("  lag %.2f s, %-16s p95 %.3f m\n", vehicle.differential_lag_s, named.name,
+                  p95_m);
+      EXPECT_TRUE(driven.stood) << named.name;
+      EXPECT_LE(p95_m, 0.20) << named.name;
+    }
+  }
+}
+
 TEST(TrackerDriving, DrivesPathsInReverse) {
   for (const NamedPath& named : Paths()) {
     const Figures figures = DriveSpread(named, {}, 5, true);
