@@ -63,13 +63,34 @@ struct MapFromOdomParams {
   float max_ins_age_s = 1.0f;         // an older position of the INS is none
 };
 
+// How the wheels follow their command (core/tracking/drive_model.h): the common part is half the
+// sum of both sides, the differential part half of right minus left. From recordings of a Warthog
+// (docs/vehicle.md, "How it moves"). The ratio of ground to wheel speed is
+// OdometryParams::ground_per_wheel, the baseline VehicleParams::skid_baseline_m.
+struct DynamicsParams {
+  float dead_time_s = 0.17f;   // from a command to the first change of the wheels
+  float slew_radps2 = 17.0f;   // largest change of either part
+  float common_lag_s = 0.48f;  // first order
+  float differential_lag_s = 0.91f;
+  float differential_gain = 0.907f;       // settled part over its command, for small ones ...
+  float differential_limit_radps = 7.9f;  // ... and the most that any command reaches
+};
+
 // Following the committed plan (core/tracking).
 struct TrackingParams {
-  float lookahead_s = 0.5f;         // way ahead that is aimed at, in time ...
-  float min_lookahead_m = 0.8f;     // ... and at least
-  float heading_gain_per_s = 2.0f;  // turn on the spot: yaw rate per heading error
+  static constexpr int32_t kPurePursuit = 0;  // without the lags, for comparison
+  static constexpr int32_t kLagAware = 1;
+  int32_t method = kLagAware;
+  float bandwidth_radps = 2.3f;      // of the feedback of place and heading, at most ...
+  float settle_way_m = 0.6f;         // ... and at most the speed over this way
+  float speed_gain_per_s = 3.0f;     // change of the speed per speed error
+  float yaw_rate_gain_per_s = 4.0f;  // change of the yaw rate per yaw rate error, at least
+  float integral_rate_per_s = 0.5f;  // how fast a lasting error of the yaw rate is learned
+  float max_cross_track_m = 2.0f;    // further off its path the vehicle is brought to rest
+  float lookahead_s = 0.5f;          // pure pursuit: way ahead that is aimed at, in time ...
+  float min_lookahead_m = 0.8f;      // ... and at least
+  float heading_gain_per_s = 2.0f;   // turn on the spot: yaw rate per heading error
   float max_pivot_rate_radps = 0.8f;
-  float prediction_s = 0.2f;  // dead time of the drives: the pose is carried on by it
 };
 
 // When the vehicle may move (core/safety/supervisor.h).
@@ -104,6 +125,7 @@ struct OnboardParams {
   InsParams ins;
   OdometryParams odometry;
   MapFromOdomParams map_from_odom;
+  DynamicsParams dynamics;
   TrackingParams tracking;
   SafetyParams safety;
   TickParams tick;

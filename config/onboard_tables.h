@@ -116,16 +116,45 @@ inline constexpr std::array kMapFromOdomTable = {
            "An older pose of the INS is none: the transform is kept, and no goal is taken in "
            "latitude and longitude.")};
 #undef HP_MAP
+#define HP_DYNAMICS(...) HP_ENTRY("dynamics", DynamicsParams, __VA_ARGS__)
+inline constexpr std::array kDynamicsTable = {
+    HP_DYNAMICS(dead_time_s, 0.0f, 0.5f,
+                "From a command to the first change of the wheels; recorded: 0.15 to 0.20."),
+    HP_DYNAMICS(slew_radps2, 1.0f, 100.0f,
+                "Largest change of the common and of the differential wheel speed; recorded."),
+    HP_DYNAMICS(common_lag_s, 0.05f, 3.0f,
+                "First-order lag of the common wheel speed, half the sum of both sides; recorded."),
+    HP_DYNAMICS(differential_lag_s, 0.05f, 3.0f,
+                "The same of the differential one, half of right minus left; recorded."),
+    HP_DYNAMICS(differential_gain, 0.2f, 2.0f,
+                "Settled differential wheel speed over a small command of it; recorded."),
+    HP_DYNAMICS(differential_limit_radps, 1.0f, 40.0f,
+                "The differential wheel speed that no command exceeds: it comes near it as tanh "
+                "does; recorded.")};
+#undef HP_DYNAMICS
 
 #define HP_TRACKING(...) HP_ENTRY("tracking", TrackingParams, __VA_ARGS__)
 inline constexpr std::array kTrackingTable = {
+    HP_TRACKING(method, 0.0f, 1.0f,
+                "0: pure pursuit, which knows nothing of the drives' lags, for comparison; 1: "
+                "feed-forward and feedback through the model of the drives (dynamics)."),
+    HP_TRACKING(
+        bandwidth_radps, 0.2f, 6.0f,
+        "Place and heading errors are brought back this fast (frequency of three poles), at most "
+        "..."),
+    HP_TRACKING(settle_way_m, 0.2f, 5.0f, "... and at most as fast as the speed over this way."),
+    HP_TRACKING(speed_gain_per_s, 0.2f, 10.0f, "Change of the speed per speed error."),
+    HP_TRACKING(yaw_rate_gain_per_s, 0.2f, 20.0f,
+                "Change of the yaw rate per yaw rate error, at least."),
+    HP_TRACKING(integral_rate_per_s, 0.0f, 3.0f,
+                "How fast a lasting error of the yaw rate is learned; 0: not at all."),
+    HP_TRACKING(max_cross_track_m, 0.3f, 20.0f,
+                "Further off its path than this the vehicle is brought to rest."),
     HP_TRACKING(lookahead_s, 0.05f, 3.0f,
-                "The point of the path that is aimed at lies this long ahead ..."),
+                "Pure pursuit: the point that is aimed at lies this long ahead ..."),
     HP_TRACKING(min_lookahead_m, 0.2f, 10.0f, "... and at least so far."),
     HP_TRACKING(heading_gain_per_s, 0.1f, 10.0f, "Turns on the spot: yaw rate per heading error."),
-    HP_TRACKING(max_pivot_rate_radps, 0.05f, 4.0f, "Turns on the spot: largest yaw rate."),
-    HP_TRACKING(prediction_s, 0.0f, 1.0f,
-                "The pose is carried on by the dead time of the drives.")};
+    HP_TRACKING(max_pivot_rate_radps, 0.05f, 4.0f, "Turns on the spot: largest yaw rate.")};
 #undef HP_TRACKING
 
 #define HP_SAFETY(...) HP_ENTRY("safety", SafetyParams, __VA_ARGS__)
@@ -170,6 +199,7 @@ static_assert(NamesAllMembers(kDriveTable));
 static_assert(NamesAllMembers(kInsTable));
 static_assert(NamesAllMembers(kOdometryTable));
 static_assert(NamesAllMembers(kMapFromOdomTable));
+static_assert(NamesAllMembers(kDynamicsTable));
 static_assert(NamesAllMembers(kTrackingTable));
 static_assert(NamesAllMembers(kSafetyTable));
 static_assert(NamesAllMembers(kTickTable));

@@ -63,6 +63,9 @@ constexpr const auto& TableOf(const OdometryParams&) {
 constexpr const auto& TableOf(const MapFromOdomParams&) {
   return kMapFromOdomTable;
 }
+constexpr const auto& TableOf(const DynamicsParams&) {
+  return kDynamicsTable;
+}
 constexpr const auto& TableOf(const TrackingParams&) {
   return kTrackingTable;
 }
@@ -96,6 +99,7 @@ constexpr void VisitParameters(Params& params, Visit&& visit) {
     visit(params.ins, kInsTable);
     visit(params.odometry, kOdometryTable);
     visit(params.map_from_odom, kMapFromOdomTable);
+    visit(params.dynamics, kDynamicsTable);
     visit(params.tracking, kTrackingTable);
     visit(params.safety, kSafetyTable);
     visit(params.tick, kTickTable);

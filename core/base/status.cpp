@@ -22,6 +22,7 @@ constexpr Named kNames[] = {
     {Status::kNarrowGap, "narrow_gap"},
     {Status::kLimitExceeded, "limit_exceeded"},
     {Status::kClockJumped, "clock_jumped"},
+    {Status::kOffPath, "off_path"},
     {Status::kNotStarted, "not_started"},
     {Status::kInvalidArgument, "invalid_argument"},
     {Status::kNotFinite, "not_finite"},

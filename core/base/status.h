@@ -22,6 +22,7 @@ enum class [[nodiscard]] Status : uint8_t{
     kNarrowGap,        // Only passable for the bare footprint; to be driven at v_min.
     kLimitExceeded,  // Free of hard obstacles, but a curvature or curvature-rate limit is exceeded.
     kClockJumped,    // A device's clock jumped against ours; the new offset is used from here on.
+    kOffPath,        // Too far from the path to follow it; the vehicle is being brought to rest.
 
     // Failures: there is no result.
     kFirstFailure = 32,

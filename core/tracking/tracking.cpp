@@ -7,30 +7,58 @@
 namespace hardpack {
 namespace {
 
+// (s + p)(s^2 + 1.4 p s + p^2) = s^3 + 2.4 p s^2 + 2.4 p^2 s + p^3
+constexpr float kGains = 2.4f;
 // No nearer than this is a point a direction to aim at.
 constexpr float kMinAim_m = 0.05f;
+// Below this speed the way back to the path is not looked for: the vehicle hardly moves.
+constexpr float kLeastSpeed_mps = 0.2f;
+// A lasting error of the yaw rate keeps the vehicle no further off its path than this.
+constexpr float kLearnWithin_m = 0.25f;
+constexpr float kLeastCurvatureSpeed_mps = 0.5f;
+// A turn on the spot ends here.
+constexpr float kTurned_rad = 0.02f;
+constexpr float kTurnedRate_radps = 0.05f;
+constexpr float kPivotBrake_radps2 = 1.2f;
+
+bool IsFinitePose(const Pose2& pose) {
+  return IsFinite(pose.x_m) && IsFinite(pose.y_m) && IsFinite(pose.theta_rad);
+}
 
 bool IsFiniteInput(const TrackingInput& input) {
-  return IsFinite(input.pose.x_m) && IsFinite(input.pose.y_m) && IsFinite(input.pose.theta_rad) &&
-         IsFinite(input.speed_limit_mps) && IsFinite(input.aim.pose.x_m) &&
-         IsFinite(input.aim.pose.y_m) && IsFinite(input.aim.pose.theta_rad);
+  return IsFinitePose(input.pose) && IsFinitePose(input.aim.pose) && IsFinitePose(input.path) &&
+         IsFinite(input.speed_limit_mps) && IsFinite(input.acceleration_mps2) &&
+         IsFinite(input.curvature_per_m) && IsFinite(input.curvature_rate_per_m2) &&
+         IsFinite(input.left_m);
+}
+
+float Limited(float value, float most) {
+  return Clamp(value, -most, most);
 }
 
 }  // namespace
 
 Status Tracker::Configure(const VehicleParams& vehicle, const SpeedParams& speed,
-                          const OdometryParams& odometry, const TrackingParams& tracking) {
-  *this = Tracker{};
-  OnboardParams onboard;
-  onboard.odometry = odometry;
-  onboard.tracking = tracking;
-  if (FirstInvalidParameter(onboard) != nullptr) return Status::kParameterOutOfRange;
+                          const OdometryParams& odometry, const DynamicsParams& dynamics,
+                          const TrackingParams& tracking) {
+  configured_ = false;
+  if (FirstInvalidParameter(tracking) != nullptr) return Status::kParameterOutOfRange;
+  const Status status = model_.Configure(vehicle, odometry, dynamics);
+  if (!IsUsable(status)) return status;
   vehicle_ = vehicle;
   limits_ = speed;
-  odometry_ = odometry;
   params_ = tracking;
+  predicted_ = DriveState{};
+  TrackingOutput output;
+  Zero(output);
   configured_ = true;
   return Status::kOk;
+}
+
+Status Tracker::Predict(uint64_t now_ns, const Pose2& pose, const WheelFeedback& wheels) {
+  const Status status = model_.Advance(now_ns, wheels);
+  predicted_ = model_.Predict(pose);
+  return status;
 }
 
 Status Tracker::Follow(const TrackingInput& input, float dt_s, TrackingOutput& output) {
@@ -44,19 +72,19 @@ Status Tracker::StopAlong(const TrackingInput& input, float dt_s, TrackingOutput
 void Tracker::Zero(TrackingOutput& output) {
   speed_mps_ = 0.0f;
   curvature_per_m_ = 0.0f;
+  integral_radps_ = 0.0f;
+  saturated_ = false;
   output = TrackingOutput{};
+  Mix(WheelParts{}, output);
 }
 
-// Arc through the vehicle's pose, along its heading, and the point aimed at.
-float Tracker::CurvatureTo(const TrackingInput& input) const {
-  const SinCosPair heading = SinCos(input.pose.theta_rad);
-  const float dx_m = input.aim.pose.x_m - input.pose.x_m;
-  const float dy_m = input.aim.pose.y_m - input.pose.y_m;
-  const float ahead_m = heading.cos * dx_m + heading.sin * dy_m;
-  const float left_m = heading.cos * dy_m - heading.sin * dx_m;
-  const float distance2_m2 = ahead_m * ahead_m + left_m * left_m;
-  if (ahead_m < kMinAim_m) return 0.0f;  // at the end of the path, or past it
-  return 2.0f * left_m / distance2_m2;
+float Tracker::EndSpeed(float left_m) const {
+  if (!(left_m > 0.0f)) return 0.0f;
+  const float time_s = kEndLags * model_.params().common_lag_s;
+  const float brake_mps2 = kEndBrakeShare * limits_.max_deceleration_mps2;
+  const float rolling_m = brake_mps2 * time_s * time_s;
+  if (left_m <= rolling_m) return left_m / time_s;
+  return Sqrt(2.0f * brake_mps2 * (left_m - 0.5f * rolling_m));
 }
 
 Status Tracker::Drive(const TrackingInput& input, bool stops, float dt_s, TrackingOutput& output) {
@@ -65,36 +93,209 @@ Status Tracker::Drive(const TrackingInput& input, bool stops, float dt_s, Tracki
     return configured_ ? Status::kNotFinite : Status::kNotStarted;
   }
   if (input.turn) {
-    speed_mps_ = 0.0f;
-    curvature_per_m_ = 0.0f;
-    const float error_rad = WrapAngle(input.aim.pose.theta_rad - input.pose.theta_rad);
-    const float rate_radps = Clamp(params_.heading_gain_per_s * error_rad,
-                                   -params_.max_pivot_rate_radps, params_.max_pivot_rate_radps);
-    Mix(0.0f, stops ? 0.0f : rate_radps, output);
+    if (stops) {
+      Zero(output);
+    } else {
+      TurnOnTheSpot(input, dt_s, output);
+    }
     return Status::kOk;
   }
+  if (params_.method == TrackingParams::kPurePursuit) {
+    PursueAim(input, stops, dt_s, output);
+    return Status::kOk;
+  }
+  const float dx_m = input.pose.x_m - input.path.x_m;
+  const float dy_m = input.pose.y_m - input.path.y_m;
+  const float limit_m = params_.max_cross_track_m;
+  const bool is_off = dx_m * dx_m + dy_m * dy_m > limit_m * limit_m;
+  FollowPath(input, stops || is_off, dt_s, output);
+  return is_off ? Status::kOffPath : Status::kOk;
+}
+
+// Arc through the vehicle's pose, along its heading, and the point aimed at:
+//   kappa = 2 y / (x^2 + y^2), of that point in the body frame
+float Tracker::CurvatureTo(const TrackingInput& input) const {
+  const SinCosPair heading = SinCos(input.pose.theta_rad);
+  const float dx_m = input.aim.pose.x_m - input.pose.x_m;
+  const float dy_m = input.aim.pose.y_m - input.pose.y_m;
+  const float ahead_m = heading.cos * dx_m + heading.sin * dy_m;
+  const float left_m = heading.cos * dy_m - heading.sin * dx_m;
+  const float distance2_m2 = ahead_m * ahead_m + left_m * left_m;
+  const bool is_ahead = input.reverse ? ahead_m <= -kMinAim_m : ahead_m >= kMinAim_m;
+  if (!is_ahead) return 0.0f;  // at the end of the path, or past it
+  return 2.0f * left_m / distance2_m2;
+}
+
+// Pure pursuit: the speed is that of the path within the ramps, and every wheel is taken to have
+// the speed that it is told.
+void Tracker::PursueAim(const TrackingInput& input, bool stops, float dt_s,
+                        TrackingOutput& output) {
   const float limit_mps = stops ? 0.0f : Clamp(input.speed_limit_mps, 0.0f, limits_.max_speed_mps);
   speed_mps_ = Clamp(limit_mps, speed_mps_ - limits_.max_deceleration_mps2 * dt_s,
                      speed_mps_ + limits_.max_acceleration_mps2 * dt_s);
   curvature_per_m_ = CurvatureTo(input);
-  const float largest_radps = limits_.max_yaw_rate_radps;
-  const float rate_radps = Clamp(speed_mps_ * curvature_per_m_, -largest_radps, largest_radps);
-  Mix(speed_mps_, rate_radps, output);
-  return Status::kOk;
+  output.speed_mps = input.reverse ? -speed_mps_ : speed_mps_;
+  output.yaw_rate_radps = Limited(output.speed_mps * curvature_per_m_, limits_.max_yaw_rate_radps);
+  output.curvature_per_m = curvature_per_m_;
+  Mix({output.speed_mps / model_.RimWay_m(), output.yaw_rate_radps * model_.PerTurn()}, output);
+}
+
+// Moves the reference on and returns its change [m/s^2], in the direction of driving.
+float Tracker::Reference(const TrackingInput& input, bool stops, float dt_s) {
+  const float brake_mps2 = limits_.max_deceleration_mps2;
+  const float end_mps = EndSpeed(input.left_m);
+  float wanted_mps = Clamp(input.speed_limit_mps, 0.0f, limits_.max_speed_mps);
+  float change_mps2 = input.acceleration_mps2;
+  if (end_mps <= wanted_mps) {
+    wanted_mps = end_mps;
+    change_mps2 =
+        -Min(kEndBrakeShare * brake_mps2, end_mps / (kEndLags * model_.params().common_lag_s));
+  }
+  change_mps2 = Clamp(change_mps2 + kRampGain_per_s * (wanted_mps - speed_mps_), -brake_mps2,
+                      limits_.max_acceleration_mps2);
+  if (stops || wanted_mps < kEndSpeed_mps) change_mps2 = -brake_mps2;
+  const float driven_mps = input.reverse ? -predicted_.speed_mps : predicted_.speed_mps;
+  if (speed_mps_ > Max(driven_mps, 0.0f) + kMaxLead_mps) change_mps2 = Min(change_mps2, 0.0f);
+  const float before_mps = speed_mps_;
+  speed_mps_ = Max(speed_mps_ + change_mps2 * dt_s, 0.0f);
+  return speed_mps_ > 0.0f ? change_mps2 : Max(change_mps2, -before_mps / dt_s);
+}
+
+// What brings the yaw rate to where the path and the feedback want it.
+Tracker::Turn Tracker::TurnFor(const TrackingInput& input, const Errors& errors, float change_mps2,
+                               float dt_s) {
+  const float speed_mps = predicted_.speed_mps;
+  const float magnitude_mps = Abs(speed_mps);
+  const float pole_radps = Min(params_.bandwidth_radps, magnitude_mps / params_.settle_way_m);
+  const float rate_gain_per_s = Max(kGains * pole_radps, params_.yaw_rate_gain_per_s);
+  const float heading_gain_per_s = kGains * pole_radps * pole_radps / rate_gain_per_s;
+  const float towards_mps = Max(magnitude_mps, kLeastSpeed_mps);
+  float back_rad =
+      Limited(pole_radps * errors.cross_track_m / (kGains * towards_mps), kMaxReturn_rad);
+  if (input.reverse) back_rad = -back_rad;
+  const float feedback_radps = heading_gain_per_s * (errors.heading_rad + back_rad);
+  const float path_radps = speed_mps * input.curvature_per_m;
+  const float path_change_radps2 =
+      change_mps2 * input.curvature_per_m + speed_mps * speed_mps * input.curvature_rate_per_m2;
+  const float asked_radps = path_radps - feedback_radps - integral_radps_;
+  Turn turn;
+  turn.wanted_radps = Limited(asked_radps, limits_.max_yaw_rate_radps);
+  turn.change_radps2 =
+      path_change_radps2 + rate_gain_per_s * (turn.wanted_radps - predicted_.yaw_rate_radps);
+  // What is not done does not teach anything, nor does the way back from far off.
+  const bool is_done = !saturated_ && turn.wanted_radps == asked_radps;
+  if (is_done && magnitude_mps > kLeastCurvatureSpeed_mps &&
+      Abs(errors.cross_track_m) < kLearnWithin_m) {
+    integral_radps_ = Limited(integral_radps_ + params_.integral_rate_per_s * feedback_radps * dt_s,
+                              kMaxIntegral_radps);
+  }
+  return turn;
+}
+
+void Tracker::FollowPath(const TrackingInput& input, bool stops, float dt_s,
+                         TrackingOutput& output) {
+  const float direction = input.reverse ? -1.0f : 1.0f;
+  const float reference_change_mps2 = Reference(input, stops, dt_s);
+  const float speed_mps = direction * speed_mps_;
+  const float change_mps2 = direction * reference_change_mps2 +
+                            params_.speed_gain_per_s * (speed_mps - predicted_.speed_mps);
+
+  const SinCosPair heading = SinCos(input.path.theta_rad);
+  const Errors errors = {.cross_track_m = heading.cos * (input.pose.y_m - input.path.y_m) -
+                                          heading.sin * (input.pose.x_m - input.path.x_m),
+                         .heading_rad = WrapAngle(input.pose.theta_rad - input.path.theta_rad)};
+  const Turn turn = TurnFor(input, errors, direction * reference_change_mps2, dt_s);
+
+  const bool stands = speed_mps_ <= 0.0f && Abs(predicted_.speed_mps) < kEndSpeed_mps;
+  WheelParts command;
+  if (!stands) {
+    const float common_radps = CommonCommand(change_mps2 / model_.RimWay_m());
+    // Never against the direction of driving: what rolls rolls out.
+    command.common_radps = direction * Max(direction * common_radps, 0.0f);
+    command.differential_radps = DifferentialCommandFor(turn.change_radps2 * model_.PerTurn());
+  }
+  curvature_per_m_ =
+      Abs(predicted_.speed_mps) > kLeastCurvatureSpeed_mps
+          ? Limited(predicted_.yaw_rate_radps / predicted_.speed_mps, 1.0f / kMinAim_m)
+          : 0.0f;
+  output.speed_mps = speed_mps;
+  output.yaw_rate_radps = stands ? 0.0f : turn.wanted_radps;
+  output.curvature_per_m = curvature_per_m_;
+  Command(command, dt_s, output);
+}
+
+// The heading's error sets the yaw rate, no faster than it can be braked again, and the lag is
+// undone as it is along a path.
+void Tracker::TurnOnTheSpot(const TrackingInput& input, float dt_s, TrackingOutput& output) {
+  speed_mps_ = 0.0f;
+  curvature_per_m_ = 0.0f;
+  integral_radps_ = 0.0f;
+  output = TrackingOutput{};
+  const float error_rad = WrapAngle(input.aim.pose.theta_rad - input.pose.theta_rad);
+  const float gain_per_s = params_.heading_gain_per_s;
+  if (params_.method == TrackingParams::kPurePursuit) {
+    output.yaw_rate_radps = Limited(gain_per_s * error_rad, params_.max_pivot_rate_radps);
+    Mix({0.0f, output.yaw_rate_radps * model_.PerTurn()}, output);
+    return;
+  }
+  const float rate_radps = predicted_.yaw_rate_radps;
+  if (Abs(error_rad) < kTurned_rad && Abs(rate_radps) < kTurnedRate_radps) {
+    Command(WheelParts{}, dt_s, output);
+    return;
+  }
+  // gain |error| up to where that would brake harder than kPivotBrake, then the parabola.
+  const float linear_rad = kPivotBrake_radps2 / (gain_per_s * gain_per_s);
+  const float far_rad = Max(Abs(error_rad) - 0.5f * linear_rad, 0.0f);
+  const float braked_radps = Abs(error_rad) <= linear_rad
+                                 ? gain_per_s * Abs(error_rad)
+                                 : Sqrt(2.0f * kPivotBrake_radps2 * far_rad);
+  const float most_radps = Min(braked_radps, params_.max_pivot_rate_radps);
+  const float wanted_radps = error_rad < 0.0f ? -most_radps : most_radps;
+  float change_radps2 = 0.0f;
+  if (braked_radps <= params_.max_pivot_rate_radps) {
+    change_radps2 = -Limited(gain_per_s * rate_radps, kPivotBrake_radps2);
+  }
+  change_radps2 += params_.yaw_rate_gain_per_s * (wanted_radps - rate_radps);
+  output.yaw_rate_radps = wanted_radps;
+  Command({0.0f, DifferentialCommandFor(Limited(change_radps2, kMaxTurnChange_radps2) *
+                                        model_.PerTurn())},
+          dt_s, output);
+}
+
+// The command whose lag gives the wheels this change, at the predicted speed.
+float Tracker::CommonCommand(float change_radps2) const {
+  const DynamicsParams& drives = model_.params();
+  const float change = Limited(change_radps2, drives.slew_radps2);
+  return predicted_.wheels.common_radps + drives.common_lag_s * change - model_.bias().common_radps;
+}
+
+float Tracker::DifferentialCommandFor(float change_radps2) const {
+  const DynamicsParams& drives = model_.params();
+  const float change = Limited(change_radps2, drives.slew_radps2);
+  return DifferentialCommand(drives, predicted_.wheels.differential_radps +
+                                         model_.DifferentialLag_s() * change -
+                                         model_.bias().differential_radps);
+}
+
+// No faster than it may change; then what the wheels can do.
+void Tracker::Command(WheelParts command, float dt_s, TrackingOutput& output) {
+  const float most = kMaxCommandChange_radps2 * dt_s;
+  const auto step = [most](float from, float to) { return Clamp(to, from - most, from + most); };
+  Mix({step(command_.common_radps, command.common_radps),
+       step(command_.differential_radps, command.differential_radps)},
+      output);
 }
 
 // The turn keeps the vehicle on its path, so it comes first: the speed gets what is left.
-void Tracker::Mix(float speed_mps, float yaw_rate_radps, TrackingOutput& output) {
-  const float rim_m = vehicle_.wheel_radius_m * odometry_.ground_per_wheel;
-  const float largest_radps = vehicle_.max_wheel_speed_radps;
-  const float half_radps = Clamp(yaw_rate_radps * vehicle_.skid_baseline_m / (2.0f * rim_m),
-                                 -largest_radps, largest_radps);
-  const float common_radps = Clamp(speed_mps / rim_m, 0.0f, largest_radps - Abs(half_radps));
-  output.speed_mps = common_radps * rim_m;
-  output.yaw_rate_radps = half_radps * 2.0f * rim_m / vehicle_.skid_baseline_m;
-  output.curvature_per_m = curvature_per_m_;
-  output.wheels = {.left_radps = common_radps - half_radps,
-                   .right_radps = common_radps + half_radps};
+void Tracker::Mix(WheelParts command, TrackingOutput& output) {
+  const float most_radps = vehicle_.max_wheel_speed_radps;
+  command_.differential_radps = Limited(command.differential_radps, most_radps);
+  command_.common_radps =
+      Limited(command.common_radps, most_radps - Abs(command_.differential_radps));
+  saturated_ = Abs(command.differential_radps) > most_radps;
+  output.wheels = {.left_radps = command_.common_radps - command_.differential_radps,
+                   .right_radps = command_.common_radps + command_.differential_radps};
+  model_.SetCommand(command_);
 }
 
 }  // namespace hardpack

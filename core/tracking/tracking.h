@@ -9,33 +9,57 @@
 #include "core/base/pose.h"
 #include "core/base/status.h"
 #include "core/measurements/measurements.h"
+#include "core/tracking/drive_model.h"
 
-// From what a path says to wheel speeds, once a tick: pure pursuit of a point ahead, the plan's
-// speed within its acceleration limits, turns on the spot, and a skid-steer mixer that keeps the
-// turn and gives up speed when a wheel would be too fast. It does not choose the path, the place on
-// it or whether to move (core/safety/supervisor.h). The paper hands its path to a tracker of its
-// own ([OS] System Overview).
+// From what a path says to wheel speeds, once a tick, forwards and in reverse, and turns on the
+// spot. It does not choose the path, the place on it or whether to move (core/safety/supervisor.h);
+// what a path says is collected by core/autonomy/path_target.h. The paper hands its path to a
+// tracker of its own ([OS] System Overview); this is docs/algorithm.md section 7 (ours).
 //
-//   kappa = 2 y / (x^2 + y^2), of the point aimed at in the body frame;  w = v kappa
-//   w_l,r = (v -+ w baseline / 2) / (r ground_per_wheel)
+// Everything is computed at the state after the dead time (drive_model.h), where a command acts
+// through a lag only. With v the predicted speed (in reverse: negative), w the predicted yaw rate,
+// kappa the path's curvature, e the cross-track error (left of the path: positive) and psi the
+// heading error:
+//
+//   reference   v_r' = a_path + kRampGain (v_path - v_r), within the plan's accelerations;
+//               near where the vehicle has to stand, v_path is at most what a stop with rolling out
+//               through the lag allows (EndSpeed)
+//   speed       v'   = v_r' + k_v (v_r - v)
+//   turn        w_d  = v kappa - (k_2 / k_1) (psi + k_3 e / (k_2 v)) - i
+//               w'   = (v kappa)' + k_1 (w_d - w)
+//     with k_1 = 2.4 p, k_2 = 2.4 p^2, k_3 = p^3: for e' = v psi, psi' = w - v kappa a pole at -p
+//     and a pair of that frequency, damped by 0.7; p = min(bandwidth, |v| / settle way). The
+//     heading that brings e back is at most kMaxReturn_rad. i is the integral of what the feedback
+//     asks for; it waits where a limit is reached and while the vehicle is far off.
+//   wheels      u_c = c + lag_c c' - b_c;   u_d = S^-1(d + lag_d d' - b_d), S the settled one
+//
+// The turn keeps the vehicle on its path: where a wheel would be too fast, the common part is cut.
 
 namespace hardpack {
 
-// What the path says at a place.
+// What the path says at a place. Curvature and its rate are those of the heading over the way in
+// the direction of the heading, so that they stay what they are when a path is driven in reverse.
 struct TrackingPoint {
-  Pose2 pose;  // odom
+  Pose2 pose;  // odom; the heading is the vehicle's, in reverse too
   float speed_mps = 0.0f;
 };
 
 struct TrackingInput {
   Pose2 pose;                    // odom, where the vehicle will be when this command takes effect
-  float speed_limit_mps = 0.0f;  // of the path where the vehicle will be, and just ahead of it
-  TrackingPoint aim;             // the point that is aimed at
   bool turn = false;             // on the spot, to aim.pose.theta_rad; the vehicle stands
+  bool reverse = false;          // the path is driven backwards
+  float speed_limit_mps = 0.0f;  // of the path where the vehicle will be: a magnitude
+  TrackingPoint aim;             // pure pursuit: the point that is aimed at; turn: its heading
+  // The rest is the lag-aware method's.
+  Pose2 path;  // odom, the place of the path nearest to `pose`; its heading is the vehicle's
+  float acceleration_mps2 = 0.0f;  // of that speed, in the direction of driving
+  float curvature_per_m = 0.0f;
+  float curvature_rate_per_m2 = 0.0f;
+  float left_m = 0.0f;  // way to where it has to stand; never negative
 };
 
 struct TrackingOutput {
-  float speed_mps = 0.0f;  // commanded
+  float speed_mps = 0.0f;  // that it is told to have by now; in reverse: negative
   float yaw_rate_radps = 0.0f;
   float curvature_per_m = 0.0f;  // 0 where it stands or turns on the spot
   WheelCommand wheels;
@@ -43,12 +67,32 @@ struct TrackingOutput {
 
 class Tracker {
  public:
-  // At rest. kParameterOutOfRange: odometry or tracking; the others were checked before.
-  Status Configure(const VehicleParams& vehicle, const SpeedParams& speed,
-                   const OdometryParams& odometry, const TrackingParams& tracking);
+  static constexpr float kRampGain_per_s = 4.0f;
+  static constexpr float kMaxReturn_rad = 0.6f;
+  static constexpr float kMaxIntegral_radps = 0.4f;
+  static constexpr float kMaxLead_mps = 0.5f;  // of the reference before the vehicle
+  static constexpr float kMaxTurnChange_radps2 = 3.0f;
+  static constexpr float kMaxCommandChange_radps2 = 80.0f;  // so a command begins over some ticks
+  static constexpr float kEndLags = 1.5f;         // time constant of the last stretch, in lags
+  static constexpr float kEndBrakeShare = 0.85f;  // of the deceleration; the rest corrects
+  static constexpr float kEndSpeed_mps = 0.03f;   // slower is standing
 
-  // The commands of one tick of dt_s. The speed goes towards speed_limit_mps by at most the plan's
-  // acceleration and deceleration limits. kNotFinite: a number, then zero is commanded.
+  // At rest. kParameterOutOfRange: odometry, dynamics or tracking; the others were checked before.
+  Status Configure(const VehicleParams& vehicle, const SpeedParams& speed,
+                   const OdometryParams& odometry, const DynamicsParams& dynamics,
+                   const TrackingParams& tracking);
+
+  // Once every tick, before the command: the pose of now, and the newest wheel speeds. Statuses and
+  // cost: DriveModel::Advance and Predict.
+  Status Predict(uint64_t now_ns, const Pose2& pose, const WheelFeedback& wheels);
+
+  // Where and how fast the vehicle will be when this tick's command takes effect.
+  const DriveState& predicted() const { return predicted_; }
+
+  // The commands of one tick of dt_s. The reference speed goes towards the path's by at most the
+  // plan's acceleration and deceleration limits. kOffPath: further from the path than
+  // max_cross_track_m: it steers back while it comes to rest. kNotFinite: a number, then zero is
+  // commanded. kNotStarted. Constant cost.
   Status Follow(const TrackingInput& input, float dt_s, TrackingOutput& output);
 
   // The same with the speed going to 0 by the deceleration limit, along the path. A turn on the
@@ -58,21 +102,51 @@ class Tracker {
   // Zero at once.
   void Zero(TrackingOutput& output);
 
-  float speed_mps() const { return speed_mps_; }  // commanded last
+  // The reference: what it has been told to do by now. Never negative.
+  float speed_mps() const { return speed_mps_; }
   float curvature_per_m() const { return curvature_per_m_; }
+  const DriveModel& model() const { return model_; }
+
+  // The speed from which the vehicle comes to rest within left_m by braking, and then, in the last
+  // stretch, by rolling out: no faster than its lag lets it without being told to drive backwards.
+  // Zero for what is not positive.
+  //   v = left / T below a T^2, else sqrt(2 a (left - a T^2 / 2)),
+  //   a = kEndBrakeShare max_deceleration, T = kEndLags common_lag
+  float EndSpeed(float left_m) const;
 
  private:
+  struct Errors {
+    float cross_track_m = 0.0f;
+    float heading_rad = 0.0f;
+  };
+  struct Turn {
+    float wanted_radps = 0.0f;
+    float change_radps2 = 0.0f;
+  };
+
   Status Drive(const TrackingInput& input, bool stops, float dt_s, TrackingOutput& output);
+  void PursueAim(const TrackingInput& input, bool stops, float dt_s, TrackingOutput& output);
+  void FollowPath(const TrackingInput& input, bool stops, float dt_s, TrackingOutput& output);
+  void TurnOnTheSpot(const TrackingInput& input, float dt_s, TrackingOutput& output);
   float CurvatureTo(const TrackingInput& input) const;
-  void Mix(float speed_mps, float yaw_rate_radps, TrackingOutput& output);
+  float Reference(const TrackingInput& input, bool stops, float dt_s);
+  Turn TurnFor(const TrackingInput& input, const Errors& errors, float change_mps2, float dt_s);
+  float CommonCommand(float change_radps2) const;
+  float DifferentialCommandFor(float change_radps2) const;
+  void Command(WheelParts command, float dt_s, TrackingOutput& output);
+  void Mix(WheelParts command, TrackingOutput& output);
 
   VehicleParams vehicle_;
   SpeedParams limits_;
-  OdometryParams odometry_;
   TrackingParams params_;
+  DriveModel model_;
+  DriveState predicted_;
   bool configured_ = false;
-  float speed_mps_ = 0.0f;
+  bool saturated_ = false;  // the command before this one was cut
+  float speed_mps_ = 0.0f;  // reference
   float curvature_per_m_ = 0.0f;
+  float integral_radps_ = 0.0f;
+  WheelParts command_;
 };
 static_assert(std::is_trivially_copyable_v<Tracker>);
 

@@ -8,17 +8,12 @@
 
 namespace hardpack {
 
-// Where this tick's command takes effect, with what was commanded until now.
+// Where this tick's command takes effect. The speed is the one that it has been told to have then.
 VehicleState VehicleLoop::PredictedState() const {
-  const StampedPose& pose = odometry_.pose();
   VehicleState state;
-  state.pose = {pose.position.x_m, pose.position.y_m, pose.yaw_rad};
+  state.pose = tracker_.predicted().pose;
   state.speed_mps = tracker_.speed_mps();
   state.curvature_per_m = tracker_.curvature_per_m();
-  const float ahead_s = config_.onboard.tracking.prediction_s;
-  if (state.speed_mps > 0.0f) return PredictAhead(state, ahead_s);
-  state.pose.theta_rad =
-      WrapAngle(state.pose.theta_rad + tracking_output_.yaw_rate_radps * ahead_s);
   return state;
 }
 
@@ -75,36 +70,6 @@ void VehicleLoop::UpdatePlanner() {
   if (!is_located_) ++counters_.refused_states;
 }
 
-// What the path says here and ahead. A turn on the spot is made once the vehicle stands at it.
-TrackingInput VehicleLoop::Target() const {
-  const CommittedPlan& plan = replanner_.committed();
-  const PathPlace& place = replanner_.place();
-  const float along_m = place.along_m;
-  TrackingInput target;
-  target.pose = PredictedState().pose;
-  target.speed_limit_mps = StateAt(plan, along_m + kStartWay_m).speed_mps;
-  const int standing = StandingPoint(plan.path, place.point);
-  const float left_m = WayTo(plan.path, standing) - along_m;
-  const bool stands = tracker_.speed_mps() <= Replanner::kStanding_mps &&
-                      Abs(odometry_.speed_mps()) <= kStandsSpeed_mps;
-  if (TurnsOnTheSpotAt(plan.path, standing) && left_m <= kAtPoint_m && stands) {
-    target.turn = true;
-    target.aim.pose = plan.path[standing + 1];
-    return target;
-  }
-  if (left_m <= kStartWay_m) target.speed_limit_mps = 0.0f;
-  const TrackingParams& params = config_.onboard.tracking;
-  const float reach_m = Max(params.min_lookahead_m, tracker_.speed_mps() * params.lookahead_s);
-  target.aim.pose = StateAt(plan, along_m + Min(reach_m, left_m)).pose;
-  // Beyond the end the path goes on straight, or the last stretch would be aimed at a point beside
-  // the vehicle.
-  const SinCosPair heading = SinCos(plan.path[standing].theta_rad);
-  const float beyond_m = Max(reach_m - left_m, 0.0f);
-  target.aim.pose.x_m += beyond_m * heading.cos;
-  target.aim.pose.y_m += beyond_m * heading.sin;
-  return target;
-}
-
 // The wheels' commands of this tick. A path that cannot be followed is not.
 void VehicleLoop::Move() {
   const bool follows = permission_.motion == Motion::kFollow;
@@ -113,7 +78,14 @@ void VehicleLoop::Move() {
     tracker_.Zero(tracking_output_);
     return;
   }
-  const TrackingInput target = Target();
+  const bool stands = tracker_.speed_mps() <= Replanner::kStanding_mps &&
+                      Abs(odometry_.speed_mps()) <= kStandsSpeed_mps;
+  const PathFollower follower = {.pose = tracker_.predicted().pose,
+                                 .place = replanner_.place(),
+                                 .speed_mps = tracker_.speed_mps(),
+                                 .stands = stands};
+  TrackingInput target;
+  static_cast<void>(PathTarget(replanner_.committed(), follower, config_.onboard.tracking, target));
   const Status status = follows ? tracker_.Follow(target, tick_s_, tracking_output_)
                                 : tracker_.StopAlong(target, tick_s_, tracking_output_);
   if (!IsUsable(status)) tracker_.Zero(tracking_output_);

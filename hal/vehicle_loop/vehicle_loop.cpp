@@ -43,8 +43,13 @@ Status VehicleLoop::Configure(const VehicleConfig& config) {
   if (IsUsable(status)) status = map_from_odom_.Configure(onboard.map_from_odom, onboard.ins);
   if (IsUsable(status)) {
     status = tracker_.Configure(config.planner.vehicle, config.planner.speed, onboard.odometry,
-                                onboard.tracking);
+                                onboard.dynamics, onboard.tracking);
   }
+  // What a plan takes to stop is not to be less than what the tracker needs.
+  const SpeedParams& speed = config.planner.speed;
+  const bool stops = speed.stopping_dead_time_s >= onboard.dynamics.dead_time_s &&
+                     speed.stopping_lag_s >= onboard.dynamics.common_lag_s;
+  if (IsUsable(status) && !stops) status = Status::kParameterOutOfRange;
   if (IsUsable(status)) status = supervisor_.Configure(onboard.safety);
   if (IsUsable(status)) status = ConfigureSafety();
   if (IsUsable(status)) {
@@ -232,7 +237,8 @@ Status VehicleLoop::TakeLidar(std::span<const uint8_t> bytes) {
 // a gap nobody knows: what was mapped before it no longer has a place.
 void VehicleLoop::AddPose() {
   const uint32_t gaps = odometry_.gaps();
-  static_cast<void>(odometry_.Advance(now_ns_, drives_.feedback(now_ns_)));
+  const WheelFeedback wheels = drives_.feedback(now_ns_);
+  static_cast<void>(odometry_.Advance(now_ns_, wheels));
   is_gap_ = odometry_.gaps() != gaps;
   if (is_gap_) {
     ++counters_.odometry_gaps;
@@ -256,6 +262,8 @@ void VehicleLoop::AddPose() {
   if (is_gap_) corridor_.Reset();
   corridor_.Advance({pose.position.x_m, pose.position.y_m}, static_cast<uint32_t>(index_));
   LocateInMap(pose);
+  static_cast<void>(
+      tracker_.Predict(now_ns_, {pose.position.x_m, pose.position.y_m, pose.yaw_rad}, wheels));
 }
 
 void VehicleLoop::LocateInMap(const StampedPose& pose) {

@@ -9,6 +9,7 @@
 #include "config/parameters.h"
 #include "core/autonomy/mapper.h"
 #include "core/autonomy/reaction_meter.h"
+#include "core/autonomy/path_target.h"
 #include "core/autonomy/replanner.h"
 #include "core/base/decision_hash.h"
 #include "core/base/status.h"
@@ -108,10 +109,9 @@ class VehicleLoop {
   static constexpr float kStandsSpeed_mps = 0.1f;
   // What a late tick may make up for of the ramps.
   static constexpr float kLongestTick_s = 0.1f;
-  // Way that is looked ahead for a speed: at rest the place itself says 0 for ever.
-  static constexpr float kStartWay_m = 0.08f;
 
-  // Sets everything up and forgets what was. The statuses of the stages' Configure.
+  // Sets everything up and forgets what was. The statuses of the stages' Configure;
+  // kParameterOutOfRange too where plans would take less to stop than the drives need.
   // Cost: everything is cleared.
   Status Configure(const VehicleConfig& config);
 
@@ -190,7 +190,6 @@ class VehicleLoop {
   SupervisorInput Situation(const TickInput& input) const;
   void UpdatePlanner();
   void StepPlanner();
-  TrackingInput Target() const;
   void Move();
   void Command(TickOutput& output);
 

@@ -40,6 +40,7 @@ void RunOdometry(Report& report);
 void RunCells(Report& report);
 void RunScenes(Report& report);
 void RunReplan(Report& report);
+void RunTracking(Report& report);
 
 inline void RunAll() {
   Report report;
@@ -48,6 +49,7 @@ inline void RunAll() {
   RunCells(report);
   RunScenes(report);
   RunReplan(report);
+  RunTracking(report);
   report.PrintTotal();
 }
 

@@ -27,7 +27,7 @@ TEST(Status, HasOneNameForEachCode) {
     }
     for (const char letter : name) EXPECT_TRUE(std::islower(letter) || letter == '_') << name;
   }
-  EXPECT_EQ(named_usable - 1, static_cast<int>(Status::kClockJumped));
+  EXPECT_EQ(named_usable - 1, static_cast<int>(Status::kOffPath));
   EXPECT_EQ(named_failures - 1,
             static_cast<int>(Status::kStale) - static_cast<int>(Status::kFirstFailure));
 }

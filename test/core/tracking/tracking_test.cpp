@@ -5,6 +5,10 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
+#include <vector>
+
+#include "core/base/math.h"
 
 namespace hardpack {
 namespace {
@@ -13,9 +17,11 @@ constexpr float kTick_s = 0.01f;
 constexpr float kRim_m = 0.30f * 0.962f;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
+// Pure pursuit.
 Tracker MakeTracker(const VehicleParams& vehicle = {}) {
   Tracker tracker;
-  EXPECT_EQ(tracker.Configure(vehicle, {}, {}, {}), Status::kOk);
+  EXPECT_EQ(tracker.Configure(vehicle, {}, {}, {}, {.method = TrackingParams::kPurePursuit}),
+            Status::kOk);
   return tracker;
 }
 
@@ -26,7 +32,7 @@ TrackingInput Aim(float x_m, float y_m, float limit_mps) {
   return input;
 }
 
-TEST(Tracker, SpeedsUpAndSlowsDownWithinThePlansLimits) {
+TEST(PurePursuit, SpeedsUpAndSlowsDownWithinThePlansLimits) {
   Tracker tracker = MakeTracker();
   TrackingOutput output;
   for (int i = 1; i <= 50; ++i) {
@@ -40,7 +46,7 @@ TEST(Tracker, SpeedsUpAndSlowsDownWithinThePlansLimits) {
 }
 
 //   aim at (x, y):  the arc through it has curvature 2 y / (x^2 + y^2)
-TEST(Tracker, AimsAlongTheArcThroughThePoint) {
+TEST(PurePursuit, AimsAlongTheArcThroughThePoint) {
   Tracker tracker = MakeTracker();
   TrackingOutput output;
   TrackingInput input = Aim(2.0f, 0.5f, 1.0f);
@@ -54,7 +60,7 @@ TEST(Tracker, AimsAlongTheArcThroughThePoint) {
   EXPECT_LT(output.yaw_rate_radps, 0.0f);
 }
 
-TEST(Tracker, ComesBackToALineFromBesideIt) {
+TEST(PurePursuit, ComesBackToALineFromBesideIt) {
   Tracker tracker = MakeTracker();
   Pose2 pose = {0.0f, 0.8f, 0.3f};
   TrackingOutput output;
@@ -70,7 +76,7 @@ TEST(Tracker, ComesBackToALineFromBesideIt) {
   EXPECT_NEAR(pose.theta_rad, 0.0f, 0.02f);
 }
 
-TEST(Tracker, KeepsTheTurnAndGivesUpSpeedWhenAWheelWouldBeTooFast) {
+TEST(PurePursuit, KeepsTheTurnAndGivesUpSpeedWhenAWheelWouldBeTooFast) {
   VehicleParams slow;
   slow.max_wheel_speed_radps = 4.0f;
   Tracker tracker = MakeTracker(slow);
@@ -85,7 +91,7 @@ TEST(Tracker, KeepsTheTurnAndGivesUpSpeedWhenAWheelWouldBeTooFast) {
   EXPECT_GT(output.yaw_rate_radps, 0.5f);
 }
 
-TEST(Tracker, TurnsOnTheSpotTheShortWayRound) {
+TEST(PurePursuit, TurnsOnTheSpotTheShortWayRound) {
   Tracker tracker = MakeTracker();
   TrackingInput input;
   input.turn = true;
@@ -106,14 +112,14 @@ TEST(Tracker, TurnsOnTheSpotTheShortWayRound) {
   }
 }
 
-TEST(Tracker, DoesNotAimBehindItself) {
+TEST(PurePursuit, DoesNotAimBehindItself) {
   Tracker tracker = MakeTracker();
   TrackingOutput output;
   ASSERT_EQ(tracker.Follow(Aim(-1.0f, 0.3f, 1.0f), kTick_s, output), Status::kOk);
   EXPECT_EQ(output.yaw_rate_radps, 0.0f);
 }
 
-TEST(Tracker, CommandsZeroForWhatIsNoNumber) {
+TEST(PurePursuit, CommandsZeroForWhatIsNoNumber) {
   Tracker tracker = MakeTracker();
   TrackingOutput output;
   for (int i = 0; i < 20; ++i) {
@@ -126,7 +132,7 @@ TEST(Tracker, CommandsZeroForWhatIsNoNumber) {
   EXPECT_EQ(tracker.Follow(Aim(2.0f, 0.0f, 2.0f), 0.0f, output), Status::kNotFinite);
 }
 
-TEST(Tracker, ZeroIsAtOnce) {
+TEST(PurePursuit, ZeroIsAtOnce) {
   Tracker tracker = MakeTracker();
   TrackingOutput output;
   for (int i = 0; i < 20; ++i) {
@@ -138,11 +144,185 @@ TEST(Tracker, ZeroIsAtOnce) {
   EXPECT_EQ(tracker.speed_mps(), 0.0f);
 }
 
-TEST(Tracker, RefusesParametersOutOfRangeAndDoesNothingWithoutAny) {
+TEST(PurePursuit, RefusesParametersOutOfRangeAndDoesNothingWithoutAny) {
   Tracker tracker;
   TrackingOutput output;
   EXPECT_EQ(tracker.Follow(Aim(2.0f, 0.0f, 2.0f), kTick_s, output), Status::kNotStarted);
-  EXPECT_EQ(tracker.Configure({}, {}, {}, {.lookahead_s = -1.0f}), Status::kParameterOutOfRange);
+  EXPECT_EQ(tracker.Configure({}, {}, {}, {}, {.lookahead_s = -1.0f}),
+            Status::kParameterOutOfRange);
+}
+
+Tracker MakeLagAware(const VehicleParams& vehicle = {}) {
+  Tracker tracker;
+  EXPECT_EQ(tracker.Configure(vehicle, {}, {}, {}, {}), Status::kOk);
+  return tracker;
+}
+
+TrackingInput Along(float cross_track_m, float limit_mps) {
+  TrackingInput input;
+  input.pose = {0.0f, cross_track_m, 0.0f};
+  input.speed_limit_mps = limit_mps;
+  input.left_m = 50.0f;
+  return input;
+}
+
+TEST(Tracker, BeginsOverSomeTicks) {
+  Tracker tracker = MakeLagAware();
+  TrackingOutput output;
+  float before_radps = 0.0f;
+  for (int tick = 0; tick < 100; ++tick) {
+    ASSERT_EQ(tracker.Follow(Along(0.0f, 5.0f), kTick_s, output), Status::kOk);
+    ASSERT_LE(output.wheels.left_radps - before_radps,
+              1.01f * Tracker::kMaxCommandChange_radps2 * kTick_s)
+        << tick;
+    before_radps = output.wheels.left_radps;
+  }
+  // More than the speed itself asks for: the lag is undone.
+  EXPECT_GT(before_radps, 1.2f * output.speed_mps / kRim_m);
+}
+
+TEST(Tracker, SpeedsUpWithinThePlansLimitsWhateverThePathSays) {
+  Tracker tracker = MakeLagAware();
+  TrackingOutput output;
+  TrackingInput input = Along(0.0f, 5.0f);
+  uint64_t now_ns = 1'000'000'000;
+  float before_mps = 0.0f;
+  for (int tick = 0; tick < 400; ++tick) {
+    input.acceleration_mps2 = tick % 3 == 0 ? 1e6f : -1e6f;
+    input.speed_limit_mps = tick % 50 < 30 ? 1e9f : 0.0f;
+    const WheelFeedback feedback = {
+        .valid = true, .time_ns = now_ns, .left_radps = 10.0f, .right_radps = 10.0f};
+    now_ns += 10'000'000;
+    static_cast<void>(tracker.Predict(now_ns, {}, feedback));
+    ASSERT_EQ(tracker.Follow(input, kTick_s, output), Status::kOk);
+    ASSERT_LE(std::fabs(output.speed_mps - before_mps), 2.001f * kTick_s);
+    ASSERT_GE(output.speed_mps, 0.0f);
+    before_mps = output.speed_mps;
+  }
+}
+
+TEST(Tracker, StopsWhereItIsTooFarFromItsPathAndSaysSo) {
+  Tracker tracker = MakeLagAware();
+  TrackingOutput output;
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_EQ(tracker.Follow(Along(0.5f, 5.0f), kTick_s, output), Status::kOk);
+  }
+  const float before_mps = output.speed_mps;
+  EXPECT_GT(before_mps, 0.4f);
+  for (const float off_m : {2.1f, -3.0f, 1e3f, -1e6f, 1e18f, 3e38f}) {
+    ASSERT_EQ(tracker.Follow(Along(off_m, 5.0f), kTick_s, output), Status::kOffPath) << off_m;
+    EXPECT_LE(std::fabs(output.wheels.left_radps), 17.5f);
+    EXPECT_LE(std::fabs(output.wheels.right_radps), 17.5f);
+    EXPECT_LE(std::fabs(output.yaw_rate_radps), 2.2f);
+  }
+  EXPECT_LT(output.speed_mps, before_mps);
+}
+
+TEST(Tracker, CommandsZeroForWhatIsNoNumber) {
+  const auto spoilt = [](float TrackingInput::*member, float value) {
+    TrackingInput input = Along(0.1f, 2.0f);
+    input.*member = value;
+    return input;
+  };
+  std::vector<TrackingInput> bad = {spoilt(&TrackingInput::acceleration_mps2, kNan),
+                                    spoilt(&TrackingInput::curvature_per_m, kNan),
+                                    spoilt(&TrackingInput::curvature_rate_per_m2, kNan),
+                                    spoilt(&TrackingInput::left_m, kNan),
+                                    spoilt(&TrackingInput::speed_limit_mps, kNan)};
+  bad.push_back(Along(kNan, 2.0f));
+  bad.push_back(Along(0.0f, 2.0f));
+  bad.back().path.theta_rad = kNan;
+  for (const TrackingInput& input : bad) {
+    Tracker tracker = MakeLagAware();
+    TrackingOutput output;
+    for (int i = 0; i < 20; ++i) {
+      ASSERT_EQ(tracker.Follow(Along(0.1f, 2.0f), kTick_s, output), Status::kOk);
+    }
+    ASSERT_NE(output.wheels.left_radps, 0.0f);
+    EXPECT_EQ(tracker.Follow(input, kTick_s, output), Status::kNotFinite);
+    EXPECT_EQ(output.wheels.left_radps, 0.0f);
+    EXPECT_EQ(output.wheels.right_radps, 0.0f);
+    EXPECT_EQ(tracker.speed_mps(), 0.0f);
+  }
+}
+
+// Huge, but numbers: nothing beyond the limits comes of them.
+TEST(Tracker, StaysWithinItsLimitsWhateverItIsTold) {
+  std::mt19937 random(4);
+  const auto any = [&] {
+    const float magnitude = std::pow(10.0f, std::uniform_real_distribution<float>(-3, 18)(random));
+    return random() % 2 == 0 ? magnitude : -magnitude;
+  };
+  Tracker tracker = MakeLagAware();
+  TrackingOutput output;
+  uint64_t now_ns = 1'000'000'000;
+  for (int i = 0; i < 20000; ++i) {
+    now_ns += random() % 100 == 0 ? random() : 10'000'000;
+    const WheelFeedback feedback = {.valid = random() % 2 == 0,
+                                    .time_ns = now_ns - random() % 100'000'000,
+                                    .left_radps = any(),
+                                    .right_radps = any()};
+    static_cast<void>(tracker.Predict(now_ns, {any(), any(), any()}, feedback));
+    TrackingInput input;
+    input.pose = {any(), any(), WrapAngle(any())};
+    input.path = {any(), any(), WrapAngle(any())};
+    if (random() % 2 == 0) input.path = {input.pose.x_m, input.pose.y_m, 0.0f};
+    input.turn = random() % 16 == 0;
+    input.reverse = random() % 2 == 0;
+    input.speed_limit_mps = any();
+    input.acceleration_mps2 = any();
+    input.curvature_per_m = any();
+    input.curvature_rate_per_m2 = any();
+    input.left_m = any();
+    const Status status = random() % 4 == 0 ? tracker.StopAlong(input, kTick_s, output)
+                                            : tracker.Follow(input, kTick_s, output);
+    ASSERT_TRUE(IsUsable(status));
+    ASSERT_LE(std::fabs(output.wheels.left_radps), 17.51f) << i;
+    ASSERT_LE(std::fabs(output.wheels.right_radps), 17.51f) << i;
+    ASSERT_LE(std::fabs(output.speed_mps), 5.01f) << i;
+    ASSERT_LE(std::fabs(output.yaw_rate_radps), 2.21f) << i;
+    ASSERT_TRUE(std::isfinite(output.curvature_per_m)) << i;
+  }
+}
+
+TEST(Tracker, ComesToRestAtTheEndWithoutBeingToldBackwards) {
+  Tracker tracker = MakeLagAware();
+  TrackingOutput output;
+  for (int i = 0; i < 200; ++i) {
+    ASSERT_EQ(tracker.Follow(Along(0.0f, 2.0f), kTick_s, output), Status::kOk);
+  }
+  TrackingInput end = Along(0.0f, 2.0f);
+  end.left_m = 0.0f;
+  for (int i = 0; i < 300; ++i) {
+    ASSERT_EQ(tracker.Follow(end, kTick_s, output), Status::kOk);
+    ASSERT_GE(output.wheels.left_radps, 0.0f);
+  }
+  EXPECT_EQ(output.speed_mps, 0.0f);
+  EXPECT_EQ(output.wheels.left_radps, 0.0f);
+}
+
+TEST(Tracker, KnowsFromWhichSpeedItStops) {
+  const Tracker tracker = MakeLagAware();
+  EXPECT_EQ(tracker.EndSpeed(0.0f), 0.0f);
+  EXPECT_EQ(tracker.EndSpeed(-1.0f), 0.0f);
+  EXPECT_EQ(tracker.EndSpeed(kNan), 0.0f);
+  float before_mps = 0.0f;
+  for (int i = 1; i < 1000; ++i) {
+    const float speed_mps = tracker.EndSpeed(0.01f * static_cast<float>(i));
+    ASSERT_GT(speed_mps, before_mps);
+    ASSERT_LT(speed_mps - before_mps, 0.05f);  // no step where its two parts meet
+    before_mps = speed_mps;
+  }
+}
+
+TEST(Tracker, RefusesParametersOutOfRange) {
+  Tracker tracker;
+  TrackingOutput output;
+  EXPECT_EQ(tracker.Configure({}, {}, {}, {.dead_time_s = 2.0f}, {}), Status::kParameterOutOfRange);
+  EXPECT_EQ(tracker.Configure({}, {}, {}, {}, {.bandwidth_radps = kNan}),
+            Status::kParameterOutOfRange);
+  EXPECT_EQ(tracker.Follow(Along(0.0f, 2.0f), kTick_s, output), Status::kNotStarted);
+  EXPECT_EQ(output.wheels.left_radps, 0.0f);
 }
 
 }  // namespace

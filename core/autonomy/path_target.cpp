@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/autonomy/path_target.h"
+
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
+
+namespace hardpack {
+namespace {
+
+// Over this way, and over this time at speed, the changes of curvature and speed are taken.
+constexpr float kSpan_m = 0.15f;
+constexpr float kSpan_s = 0.1f;
+
+// Whether the pose at a point looks against the chord behind it.
+bool IsReversed(const WorldPath& path, int point) {
+  const Vec2 chord = {path[point + 1].x_m - path[point].x_m, path[point + 1].y_m - path[point].y_m};
+  const SinCosPair heading = SinCos(path[point].theta_rad);
+  return heading.cos * chord.x_m + heading.sin * chord.y_m < 0.0f;
+}
+
+// The first point behind `point` where the direction of driving changes or the vehicle has to stand
+// for another reason.
+int EndOfDirection(const WorldPath& path, int point, bool reverse) {
+  const int standing = StandingPoint(path, point);
+  int end = point;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  while (end < standing && IsReversed(path, end) == reverse) ++end;
+  return end;
+}
+
+// A place on the path as a vehicle is to be there.
+PathState StateFor(const CommittedPlan& plan, float along_m, bool reverse) {
+  PathState state = StateAt(plan, along_m);
+  if (!reverse) return state;
+  state.pose.theta_rad = WrapAngle(state.pose.theta_rad + kPi);
+  state.curvature_per_m = -state.curvature_per_m;
+  return state;
+}
+
+}  // namespace
+
+Status PathTarget(const CommittedPlan& plan, const PathFollower& follower,
+                  const TrackingParams& params, TrackingInput& target) {
+  target = TrackingInput{};
+  target.pose = follower.pose;
+  const WorldPath& path = plan.path;
+  const int point = follower.place.point;
+  const bool is_on_path =
+      path.size() >= 2 && plan.speed.size() == path.size() && point >= 0 && point + 1 < path.size();
+  if (!is_on_path) return Status::kPathTooShort;
+  const float along_m = follower.place.along_m;
+  const bool turns_here = TurnsOnTheSpotAt(path, point);
+  const bool reverse = !turns_here && IsReversed(path, point);
+  const int standing = turns_here ? point : EndOfDirection(path, point, reverse);
+  target.reverse = reverse;
+  target.left_m = Max(WayTo(path, standing) - along_m, 0.0f);
+  if (TurnsOnTheSpotAt(path, standing) && target.left_m <= kAtPoint_m && follower.stands) {
+    target.turn = true;
+    target.aim.pose = path[standing + 1];
+    target.path = follower.pose;
+    return Status::kOk;
+  }
+  const PathState here = StateFor(plan, along_m, reverse);
+  const PathState start = StateFor(plan, along_m + Min(kStartWay_m, target.left_m), reverse);
+  target.path = here.pose;
+  target.curvature_per_m = here.curvature_per_m;
+  target.speed_limit_mps = target.left_m <= kStartWay_m ? 0.0f : start.speed_mps;
+
+  const float span_m = kSpan_m + kSpan_s * Abs(follower.speed_mps);
+  const float ahead_m = Min(span_m, target.left_m);
+  if (ahead_m > kStartWay_m) {
+    const PathState ahead = StateFor(plan, along_m + ahead_m, reverse);
+    const float bend_per_m = ahead.curvature_per_m - here.curvature_per_m;
+    target.curvature_rate_per_m2 = (reverse ? -bend_per_m : bend_per_m) / ahead_m;
+    const PathState next = StateFor(plan, along_m + kStartWay_m + kSpan_m, reverse);
+    target.acceleration_mps2 =
+        (next.speed_mps * next.speed_mps - start.speed_mps * start.speed_mps) / (2.0f * kSpan_m);
+  }
+
+  const float reach_m = Max(params.min_lookahead_m, Abs(follower.speed_mps) * params.lookahead_s);
+  target.aim.pose = StateFor(plan, along_m + Min(reach_m, target.left_m), reverse).pose;
+  // Beyond the end the path goes on straight, or the last stretch would be aimed at a point beside
+  // the vehicle.
+  const SinCosPair heading = SinCos(target.aim.pose.theta_rad);
+  const float beyond_m = (reverse ? -1.0f : 1.0f) * Max(reach_m - target.left_m, 0.0f);
+  target.aim.pose.x_m += beyond_m * heading.cos;
+  target.aim.pose.y_m += beyond_m * heading.sin;
+  return Status::kOk;
+}
+
+}  // namespace hardpack

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/autonomy/path_target.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/speed/speed.h"
+
+namespace hardpack {
+namespace {
+
+CommittedPlan PlanOf(const WorldPath& path) {
+  CommittedPlan plan;
+  plan.number = 1;
+  plan.path = path;
+  EXPECT_EQ(ToActuator<PlanarModel>(path, plan.actuator), Status::kOk);
+  EXPECT_EQ(PlanSpeed({}, {}, plan.actuator, {}, plan.speed), Status::kOk);
+  return plan;
+}
+
+// Of radius 8 m to the left, from the origin along x; in reverse: the vehicle looks back.
+WorldPath Arc(bool reverse) {
+  WorldPath path;
+  for (int i = 0; i < 80; ++i) {
+    const float angle = 0.25f / 8.0f * static_cast<float>(i);
+    path.Resize(i + 1);
+    path[i] = {8.0f * std::sin(angle), 8.0f * (1.0f - std::cos(angle)), 0.0f};
+  }
+  SetHeadingsFromChords(path);
+  if (!reverse) return path;
+  for (Pose2& pose : path) pose.theta_rad = WrapAngle(pose.theta_rad + kPi);
+  return path;
+}
+
+TrackingInput TargetAt(const CommittedPlan& plan, const Pose2& pose, bool stands = false,
+                       Status expected = Status::kOk) {
+  const PathPlace place = Project(plan.path, pose, stands, 1000.0f);
+  TrackingInput target;
+  EXPECT_EQ(PathTarget(plan, {pose, place, 2.0f, stands}, {}, target), expected);
+  return target;
+}
+
+TEST(PathTarget, SaysHowThePathBendsAndHowFarItGoes) {
+  const CommittedPlan plan = PlanOf(Arc(false));
+  const TrackingInput target = TargetAt(plan, plan.path[40]);
+  EXPECT_FALSE(target.reverse);
+  EXPECT_FALSE(target.turn);
+  EXPECT_NEAR(target.curvature_per_m, 1.0f / 8.0f, 1e-3f);
+  EXPECT_NEAR(target.curvature_rate_per_m2, 0.0f, 1e-2f);
+  EXPECT_NEAR(target.left_m, 0.25f * 39.0f, 0.02f);
+  EXPECT_NEAR(target.path.theta_rad, 10.0f / 8.0f, 0.01f);
+  EXPECT_GT(target.speed_limit_mps, 1.0f);
+}
+
+TEST(PathTarget, GivesAHeadingAndACurvatureThatAreTheVehiclesInReverse) {
+  const CommittedPlan plan = PlanOf(Arc(true));
+  const TrackingInput target = TargetAt(plan, plan.path[40]);
+  EXPECT_TRUE(target.reverse);
+  // Backwards to the left of the way driven is a turn to the right per metre of heading.
+  EXPECT_NEAR(target.curvature_per_m, -1.0f / 8.0f, 1e-3f);
+  EXPECT_NEAR(WrapAngle(target.path.theta_rad - (10.0f / 8.0f - kPi)), 0.0f, 0.01f);
+  // What is aimed at lies behind the vehicle.
+  const SinCosPair heading = SinCos(target.path.theta_rad);
+  EXPECT_LT(heading.cos * (target.aim.pose.x_m - target.path.x_m) +
+                heading.sin * (target.aim.pose.y_m - target.path.y_m),
+            -0.5f);
+}
+
+TEST(PathTarget, TellsTheAccelerationOfTheSpeeds) {
+  WorldPath line;
+  for (int i = 0; i < 120; ++i) {
+    line.Resize(i + 1);
+    line[i] = {0.25f * static_cast<float>(i), 0.0f, 0.0f};
+  }
+  const CommittedPlan plan = PlanOf(line);
+  EXPECT_NEAR(TargetAt(plan, {0.0f, 0.0f, 0.0f}).acceleration_mps2, 2.0f, 0.01f);
+  EXPECT_NEAR(TargetAt(plan, {2.1f, 0.3f, 0.0f}).acceleration_mps2, 2.0f, 0.01f);
+  EXPECT_NEAR(TargetAt(plan, {28.0f, 0.0f, 0.0f}).acceleration_mps2, -2.0f, 0.01f);
+  EXPECT_EQ(TargetAt(plan, {29.75f, 0.0f, 0.0f}).speed_limit_mps, 0.0f);
+  EXPECT_EQ(TargetAt(plan, {35.0f, 0.0f, 0.0f}).left_m, 0.0f);
+}
+
+//   0 --- 1 --- 2 (turn to the left) then up
+TEST(PathTarget, TurnsOnTheSpotOnlyOnceTheVehicleStandsThere) {
+  WorldPath path;
+  path.Resize(5);
+  path[0] = {0.0f, 0.0f, 0.0f};
+  path[1] = {1.0f, 0.0f, 0.0f};
+  path[2] = {2.0f, 0.0f, 0.0f};
+  path[3] = {2.0f, 0.0f, kHalfPi};
+  path[4] = {2.0f, 1.0f, kHalfPi};
+  const CommittedPlan plan = PlanOf(path);
+  const TrackingInput moving = TargetAt(plan, {1.9f, 0.0f, 0.0f});
+  EXPECT_FALSE(moving.turn);
+  EXPECT_NEAR(moving.left_m, 0.1f, 1e-4f);
+  const TrackingInput standing = TargetAt(plan, {1.9f, 0.0f, 0.0f}, true);
+  EXPECT_TRUE(standing.turn);
+  EXPECT_NEAR(standing.aim.pose.theta_rad, kHalfPi, 1e-4f);
+  EXPECT_EQ(standing.speed_limit_mps, 0.0f);
+  EXPECT_FALSE(TargetAt(plan, {2.0f, 0.1f, kHalfPi}, true).turn);
+}
+
+// There and back: the change of direction is an end.
+TEST(PathTarget, StandsWhereTheDirectionChanges) {
+  WorldPath path;
+  path.Resize(5);
+  path[0] = {0.0f, 0.0f, 0.0f};
+  path[1] = {1.0f, 0.0f, 0.0f};
+  path[2] = {2.0f, 0.0f, 0.0f};
+  path[3] = {1.0f, 0.2f, 0.0f};
+  path[4] = {0.0f, 0.4f, 0.0f};
+  path[2].theta_rad = 0.0f;  // of the chord behind it, driven in reverse
+  const CommittedPlan plan = PlanOf(path);
+  TrackingInput target;
+  ASSERT_EQ(PathTarget(plan, {path[1], {0, 0.5f, 0.5f, 0.0f}, 1.0f, false}, {}, target),
+            Status::kOk);
+  EXPECT_FALSE(target.reverse);
+  EXPECT_NEAR(target.left_m, 1.5f, 1e-3f);
+  ASSERT_EQ(PathTarget(plan, {path[3], {2, 0.5f, 2.5f, 0.0f}, 1.0f, false}, {}, target),
+            Status::kOk);
+  EXPECT_TRUE(target.reverse);
+}
+
+TEST(PathTarget, TakesTwoPointsAndNoPathAtAll) {
+  CommittedPlan plan;
+  TrackingInput target;
+  EXPECT_EQ(PathTarget(plan, {}, {}, target), Status::kPathTooShort);
+  EXPECT_EQ(target.speed_limit_mps, 0.0f);
+  WorldPath two;
+  two.Resize(2);
+  two[1] = {1.0f, 0.0f, 0.0f};
+  plan = PlanOf(two);
+  EXPECT_EQ(PathTarget(plan, {}, {}, target), Status::kOk);
+  EXPECT_NEAR(target.left_m, 1.0f, 1e-5f);
+  // A place that the path does not have, and speeds that belong to another path.
+  EXPECT_EQ(PathTarget(plan, {{}, {1, 0.0f, 0.0f, 0.0f}, 0.0f, false}, {}, target),
+            Status::kPathTooShort);
+  EXPECT_EQ(PathTarget(plan, {{}, {-1, 0.0f, 0.0f, 0.0f}, 0.0f, false}, {}, target),
+            Status::kPathTooShort);
+  plan.speed.Clear();
+  EXPECT_EQ(PathTarget(plan, {}, {}, target), Status::kPathTooShort);
+}
+
+}  // namespace
+}  // namespace hardpack
