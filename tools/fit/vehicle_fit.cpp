@@ -99,12 +99,14 @@ VehicleFit FitOf(const std::vector<double>& x, const VehicleFit& start) {
 VehicleFit Fit(const std::vector<DriveSegment>& segments, const VehicleFit& start,
                const FitSettings& settings, double prior_share) {
   std::vector<Variable> variables;
+  variables.reserve(kFitted.size() + 1);
   for (const Fitted& fitted : kFitted) {
     variables.push_back({start.params.*fitted.value, fitted.low, fitted.high, fitted.step});
   }
   variables.push_back(kPoseAge);
   variables.back().start = start.pose_age_s;
   std::vector<SegmentWindows> items;
+  items.reserve(segments.size());
   for (const DriveSegment& segment : segments) items.push_back({&segment, WindowsOf(segment)});
   Track track;
   const auto residuals_of = [&](const std::vector<double>& x, std::vector<double>& residuals) {
