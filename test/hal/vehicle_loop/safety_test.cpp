@@ -86,7 +86,7 @@ TEST(VehicleLoopSafety, SaysThatThereIsNoWayAndGoesOnWhenThereIsOne) {
   ClosedLoop drive;
   drive.DriveTo(40.0f, 0.0f);
   ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Pose().x_m > 3.0; }));
-  const size_t before = drive.vehicle().world().boxes.size();
+  const world::World before = drive.vehicle().world();
   const double x_m = drive.Pose().x_m;
   for (double y_m = -7.0; y_m <= 7.0; y_m += 1.0) {
     drive.Act(BoxAt(x_m + 9.5, y_m, 1.0, 1.5));
@@ -107,7 +107,7 @@ TEST(VehicleLoopSafety, SaysThatThereIsNoWayAndGoesOnWhenThereIsOne) {
   EXPECT_EQ(drive.reason(), StopReason::kNoWay);
   EXPECT_EQ(drive.loop().permission().reason_since_ns, since_ns);
   EXPECT_FALSE(IsCommandedToMove(drive));
-  drive.vehicle().world().boxes.resize(before);
+  drive.vehicle().world() = before;
   ASSERT_TRUE(drive.Until(60.0, [&] { return drive.mode() == Mode::kArmed; }))
       << static_cast<int>(drive.reason());
   EXPECT_NEAR(drive.Pose().x_m, 40.0, 0.7);
@@ -281,7 +281,7 @@ class PeopleLabels {
 
 //   [>] ------->   P
 TEST(VehicleLoopSafety, StopsForAPersonAndGoesOnWhenTheWayIsFree) {
-  ClosedLoop drive("", sim::FlatWorld{});
+  ClosedLoop drive("", world::World());
   VehicleConfig config = drive.config();
   config.perception.mapping.use_labels = 1;
   ASSERT_EQ(drive.loop().Configure(config), Status::kOk);
@@ -300,7 +300,7 @@ TEST(VehicleLoopSafety, StopsForAPersonAndGoesOnWhenTheWayIsFree) {
   EXPECT_EQ(drive.reason(), StopReason::kPerson);
   EXPECT_LT(std::fabs(drive.Speed_mps()), 0.25);
   EXPECT_FALSE(drive.vehicle().collided());
-  drive.vehicle().world().boxes.clear();
+  drive.vehicle().world() = world::World();
   ASSERT_TRUE(drive.Until(60.0, [&] { return drive.mode() == Mode::kArmed; }))
       << static_cast<int>(drive.reason());
   EXPECT_NEAR(drive.Pose().x_m, 25.0, 0.7);
