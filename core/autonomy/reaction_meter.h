@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <type_traits>
 
 // The reaction radius, measured ([OS] Path Optimization; docs/algorithm.md section 8): for every
@@ -58,6 +59,9 @@ class ReactionMeter {
   float Radius_m(float share) const;
   uint32_t columns() const { return columns_; }  // counted
   uint32_t lost() const { return time_[kTimeBins]; }
+  // How many fell into each bin; the last one: beyond.
+  std::span<const uint32_t, kTimeBins + 1> time_bins() const { return time_; }
+  std::span<const uint32_t, kRadiusBins + 1> radius_bins() const { return radius_; }
   int waiting() const { return static_cast<int>(end_ - first_); }
 
  private:

@@ -47,8 +47,10 @@ struct RunResult {
   int64_t replans = 0;               // plans that took the place of another
   int64_t stops = 0;                 // came to rest before its end
   Histogram cross_track_m;           // every tick while driving, to the committed path
-  Histogram reaction_s{0.002, 500};  // every lidar column that could be measured
-  Histogram reaction_m{0.005, 400};  // the same times the speed, above 1 m/s
+  // As core/autonomy/reaction_meter.h counts them: each lidar column's time to the first command
+  // that it was considered for, and that time times the speed.
+  Histogram reaction_s{0.005, 200};
+  Histogram reaction_m{0.02, 250};
   uint64_t decision_hash = 0;
   bool replayed = false;  // its log was replayed, and every tick was decided the same
 

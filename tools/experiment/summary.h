@@ -30,8 +30,8 @@ struct Row {
   double clearance_m = 0.0;
   double person_clearance_m = 0.0;
   Histogram cross_track_m;
-  Histogram reaction_s{0.002, 500};
-  Histogram reaction_m{0.005, 400};
+  Histogram reaction_s{0.005, 200};
+  Histogram reaction_m{0.02, 250};
 };
 
 // The interval that contains the true share of successes with 95 % confidence (Wilson 1927,

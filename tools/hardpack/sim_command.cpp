@@ -9,6 +9,7 @@
 #include "tools/hardpack/command.h"
 #include "tools/hardpack/world_picture.h"
 #include "tools/mission/mission.h"
+#include "tools/sim/vehicle_model_file.h"
 
 namespace hardpack::command {
 namespace {
@@ -21,6 +22,7 @@ struct SimOptions {
   std::string world = "gap";
   std::string out;
   std::string configuration;
+  std::string vehicle = "warthog_paper";
   bool log = true;
   bool json = false;
   double max_speed_mps = 0.0;
@@ -55,8 +57,16 @@ void WriteOutputs(const SimOptions& options, const MissionSettings& settings,
   WriteText(options.out + "/events.txt", events);
 }
 
+// A name is a file of config/vehicles, anything else a path.
+std::string VehiclePath(const std::string& name) {
+  if (name.ends_with(".toml")) return name;
+  return std::string(HARDPACK_VEHICLES) + "/" + name + ".toml";
+}
+
 void RunSim(const SimOptions& options) {
   MissionSettings settings = options.mission;
+  Require(sim::ReadVehicle(VehiclePath(options.vehicle), settings.vehicle));
+  settings.vehicle_name = options.vehicle;
   Require(world::MakeScenario(options.world, settings.seed, settings.scenario));
   if (!options.configuration.empty()) {
     Require(ReadConfiguration(options.configuration, settings.configuration));
@@ -95,6 +105,10 @@ void AddSimCommand(CLI::App& app) {
   sim->add_option("--seed", options->mission.seed, "Of world, vehicle and noise (default 1)");
   sim->add_option("--planner", options->mission.planner, "optimizer (default) or astar");
   sim->add_option("--tracker", options->mission.tracker, "full (default) or pursuit");
+  sim->add_option("--vehicle", options->vehicle,
+                  "warthog_paper (default), warthog_recorded, or FILE.toml (docs/simulation.md)");
+  sim->add_flag("!--typical", options->mission.spread,
+                "The typical vehicle instead of one drawn by the seed");
   sim->add_option("--config", options->configuration, "Configuration (TOML) of the vehicle");
   sim->add_option("--max-speed", options->max_speed_mps, "Instead of the configuration's [m/s]");
   sim->add_option("--limit", options->mission.limit_s, "On the mission's time [s] (default 120)");

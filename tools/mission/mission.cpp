@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/mission/mission.h"
 
-#include <cmath>
+#include <memory>
+#include <span>
 
 #include "tools/mission/lock_step.h"
 #include "tools/mission/observer.h"
@@ -29,7 +30,9 @@ ReadOutcome ChooseMethods(const MissionSettings& settings, Configuration& config
   } else if (settings.planner != "optimizer") {
     return Bad("there is no planner '" + settings.planner + "': optimizer or astar");
   }
-  if (settings.tracker != "full" && settings.tracker != "pursuit") {
+  if (settings.tracker == "pursuit") {
+    configuration.onboard.tracking.method = TrackingParams::kPurePursuit;
+  } else if (settings.tracker != "full") {
     return Bad("there is no tracker '" + settings.tracker + "': full or pursuit");
   }
   return {};
@@ -44,6 +47,11 @@ LockStepSettings SettingsOf(const MissionSettings& settings) {
                                settings.scenario.start.position.y_m,
                                settings.scenario.start.yaw_rad};
   run.vehicle.labels = settings.labels;
+  run.vehicle.vehicle.model =
+      settings.spread ? sim::Draw(settings.vehicle, settings.seed) : settings.vehicle.typical;
+  // Of its kind, as anybody who drives one has measured.
+  run.configuration.planner.vehicle.max_wheel_speed_radps =
+      static_cast<float>(settings.vehicle.typical.wheel_limit_radps);
   const auto seed = static_cast<uint32_t>(settings.seed);
   run.vehicle.lidar = sim::NoisyLidar();
   run.vehicle.lidar.columns = settings.lidar_columns;
@@ -59,6 +67,13 @@ control::OperatorCommand Command(control::Kind kind) {
   control::OperatorCommand command;
   command.kind = kind;
   return command;
+}
+
+// The bins of a meter into a histogram with the same ones.
+void AddBins(std::span<const uint32_t> bins, experiment::Histogram& histogram) {
+  for (size_t i = 0; i < bins.size(); ++i) {
+    if (bins[i] > 0) histogram.Add((static_cast<double>(i) + 0.5) * histogram.width(), bins[i]);
+  }
 }
 
 // Ticks until it is true; false when it takes too long.
@@ -137,6 +152,8 @@ ReadOutcome RunMission(const MissionSettings& settings, RunResult& result, Missi
     observer.Watch(run);
   }
   observer.Finish(run);
+  AddBins(run.loop().reaction().time_bins(), result.reaction_s);
+  AddBins(run.loop().reaction().radius_bins(), result.reaction_m);
   result.driven_m = run.vehicle().vehicle().driven_m();
   result.success = result.outcome == WantedOutcome(settings.scenario.name);
   return run.End();

@@ -10,6 +10,7 @@
 #include "port_linux/read_outcome.h"
 #include "tools/experiment/run_result.h"
 #include "tools/sim/sim_labels.h"
+#include "tools/sim/vehicle_model_params.h"
 #include "tools/world/named_worlds.h"
 
 // One mission in a simulated world, from power-on to rest: the drives boot, the operator arms and
@@ -22,6 +23,8 @@ struct MissionSettings {
   std::string planner = "optimizer";  // or "astar": the base path as it is
   std::string tracker = "full";       // or "pursuit": pure pursuit without lag compensation
   std::string vehicle_name = "warthog_paper";
+  sim::UncertainVehicle vehicle;  // one of its kind is drawn by the seed
+  bool spread = true;             // false: the typical one
 
   uint64_t seed = 1;  // of all that is random but the scenario
   std::optional<sim::LabelSettings> labels;

@@ -162,7 +162,8 @@ void Observer::Sample(const LockStep& run, double t_s) {
   const TrackingOutput& commanded = run.loop().tracking();
   trace_->samples.push_back({t_s, vehicle.pose().x_m, vehicle.pose().y_m, vehicle.pose().theta_rad,
                              vehicle.speed_mps(), commanded.speed_mps, vehicle.yaw_rate_radps(),
-                             commanded.yaw_rate_radps, cross_track_m_, 0.0});
+                             commanded.yaw_rate_radps, cross_track_m_,
+                             run.loop().reaction().Radius_m(0.5f)});
 }
 
 void Observer::Finish(const LockStep& run) {
