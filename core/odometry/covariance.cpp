@@ -9,6 +9,7 @@
 // and the order of every sum is that of the source. Products of matrices would differ with the
 // instruction set (docs/decisions/0018). The other definitions are core/CMakeLists.txt's.
 #if !defined(eigen_assert)
+// NOLINTNEXTLINE(readability-identifier-naming): the name is Eigen's.
 #define eigen_assert(expression) HP_ASSERT(expression)
 #endif
 #include <Eigen/Core>

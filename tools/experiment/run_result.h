@@ -44,9 +44,9 @@ struct RunResult {
   double clearance_m = 0.0;         // smallest, to anything hard; 0: touched
   double person_clearance_m = 0.0;  // smallest, to a person while moving faster than 0.3 m/s
   double jerk_rms_mps3 = 0.0;
-  int64_t replans = 0;               // plans that took the place of another
-  int64_t stops = 0;                 // came to rest before its end
-  Histogram cross_track_m;           // every tick while driving, to the committed path
+  int64_t replans = 0;      // plans that took the place of another
+  int64_t stops = 0;        // came to rest before its end
+  Histogram cross_track_m;  // every tick while driving, to the committed path
   // As core/autonomy/reaction_meter.h counts them: each lidar column's time to the first command
   // that it was considered for, and that time times the speed.
   Histogram reaction_s{0.005, 200};
