@@ -116,15 +116,6 @@ class WhileDriving(OnboardCase):
         self.recover_and_drive()
         self.end_hardpackd()
 
-    def last_command_s(self, since_s):
-        """When a drive took its last command: a program that cuts the bus takes a while to start
-        (0.3 s were seen), which is not the vehicle's."""
-        self.rest_after(since_s)
-        samples = self.vehicle.samples(since_s)
-        return max((after["t"] for before, after in zip(samples, samples[1:])
-                    for side in ("left", "right") if after[side]["rpdos"] > before[side]["rpdos"]),
-                   default=since_s)
-
     def load_netem(self):
         """The User-Mode Linux machine does not load modules by itself."""
         release = pathlib.Path("/proc/sys/kernel/osrelease").read_text().strip()

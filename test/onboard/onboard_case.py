@@ -7,6 +7,7 @@ HARDPACKD, HARDPACK_COMMAND and SCRIPTED_VEHICLE.
 
 import collections
 import json
+import math
 import os
 import pathlib
 import shutil
@@ -350,6 +351,22 @@ class OnboardCase(unittest.TestCase):
         wait_until(at_rest, "wheels at rest")
         moving = [one["t"] for one in self.vehicle.samples(event_s) if abs(one["v"]) >= REST_MPS]
         return (moving[-1] - event_s) if moving else 0.0
+
+    def last_command_s(self, since_s):
+        """When a drive took its last command: a program that cuts the bus takes a while to start
+        (0.3 s were seen), which is not the vehicle's."""
+        self.rest_after(since_s)
+        samples = self.vehicle.samples(since_s)
+        return max((after["t"] for before, after in zip(samples, samples[1:])
+                    for side in ("left", "right") if after[side]["rpdos"] > before[side]["rpdos"]),
+                   default=since_s)
+
+    def coasting_s(self, event_s):
+        """How long the drives take from the fastest speed after the event to rest once they are told
+        to stop: their dead time and first-order lag (tools/sim/wheel_motor.h), and 0.1 s."""
+        self.rest_after(event_s)
+        fastest_mps = max(abs(one["v"]) for one in self.vehicle.samples(event_s))
+        return 0.15 + 0.48 * math.log(max(fastest_mps / REST_MPS, 1.0)) + 0.1
 
     def assert_rest_within(self, event_s, most_s):
         took_s = self.rest_after(event_s)
