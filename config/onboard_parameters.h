@@ -35,6 +35,8 @@ struct OdometryParams {
   float yaw_rate_walk_radps = 3.0f;
   float wheel_sigma_mps = 0.05f;         // of a rim speed
   float wheel_slip_share = 0.03f;        // and besides, of what it says
+  float wheel_lag_s = 0.29f;             // and of what it has changed by in about so long ...
+  float wheel_lag_share = 1.0f;          // ... so much
   float wheel_scale_sigma = 0.05f;       // to begin with
   float wheel_scale_walk = 0.001f;       // while it drives
   float turn_slip_share = 0.2f;          // of the difference of the rim speeds in a turn

@@ -21,6 +21,9 @@ constexpr uint64_t kGroundSpeedPeriod_ns = 200'000'000;
 // What one sensor ranges over while another says the same, for that to be frozen.
 constexpr float kFrozenRate_radps = 0.3f;
 constexpr float kFrozenSpeed_mps = 1.0f;
+// Rims do not change faster (recorded: 99 of 100 slower, REFERENCES.md, DRIVE): more is a glitch,
+// which the gate is to keep out.
+constexpr float kMaxRimChange_mps2 = 5.1f;
 
 float Square(float value) {
   return value * value;
@@ -147,6 +150,26 @@ bool Odometry::AreFrozen(const WheelFeedback& wheels) {
   return wheel_sameness_.frozen;
 }
 
+// The rims' speeds, and what they were a while ago: a first-order lag (implicit Euler: stable for
+// any step). Wheels slip while they gather speed or lose it: how far they are ahead of themselves
+// tells how little they are to be believed.
+void Odometry::FollowRims(const WheelFeedback& wheels) {
+  const float radius_m = vehicle_.wheel_radius_m;
+  rim_mps_ = radius_m * (wheels.left_radps + wheels.right_radps) / 2.0f;
+  rim_turn_mps_ = radius_m * (wheels.right_radps - wheels.left_radps);
+  const bool follows = rims_ns_ != 0 && wheels.time_ns - rims_ns_ <= uint64_t{kMaxStep_ns};
+  const float dt_s = follows ? SecondsBetween(rims_ns_, wheels.time_ns) : 0.0f;
+  const float share = follows ? dt_s / (dt_s + params_.wheel_lag_s) : 1.0f;
+  past_rim_mps_ += share * (rim_mps_ - past_rim_mps_);
+  past_turn_mps_ += share * (rim_turn_mps_ - past_turn_mps_);
+  rims_ns_ = wheels.time_ns;
+}
+
+// The noise of a rim speed that has changed by so much.
+float Odometry::Gathering(float change_mps) const {
+  return params_.wheel_lag_share * Min(Abs(change_mps), kMaxRimChange_mps2 * params_.wheel_lag_s);
+}
+
 // Both numbers of one time: the common speed, then the turn.
 void Odometry::TakeWheels(const WheelFeedback& wheels) {
   const uint64_t time_ns = wheels.time_ns;
@@ -154,9 +177,8 @@ void Odometry::TakeWheels(const WheelFeedback& wheels) {
   wheels_ns_ = time_ns;
   if (IsTooLate(time_ns)) return;
   PredictTo(time_ns);
-  const float radius_m = vehicle_.wheel_radius_m;
-  const float rim_mps = radius_m * (wheels.left_radps + wheels.right_radps) / 2.0f;
-  rim_turn_mps_ = radius_m * (wheels.right_radps - wheels.left_radps);
+  FollowRims(wheels);
+  const float rim_mps = rim_mps_;
   const float late_s = Lateness(time_ns);
   const float scale = state_[kStateWheelScale];
   Innovation common;
@@ -165,6 +187,7 @@ void Odometry::TakeWheels(const WheelFeedback& wheels) {
   common.value = rim_mps - state_[kStateSpeed] / scale;
   common.variance = Square(params_.wheel_sigma_mps) + Square(params_.wheel_slip_share * rim_mps) +
                     Square(params_.wheel_slip_share * rim_turn_mps_) +
+                    Square(Gathering(rim_mps_ - past_rim_mps_)) +
                     Square(params_.speed_walk_mps * late_s);
   CorrectGated(common, time_ns, kStateSpeed, wheel_speed_gate_, counters_.wheel_speed_rejected);
   TakeTurn(rim_mps, time_ns);
@@ -182,6 +205,7 @@ void Odometry::TakeTurn(float rim_mps, uint64_t time_ns) {
   turn.variance = 2.0f * Square(params_.wheel_sigma_mps) +
                   Square(params_.wheel_slip_share * rim_mps) +
                   Square(params_.turn_slip_share * rim_turn_mps_) +
+                  Square(Gathering(rim_turn_mps_ - past_turn_mps_)) +
                   Square(params_.yaw_rate_walk_radps * baseline_m * Lateness(time_ns));
   if (has_gyro) turn.learns = kStateBaseline;
   CorrectGated(turn, time_ns, has_gyro ? kOdometryStates : kStateYawRate, wheel_turn_gate_,

@@ -143,6 +143,8 @@ class Odometry {
   void TakeGroundSpeed(const InsSample& sample, uint64_t time_ns);
   static bool AreWheelSpeeds(const WheelFeedback& wheels);
   bool AreFrozen(const WheelFeedback& wheels);
+  void FollowRims(const WheelFeedback& wheels);
+  float Gathering(float change_mps) const;
   void TakeWheels(const WheelFeedback& wheels);
   void TakeTurn(float rim_mps, uint64_t time_ns);
   void JudgeRest(const WheelFeedback& wheels, uint64_t now_ns);
@@ -167,7 +169,11 @@ class Odometry {
   uint64_t ground_speed_ns_ = 0;  // of the newest that was used
   float ground_speed_mps_ = 0.0f;
   uint64_t wheels_ns_ = 0;
+  uint64_t rims_ns_ = 0;       // of the four below; 0: none have come
+  float rim_mps_ = 0.0f;       // r (w_r + w_l) / 2
   float rim_turn_mps_ = 0.0f;  // r (w_r - w_l)
+  float past_rim_mps_ = 0.0f;  // the same, a while ago
+  float past_turn_mps_ = 0.0f;
   uint64_t moved_ns_ = 0;
   uint64_t still_ns_ = 0;  // since when the wheels stand; 0: they do not
   bool at_rest_ = false;
