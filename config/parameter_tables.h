@@ -98,8 +98,8 @@ inline constexpr std::array kCostmapTable = {
                "Side of the neighbourhood whose lowest return is the local ground; odd (ours)."),
     HP_COSTMAP(
         planning_radius_m, 0.0f, 2.0f,
-        "How far obstacles are dilated: half the vehicle's width, a cell's diagonal and an "
-        "allowance of 0.25 m for tracking (ours). The map tells distances apart up to 3.19 m."),
+        "How far obstacles are dilated: the radius of the footprint's discs and half a cell's "
+        "diagonal (ours). The map tells distances apart up to 3.19 m."),
     HP_COSTMAP(halo_m, 0.0f, 3.0f,
                "Width of the halo that repels paths around the dilated region (ours)."),
     HP_COSTMAP(hard_edge_cost, 0.0f, 39.0f,
@@ -205,7 +205,11 @@ inline constexpr std::array kSpeedTable = {
              &SpeedParams::min_speed_mps),
     HP_SPEED(max_unseen_m, 0.0f, 100.0f,
              "A longer stretch along the path whose ground was not observed ends the observed "
-             "ground, before which the vehicle can always stop (ours).")};
+             "ground, before which the vehicle can always stop (ours)."),
+    HP_SPEED(narrow_room_m, 0.0f, 1.0f,
+             "Where there is less room than this between one of the footprint's discs and a hard "
+             "cell, half a cell's diagonal off, min_speed_mps is the limit: what tracking may be "
+             "off by (ours).")};
 #undef HP_SPEED
 
 #define HP_REPLAN(...) HP_ENTRY("replan", ReplanParams, __VA_ARGS__)

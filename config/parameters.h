@@ -33,9 +33,9 @@ struct CostmapParams {
   float obstacle_height_m = 0.5f;    // higher than this is an obstacle
   float clearance_height_m = 2.0f;   // returns above this do not count
   int32_t ground_window_cells = 15;  // side of the neighbourhood whose lowest return is the ground
-  float planning_radius_m = 1.08f;   // dilation: half width + cell diagonal + tracking allowance
-  float halo_m = 2.0f;               // width of the repulsive halo around the dilated region
-  float hard_edge_cost = 6.0f;       // hard layer: cost at the region's edge ...
+  float planning_radius_m = 0.94f;   // dilation: footprint disc + half a cell's diagonal
+  float halo_m = 2.1f;               // width of the repulsive halo around the dilated region
+  float hard_edge_cost = 7.0f;       // hard layer: cost at the region's edge ...
   float hard_slope_per_m = 12.0f;    // ... and its growth with the depth inside
   float soft_edge_cost = 1.5f;       // soft layer: the same
   float soft_slope_per_m = 3.0f;
@@ -94,6 +94,7 @@ struct SpeedParams {
   float person_margin_m = 0.5f;
   float person_creep_mps = 0.2f;  // past a person who is near but leaves room; 0: none
   float max_unseen_m = 0.6f;      // stretch of ground along the path that may be unobserved
+  float narrow_room_m = 0.15f;    // with less beside the footprint's discs: at min_speed_mps
 };
 
 // When the plan that is driven gives way to a new one, and where the new one joins it

@@ -50,7 +50,7 @@ struct CommittedPlan {
   float start_curvature_per_m = 0.0f;   // at path[0], where no chord comes in any more ...
   float start_turn_rad = 0.0f;          // ... and the turn that was there
   int32_t slow_points = 0;              // first points driven slowly, out of an obstacle
-  bool narrow = false;                  // driven at min_speed_mps
+  bool narrow = false;                  // somewhere with little room, driven at min_speed_mps there
   bool is_stop = false;                 // cut short to come to rest: it leads nowhere
   bool reaches_goal = false;            // its end is the goal itself
   PlanGoal goal;                        // that it was planned to

@@ -15,15 +15,6 @@ constexpr float kGoalHeadingTolerance_rad = 0.05f;
 // Copied from, since a temporary would not fit on the stack.
 constexpr Plan kNoPlan;
 
-// Statuses are numbered by gravity.
-Status Graver(Status a, Status b) {
-  return a < b ? b : a;
-}
-
-float NarrowRadius(const VehicleParams& vehicle) {
-  return vehicle.footprint_disc_radius_m + 0.5f * kCellDiagonal_m;
-}
-
 Vec2 PlaceOf(const Pose2& pose) {
   return {pose.x_m, pose.y_m};
 }
@@ -86,11 +77,8 @@ Status Planner::BeginCells(const GridWindow& window, const PlannerParams& params
 
 Status Planner::BeginOnMap(const PlanRequest& request) {
   if (stage_ != PlanStage::kDone) return Status::kNotStarted;
-  const bool narrow = plan_.narrow;
   const Status status = Prepare(params_, request);
   if (!IsUsable(status)) return Started(status, PlanStage::kIdle);
-  plan_.narrow = narrow;
-  keeps_map_ = true;
   BeginSearch();
   return Status::kOk;
 }
@@ -112,7 +100,6 @@ Status Planner::Prepare(const PlannerParams& params, const PlanRequest& request)
   params_ = params;
   request_ = request;
   request_.start.pose.theta_rad = WrapAngle(request.start.pose.theta_rad);
-  keeps_map_ = false;
   keeps_end_heading_ = false;
   has_goal_heading_ = false;
   return Status::kOk;
@@ -182,7 +169,6 @@ void Planner::StepPending(const Source& source, int units) {
   if (pending_slot_ >= slots) stage_ = PlanStage::kCostmap;
 }
 
-// The narrow try builds from the cells of the first: the grid may have moved on meanwhile.
 void Planner::StepCostmap(int units) {
   if (builder_.StepCells(units) == Progress::kDone) BeginSearch();
 }
@@ -197,29 +183,12 @@ void Planner::StepSearch(int units) {
   if (search_.Step(costmap(), units) == Progress::kBusy) return;
   plan_.search = search_.result();
   plan_.base_status = plan_.search.status;
-  if (MayTryNarrow()) return BeginNarrow();
   if (!IsUsable(plan_.base_status)) return Fail(plan_.base_status);
   plan_.base_status =
       sampler_.Begin(search_, params_.path, PlaceOf(request_.start.pose), request_.goal_odom);
   if (!IsUsable(plan_.base_status)) return Fail(plan_.base_status);
   sampled_ = false;
   stage_ = PlanStage::kSample;
-}
-
-void Planner::BeginNarrow() {
-  CostmapParams narrow = params_.costmap;
-  narrow.planning_radius_m = NarrowRadius(params_.vehicle);
-  const Status status = builder_.BeginAgain(narrow);
-  if (!IsUsable(status)) return Fail(status);
-  plan_.narrow = true;
-  stage_ = PlanStage::kCostmap;
-}
-
-bool Planner::MayTryNarrow() const {
-  const bool closed =
-      plan_.base_status == Status::kNoPath || plan_.base_status == Status::kStartEnclosed;
-  return closed && !plan_.narrow && !keeps_map_ &&
-         NarrowRadius(params_.vehicle) < params_.costmap.planning_radius_m;
 }
 
 void Planner::StepSample(int units) {
@@ -402,7 +371,7 @@ void Planner::StepSpeed(int units) {
   request.start_curvature_per_m = request_.start.curvature_per_m;
   plan_.slow_points = SlowPoints();
   request.slow_points = plan_.slow_points;
-  request.narrow = plan_.narrow;
+  plan_.narrow = caps_.narrow();
   request.cap_mps = caps_.cap_mps();
   const Status status =
       PlanSpeed(params_.speed, params_.vehicle, plan_.actuator, request, plan_.speed);

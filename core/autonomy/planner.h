@@ -26,8 +26,6 @@
 // order.
 //
 // Second tries, each at most once:
-// - No way for the planning radius: the costmap is dilated again for the bare footprint (disc
-//   radius and half a cell's diagonal), and the plan is marked narrow.
 // - The start heading is more than max_join_heading_rad off the base path: a turn on the spot
 //   first, which only a vehicle that stands may do.
 // - The path touches something, but within its last kMaxShort_m only: it ends before that, and the
@@ -59,7 +57,7 @@ struct Plan {
   Status check_status = Status::kNotStarted;
   bool pivots_first = false;
   bool pivots_last = false;  // the goal heading is reached by a turn on the spot
-  bool narrow = false;
+  bool narrow = false;  // somewhere with little room, see SpeedCaps
   bool is_seed = false;     // path is the seed: the optimized one would have touched
   bool ends_short = false;  // path ends before the base path does: there it would have touched
   WorldPath base;           // resampled base path
@@ -105,10 +103,9 @@ class Planner {
   Status BeginCells(const GridWindow& window, const PlannerParams& params,
                     const PlanRequest& request);
 
-  // Once more on the map of the plan that is done, as it is: another start or another goal, and the
-  // bare footprint where that plan is narrow. A map that is closed is not tried narrower, so that
-  // both plans' costs are those of one map. kNotStarted: no plan is done; and those of the request,
-  // as above. Then StepCells; any Step does, as no cells are read.
+  // Once more on the map of the plan that is done, as it is: another start or another goal.
+  // kNotStarted: no plan is done; and those of the request, as above. Then StepCells; any Step
+  // does, as no cells are read.
   Status BeginOnMap(const PlanRequest& request);
 
   // The same kind of Step as of Begin: the others assert it. At most `units`
@@ -130,8 +127,8 @@ class Planner {
   static constexpr float kMaxShort_m = 1.0f;
   static constexpr int kMaxTransitions = 32;
   static constexpr int kMaxUnits = kMaxTransitions + CostmapBuilder::kUnits +
-                                   ScanRing::kMaxColumns + CostmapBuilder::kCellUnits +
-                                   2 * AstarSearch::kMaxUnits + 2 * kMapCells + 1 +
+                                   ScanRing::kMaxColumns + AstarSearch::kMaxUnits +
+                                   kMapCells + 1 +
                                    PathSmoother::kMaxPasses + 2 * Optimizer::kMaxUnits +
                                    12 * PathCheck::kMaxUnits + SpeedCaps::kMaxUnits;
 
@@ -159,8 +156,6 @@ class Planner {
   void StepSpeed(int units);
 
   void BeginSearch();
-  bool MayTryNarrow() const;
-  void BeginNarrow();
   [[nodiscard]] bool MayPivot() const;
   void BeginSeed();
   [[nodiscard]] bool MakeSeed(const WorldPath& base);
@@ -178,7 +173,6 @@ class Planner {
   PlanStage stage_ = PlanStage::kIdle;
   uint32_t folded_before_ = 0;  // columns, when this plan began
   int32_t pending_slot_ = 0;    // next
-  bool keeps_map_ = false;      // the map was made for another plan: no narrow try
   bool keeps_end_heading_ = false;
   bool has_goal_heading_ = false;  // and the path ends at the goal
   PlannerParams params_;

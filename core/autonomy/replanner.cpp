@@ -268,7 +268,6 @@ void Replanner::KeepFresh() {
   round_.plan_status = plan.status;
   if (!IsUsable(plan.status)) return;
   fresh_.path = plan.path;
-  fresh_.narrow = plan.narrow;
   fresh_.slow_points = plan.slow_points;
   fresh_.search_end = plan.search.end;
   const bool in_end_cell = CellAt(request_.goal_odom) == plan.search.end;

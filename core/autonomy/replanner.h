@@ -55,8 +55,7 @@
 //                                                    within what was checked free, and the
 //                                                    outcome says kStop: the owner stops
 // 6. Speeds. Whatever is driven from now on gets its speeds anew on this map, from the state of the
-//    moment of publication. A kept plan stays narrow while the map closes its way for the planning
-//    radius.
+//    moment of publication.
 // A new plan that comes after the vehicle has passed its anchor is not used (counted as late), and
 // the next one has its anchor further ahead. One that could not come to rest within its length from
 // the present speed is not used either.
@@ -180,7 +179,6 @@ class Replanner {
   struct Fresh {
     Status status = Status::kNotStarted;
     WorldPath path;
-    bool narrow = false;
     int32_t slow_points = 0;
     Cell search_end;
     Vec2 end_odom;          // of the search: where the path ends unless it was cut
@@ -196,7 +194,6 @@ class Replanner {
     float start_curvature_per_m = 0.0f;
     float start_turn_rad = 0.0f;
     int32_t slow_points = 0;
-    bool narrow = false;
     int32_t joint = -1;  // point of rest_ where it leaves the committed path; -1: it has no joint
   };
 
@@ -236,7 +233,6 @@ class Replanner {
   void Join(int first, int last, const WorldPath* tail);
   int StopPoint() const;
   bool ComesToRest() const;
-  bool IsNarrow() const;
 
   // core/autonomy/replanner_publish.cpp: what is driven from now on.
   void Publish();

@@ -26,10 +26,6 @@ bool AreSame(Vec2 a, Vec2 b) {
   return Distance(a, b) <= Replanner::kSameEnd_m;
 }
 
-Status Graver(Status a, Status b) {
-  return a < b ? b : a;
-}
-
 }  // namespace
 
 bool Replanner::GoalHasChanged() const {
@@ -236,10 +232,6 @@ void Replanner::MakeCandidate(ReplanDecision decision, ReplanReason reason) {
       break;
   }
   candidate_.slow_points = ClampInt(candidate_.slow_points, 0, candidate_.path.size());
-  candidate_.narrow = IsNarrow();
-  const bool was_narrow = candidate_.status == Status::kNarrowGap;
-  if (candidate_.narrow) candidate_.status = Graver(candidate_.status, Status::kNarrowGap);
-  if (!candidate_.narrow && was_narrow) candidate_.status = Status::kOk;
 }
 
 void Replanner::TakeFresh() {
@@ -284,22 +276,6 @@ bool Replanner::ComesToRest() const {
   const PathPlace place = Project(path, state_.pose, Stands(), ReachOfRound());
   const float way_m = WayTo(path, StandingPoint(path, place.point)) - place.along_m;
   return speed_mps * speed_mps <= 2.0f * params_.speed.max_deceleration_mps2 * way_m;
-}
-
-// The map closes the way for the planning radius, or the path was planned where it did, and is not
-// through yet.
-bool Replanner::IsNarrow() const {
-  if (planner_.result().narrow) return true;
-  if (!committed_.narrow || candidate_.decision == ReplanDecision::kNone) return false;
-  if (candidate_.decision == ReplanDecision::kReplaced && !anchored_) return fresh_.narrow;
-  const Costmap& map = planner_.costmap();
-  bool is_narrow = false;
-  HP_LOOP_BOUND(kMaxPathPoints)
-  for (const Pose2& pose : candidate_.path) {
-    const Cell cell = CellAt(PlaceOf(pose));
-    is_narrow = is_narrow || (map.window.Contains(cell) && map.Lethal(map.window.Index(cell)));
-  }
-  return is_narrow;
 }
 
 }  // namespace hardpack

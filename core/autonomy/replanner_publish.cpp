@@ -60,8 +60,9 @@ void Replanner::Commit(const PathPlace& place) {
   if (TurnsOnTheSpotAt(plan.path, 0)) plan.path[0].theta_rad = state_.pose.theta_rad;
   const int slow_points = candidate_.slow_points - first;
   plan.slow_points = slow_points < 0 ? 0 : slow_points;
-  plan.narrow = candidate_.narrow;
-  plan.status = candidate_.status;
+  plan.narrow = caps_.narrow();
+  plan.status = candidate_.status == Status::kNarrowGap ? Status::kOk : candidate_.status;
+  if (plan.narrow) plan.status = Graver(plan.status, Status::kNarrowGap);
   plan.is_stop = candidate_.decision == ReplanDecision::kStop;
   if (candidate_.decision != ReplanDecision::kKept) {
     plan.number = ++last_number_;
@@ -112,7 +113,6 @@ Status Replanner::TimeFrom(const PathPlace& place) {
   }
   request.start_speed_mps = state_.speed_mps;
   request.slow_points = plan.slow_points - behind < 0 ? 0 : plan.slow_points - behind;
-  request.narrow = plan.narrow;
   request.cap_mps = caps_.cap_mps().subspan(static_cast<size_t>(place.point));
   const Status timed = PlanSpeed(params_.speed, params_.vehicle, timed_, request, plan.speed);
   if (!IsUsable(timed) || behind == 0) return timed;

@@ -57,6 +57,9 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
   chord_ = 0;
   observed_m_ = kFar_m;
   max_unseen_m_ = params.max_unseen_m;
+  const float room_m = vehicle.footprint_disc_radius_m + kHalfCellDiagonal_m + params.narrow_room_m;
+  room2_cells2_ = Squared(room_m * kCellsPerMeter);
+  narrow_ = false;
   HP_LOOP_BOUND(kTracks)
   for (float& seen_m : seen_m_) seen_m = 0.0f;
   low_ = window.Nearest(CellAt({low.x_m - reach_m_, low.y_m - reach_m_}));
@@ -78,6 +81,10 @@ Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
     } else {
       const float free_m = observed_m_ - 0.5f * vehicle.length_m - along_m_[point_];
       Lower(point_, ReactionSpeedCap(params, free_m), CapCause::kUnseenGround);
+      if (HasLittleRoom(map, vehicle, path[point_])) {
+        narrow_ = true;
+        Lower(point_, params.min_speed_mps, CapCause::kLittleRoom);
+      }
       CapForPersonAt(point_, params, vehicle);
       ++point_;
     }
@@ -130,6 +137,25 @@ void SpeedCaps::LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m
       observed_m_ = Min(observed_m_, seen_m_[track]);
     }
   }
+}
+
+// Distances are those of the cells' centres, which is what half a cell's diagonal is for. One that
+// the map does not tell apart from further ones is none.
+bool SpeedCaps::HasLittleRoom(const Costmap& map, const VehicleParams& vehicle,
+                              const Pose2& pose) const {
+  const SinCosPair heading = SinCos(pose.theta_rad);
+  const float arm_m = vehicle.footprint_disc_offset_m;
+  bool has_little = false;
+  HP_LOOP_BOUND(2)
+  for (int disc = -1; disc <= 1; disc += 2) {
+    const float ahead_m = static_cast<float>(disc) * arm_m;
+    const Cell cell = CellAt({pose.x_m + ahead_m * heading.cos, pose.y_m + ahead_m * heading.sin});
+    if (!map.window.Contains(cell)) continue;
+    const int distance2_cells2 = map.hard_distance2[map.window.Index(cell)];
+    has_little = has_little || (distance2_cells2 < kMaxDistance2_cells2 &&
+                                static_cast<float>(distance2_cells2) <= room2_cells2_);
+  }
+  return has_little;
 }
 
 void SpeedCaps::SearchRow(const Costmap& map, const WorldPath& path) {

@@ -13,8 +13,9 @@
 
 // What the surroundings allow along a path that has been checked (docs/algorithm.md sections 6 and
 // 8): at each point the speed from which the vehicle can still stop within the rest of the path,
-// since nothing beyond its end was checked, and before the end of the observed ground; and the caps
-// for the people beside it. It does not look for obstacles on the path: the check has.
+// since nothing beyond its end was checked, and before the end of the observed ground; the lowest
+// speed where there is little room; and the caps for the people beside it. It does not look for
+// obstacles on the path: the check has.
 //
 //        |<- free ->|<- half the length ->|
 //   o====o==========+=====================#? ? ? ? ?o      # the end of the observed ground
@@ -24,6 +25,9 @@
 // stretches are what the lidar's ring spacing and the directions' spacing leave open. It is looked
 // for up to half the vehicle's length beyond the path's end. A path begins where the vehicle is, so
 // that its first point counts as observed.
+//
+// There is little room where a hard cell's centre is nearer to the centre of one of the footprint's
+// discs than its radius, half a cell's diagonal and narrow_room_m: min_speed_mps at most there.
 
 namespace hardpack {
 
@@ -32,6 +36,7 @@ enum class CapCause : uint8_t {
   kPathEnd,       // nothing but the end of what was checked
   kUnseenGround,  // the observed ground ends before it
   kPerson,
+  kLittleRoom,
 };
 
 class SpeedCaps {
@@ -51,6 +56,8 @@ class SpeedCaps {
   std::span<const float> cap_mps() const { return {cap_mps_, static_cast<size_t>(points_)}; }
   // Of the cap at a point, 0 .. n - 1; valid with it.
   CapCause cause(int point) const { return cause_[point]; }
+  // Whether there is little room anywhere.
+  bool narrow() const { return narrow_; }
   // Way along the path to the end of the observed ground; kFar_m if that is not on it.
   float observed_m() const { return observed_m_; }
   static constexpr float kFar_m = 1.0e3f;  // further than any two points of a map
@@ -65,6 +72,7 @@ class SpeedCaps {
                  int point);
   void LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m);
   void Lower(int point, float cap_mps, CapCause cause);
+  bool HasLittleRoom(const Costmap& map, const VehicleParams& vehicle, const Pose2& pose) const;
   void SearchRow(const Costmap& map, const WorldPath& path);
   void FilePerson(Vec2 person_odom, const WorldPath& path);
   void CapForPersonAt(int point, const SpeedParams& params, const VehicleParams& vehicle);
@@ -78,6 +86,8 @@ class SpeedCaps {
   int32_t chord_ = 0;        // next to be looked along; the one behind the last is beyond
   float observed_m_ = 0.0f;  // way to the end of the observed ground
   float max_unseen_m_ = 0.0f;
+  float room2_cells2_ = 0.0f;  // squared distance of a hard cell that leaves little room
+  bool narrow_ = false;
   float seen_m_[kTracks] = {};  // of each track, the way to the last observed cell
   Cell low_;                    // the part of the map that is searched
   Cell high_;

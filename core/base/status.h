@@ -73,6 +73,11 @@ constexpr bool IsUsable(Status status) {
   return status < Status::kFirstFailure;
 }
 
+// Of two outcomes that belong together; statuses are numbered by gravity.
+constexpr Status Graver(Status a, Status b) {
+  return a < b ? b : a;
+}
+
 // The code's name in snake_case, as written to plan.json; "unknown" for a value outside the list.
 const char* StatusName(Status status);
 

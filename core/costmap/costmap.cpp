@@ -88,20 +88,9 @@ Status CostmapBuilder::BeginCells(const GridWindow& window, const CostmapParams&
   return Status::kOk;
 }
 
-Status CostmapBuilder::BeginAgain(const CostmapParams& params) {
-  if (!built_) return Status::kNotStarted;
-  const Status status = CheckCostmapParams(params);
-  if (status != Status::kOk) return status;
-  Start(map_.window, params, Pass::kObstacles);
-  HP_LOOP_BOUND(kMapCells)
-  for (uint8_t& flags : map_.flags) flags &= kCellFlags;
-  return Status::kOk;
-}
-
 void CostmapBuilder::Start(const GridWindow& window, const CostmapParams& params, Pass first) {
   map_.window = window;
   params_ = params;
-  built_ = false;
   from_heights_ = first == Pass::kHeights;
   pass_ = first;
   row_ = 0;
@@ -167,7 +156,6 @@ void CostmapBuilder::EndUnit() {
   if (++row_ < (pass_ == Pass::kHeights ? kHeightUnits : kMapSize_cells)) return;
   row_ = 0;
   pass_ = static_cast<Pass>(static_cast<int>(pass_) + 1);
-  built_ = pass_ == Pass::kDone;
 }
 
 // The layers' costs by squared distance between cell centres: the edge lies half a cell before the

@@ -130,11 +130,6 @@ class CostmapBuilder {
   // changes. Cost: kMapCells bytes written.
   Status BeginCells(const GridWindow& window, const CostmapParams& params);
 
-  // The cells of the finished map once more, with other parameters (a narrower planning radius).
-  // kNotStarted: no map was finished; kParameterOutOfRange: nothing changes. Then StepCells. Cost:
-  // kMapCells bytes.
-  Status BeginAgain(const CostmapParams& params);
-
   // flags: kHard, kSoft, kPerson, kObserved; others are ignored. A person is hard, and a hard cell
   // is not soft. Preconditions: 0 <= index < kMapCells; between BeginCells and StepCells.
   void SetCell(int index, uint8_t flags);
@@ -213,7 +208,6 @@ class CostmapBuilder {
 
   Costmap map_ = {};
   CostmapParams params_;
-  bool built_ = false;         // a map is finished
   bool from_heights_ = false;  // the present build
   Pass pass_ = Pass::kDone;
   int32_t row_ = 0;             // of the pass, from its beginning

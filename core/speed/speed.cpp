@@ -273,7 +273,6 @@ Status PlanSpeed(const SpeedParams& params, const VehicleParams& vehicle, const 
   const int last = path.steps.size();
   speed.Resize(last + 1);
   LimitPoints(ShapeLimits(params, vehicle), path, request, speed);
-  if (request.narrow) LimitFirst(last + 1, params.min_speed_mps, speed);
   LimitFirst(request.slow_points, params.obstacle_start_speed_mps, speed);
   LimitByCaps(request.cap_mps, speed);
   const ActuatorStep* steps = path.steps.begin();

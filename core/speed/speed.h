@@ -80,7 +80,6 @@ struct SpeedRequest {
   float start_curvature_per_m = 0.0f;  // against which the first change of curvature is taken
   float goal_speed_mps = 0.0f;         // 0 at a goal; a waypoint that is passed has its own
   int32_t slow_points = 0;             // first points driven at obstacle_start_speed_mps at most
-  bool narrow = false;                 // the whole path at min_speed_mps at most
   std::span<const float> cap_mps;      // [n] outer caps (reaction, people), or empty
 };
 

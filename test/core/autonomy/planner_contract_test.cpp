@@ -18,7 +18,7 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 
 TEST(Planner, GivesTheSamePlanInAnyPortions) {
   Scene scene = SceneTo({12.1f, 0.1f});
-  scene.Add(30, -256, 31, -5);  // closed for the planning radius: the narrow try too
+  scene.Add(30, -256, 31, -5);  // a gap with little room
   scene.Add(30, 6, 31, 255);
   scene.Add(20, 20, 22, 22, Costmap::kPerson);
   const uint64_t whole = HashOf(PlanIn(scene));

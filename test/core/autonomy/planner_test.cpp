@@ -44,16 +44,25 @@ TEST(Planner, PassesAGapInAWall) {
   EXPECT_TRUE(in_gap);
 }
 
-// The gap is 2 m: enough for the footprint (1.58 m), not for the planning radius (2.16 m).
-TEST(Planner, TakesAGapForTheBareFootprintOnlySlowly) {
+// The gap is 2 m: enough for the footprint (1.58 m), but with little room beside it. The way around
+// is 25 m longer, and nothing is in its way.
+TEST(Planner, PassesAGapWithLittleRoomSlowly) {
   Scene scene = SceneTo({20.1f, 0.1f});
-  scene.Add(50, -256, 51, -5);
-  scene.Add(50, 6, 51, 255);
+  scene.Add(50, -90, 51, -5);
+  scene.Add(50, 6, 51, 90);
   const Plan& plan = PlanIn(scene);
   ExpectSound(scene, plan);
   EXPECT_TRUE(plan.narrow);
   EXPECT_GE(plan.status, Status::kNarrowGap);
-  for (const float speed : plan.speed) EXPECT_LE(speed, scene.params.speed.min_speed_mps);
+  float fastest_mps = 0.0f;
+  for (int k = 0; k < plan.path.size(); ++k) {
+    const bool in_gap = std::abs(plan.path[k].x_m - 10.1f) < 0.5f;
+    if (in_gap) {
+      EXPECT_LE(plan.speed[k], scene.params.speed.min_speed_mps) << k;
+    }
+    fastest_mps = std::max(fastest_mps, plan.speed[k]);
+  }
+  EXPECT_GT(fastest_mps, scene.params.speed.min_speed_mps + 0.5f) << "where there is room";
 }
 
 TEST(Planner, RefusesAGapNarrowerThanTheFootprint) {

@@ -119,10 +119,15 @@ TEST(ReplanSequence, DrivesSlowlyToANarrowingGapAndStopsShortOfAClosedOne) {
   EXPECT_TRUE(drive.committed().narrow);
   EXPECT_EQ(drive.committed().status, Status::kNarrowGap);
   EXPECT_EQ(drive.committed().number, number) << "the way through its middle is the same";
-  EXPECT_LE(drive.speed_mps, drive.world.params.speed.min_speed_mps + 0.01f);
+  const CommittedPlan& narrow = drive.committed();
+  for (int k = 0; k < narrow.path.size(); ++k) {
+    if (std::abs(narrow.path[k].x_m - 20.1f) < 0.5f) {
+      EXPECT_LE(narrow.speed[k], drive.world.params.speed.min_speed_mps) << k;
+    }
+  }
   EXPECT_GT(drive.speed_mps, 1.0f);
   drive.world.Add(100, -25, 101, 25);
-  for (int tick = 0; tick < 200; ++tick) drive.Tick();
+  for (int tick = 0; tick < 400; ++tick) drive.Tick();
   EXPECT_EQ(drive.outcome().decision, ReplanDecision::kStop);
   EXPECT_FALSE(IsUsable(drive.outcome().status));
   EXPECT_LT(drive.speed_mps, 0.5f);

@@ -24,6 +24,7 @@ struct Ground {
   explicit Ground(float length_m = 30.0f, float step_m = 0.275f) {
     map->window.origin = {-256, -256};
     std::memset(map->flags, Costmap::kObserved, sizeof(map->flags));
+    std::memset(map->hard_distance2, kMaxDistance2_cells2, sizeof(map->hard_distance2));
     for (float x_m = 0.0f; x_m <= length_m && !path.full(); x_m += step_m) {
       EXPECT_EQ(path.PushBack({x_m, 0.0f, 0.0f}), Status::kOk);
     }
@@ -83,6 +84,34 @@ TEST(SpeedCaps, GapsUpToTheParameterAreBridgedAndWiderOnesAreNot) {
     }
     if (width_m > 0.75f) {
       EXPECT_TRUE(ends) << width_m;
+    }
+  }
+}
+
+// A post beside the path: the discs' radius, half a cell's diagonal and the room together are
+// 1.08 m, between cell centres.
+TEST(SpeedCaps, DrivesSlowlyWhereThereIsLittleRoom) {
+  for (int cells_aside = 0; cells_aside <= 8; ++cells_aside) {
+    Ground ground;
+    const Cell post = {CellAt({12.0f, 0.0f}).x, CellAt({12.0f, 0.0f}).y + cells_aside};
+    for (int32_t y = -20; y <= 20; ++y) {
+      for (int32_t x = -20; x <= 20; ++x) {
+        const int distance2 = std::min(x * x + y * y, kMaxDistance2_cells2);
+        ground.map->hard_distance2[ground.map->window.Index({post.x + x, post.y + y})] =
+            static_cast<uint8_t>(distance2);
+      }
+    }
+    ground.Caps();
+    const bool is_narrow = cells_aside <= 5;
+    EXPECT_EQ(ground.caps->narrow(), is_narrow) << cells_aside;
+    const float expected = is_narrow ? ground.speed.min_speed_mps : ground.speed.max_speed_mps;
+    // The discs are 0.38 m ahead of and behind the vehicle's middle.
+    EXPECT_EQ(ground.CapAt(11.55f), expected) << cells_aside;
+    EXPECT_EQ(ground.CapAt(12.375f), expected) << cells_aside;
+    EXPECT_EQ(ground.CapAt(9.9f), ground.speed.max_speed_mps) << cells_aside;
+    EXPECT_EQ(ground.CapAt(14.3f), ground.speed.max_speed_mps) << cells_aside;
+    if (is_narrow) {
+      EXPECT_EQ(ground.CauseAt(12.1f), CapCause::kLittleRoom);
     }
   }
 }

@@ -57,7 +57,7 @@ TEST(CostmapParams, TakesTheDefaultsAndTheExtremes) {
   params.halo_m = kMaxHalo_m;
   params.hard_slope_per_m = 7.0f;
   params.soft_slope_per_m = 3.0f;
-  params.unknown_cost = 1.5f;  // 6 + 21 + 1.5 + 9 + 1.5 = 39
+  params.unknown_cost = 0.5f;  // 7 + 21 + 1.5 + 9 + 0.5 = 39
   EXPECT_EQ(CheckCostmapParams(params), Status::kOk);
 }
 
@@ -83,8 +83,8 @@ TEST(CostmapParams, RefusesWhatTheBuildCannotDo) {
       [](CostmapParams& p) { p.hard_slope_per_m = -0.1f; },
       [](CostmapParams& p) { p.soft_slope_per_m = -0.1f; },
       [](CostmapParams& p) { p.unknown_cost = -0.1f; },
-      [](CostmapParams& p) { p.hard_edge_cost = 20.5f; },  // 20.5 + 12.96 + 4.74 + 1 > 39
-      [](CostmapParams& p) { p.unknown_cost = 15.4f; },    // 6 + 12.96 + 4.74 + 15.4 > 39
+      [](CostmapParams& p) { p.hard_edge_cost = 22.5f; },  // 22.5 + 11.28 + 4.32 + 1 > 39
+      [](CostmapParams& p) { p.unknown_cost = 16.5f; },    // 7 + 11.28 + 4.32 + 16.5 > 39
       [](CostmapParams& p) { p.unknown_cost = 3.0e38f; },
       [](CostmapParams& p) { p.hard_slope_per_m = 3.0e38f; },
       [](CostmapParams& p) { p.soft_slope_per_m = 3.0e38f; },
@@ -166,7 +166,6 @@ TEST(CostmapBuilder, GivesTheSameMapInHalves) {
     ASSERT_EQ(builder.Begin(scene.heights(), {}), Status::kOk);
     while (builder.StepHeights(scene.heights(), units()) == Progress::kBusy) continue;
     EXPECT_EQ(builder.StepHeights(scene.heights(), INT32_MAX), Progress::kDone);
-    EXPECT_EQ(builder.BeginAgain({}), Status::kNotStarted);  // it went no further
     // The heights are not needed any more.
     ASSERT_EQ(scene.heights().Reset({0.0f, 0.0f}), Status::kOk);
     while (builder.StepCells(units()) == Progress::kBusy) continue;
@@ -449,31 +448,6 @@ TEST_F(CostAt, GivesANumberForNaN) {
   EXPECT_EQ(map_->CostAt(kNaN, kNaN), static_cast<float>(map_->cost_q8[0]) / 256.0f);
   EXPECT_TRUE(map_->CostAt(kNaN, 0.0f) >= 0.0f);
   EXPECT_TRUE(map_->CostAt(0.0f, kNaN) >= 0.0f);
-}
-
-TEST(CostmapBuilder, BuildsTheSameCellsAgainWithAnotherRadius) {
-  Scene scene;
-  scene.Add(200, 200, 0.0f, ReturnClass::kGround);
-  scene.Add(200, 201, 1.0f, ReturnClass::kHard);
-  scene.Add(300, 300, 1.0f, ReturnClass::kPerson);
-  CostmapParams wide;
-  wide.planning_radius_m = 1.4f;
-  const auto expected = std::make_unique<Costmap>(scene.Build());
-  ASSERT_NE(scene.Build(wide).cost_q8[IndexOf(206, 201)], expected->cost_q8[IndexOf(206, 201)]);
-  ASSERT_EQ(scene.builder().BeginAgain({}), Status::kOk);
-  ASSERT_EQ(scene.builder().StepCells(CostmapBuilder::kCellUnits), Progress::kDone);
-  const Costmap& again = scene.builder().result();
-  for (int index = 0; index < kMapCells; ++index) {
-    ASSERT_EQ(again.flags[index], expected->flags[index]) << "cell " << index;
-    ASSERT_EQ(again.cost_q8[index], expected->cost_q8[index]) << "cell " << index;
-  }
-}
-
-TEST(CostmapBuilder, BuildsNothingAgainBeforeAMapIsFinished) {
-  Scene scene;
-  EXPECT_EQ(scene.builder().BeginAgain({}), Status::kNotStarted);
-  ASSERT_EQ(scene.builder().BeginCells({}, {}), Status::kOk);
-  EXPECT_EQ(scene.builder().BeginAgain({}), Status::kNotStarted);
 }
 
 }  // namespace

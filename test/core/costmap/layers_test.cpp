@@ -199,8 +199,8 @@ TEST(CostmapLayers, EqualTheReferenceInTheCorners) {
       });
     }
   }
-  // The way out of the corner leads inwards: to (4, 4), the nearest cell more than 1.08 m away.
-  EXPECT_EQ(map.hard_depth2[0], 32);
+  // The way out of the corner leads to the nearest cells more than 0.94 m away, as (3, 4).
+  EXPECT_EQ(map.hard_depth2[0], 25);
 }
 
 TEST(CostmapLayers, AreEmptyOnAnEmptyMap) {

@@ -192,18 +192,17 @@ TEST(SpeedPlanner, DrivesInReverseAsFastAsForward) {
   for (int k = 0; k < a.size(); ++k) EXPECT_EQ(a[k], b[k]) << k;
 }
 
-TEST(SpeedPlanner, IsSlowInANarrowGapAndWhileLeavingAnObstacle) {
+TEST(SpeedPlanner, IsSlowWhileLeavingAnObstacle) {
   const SpeedParams params;
   SpeedProfile speed;
   SpeedRequest request;
-  request.narrow = true;
   request.slow_points = 12;
   ASSERT_EQ(Plan(Straight(60, 0.25f), request, speed), Status::kOk);
   for (int k = 0; k < 60; ++k) {
-    EXPECT_LE(speed[k], k < 12 ? params.obstacle_start_speed_mps : params.min_speed_mps) << k;
+    EXPECT_LE(speed[k], k < 12 ? params.obstacle_start_speed_mps : params.max_speed_mps) << k;
   }
   EXPECT_EQ(speed[11], params.obstacle_start_speed_mps);
-  EXPECT_EQ(speed[40], params.min_speed_mps);
+  EXPECT_GT(speed[40], params.min_speed_mps);
 }
 
 TEST(SpeedPlanner, KeepsToTheCapsAndBrakesBeforeThem) {
@@ -342,7 +341,6 @@ Scene RandomScene(uint32_t seed) {
   scene.request.start_curvature_per_m = unit(random) - 0.5f;
   scene.request.goal_speed_mps = unit(random) < 0.5f ? 0.0f : 3.0f * unit(random);
   scene.request.slow_points = unit(random) < 0.3f ? static_cast<int32_t>(unit(random) * 30.0f) : 0;
-  scene.request.narrow = unit(random) < 0.2f;
   for (int k = 0; k <= steps; ++k) scene.caps.push_back(0.5f + 8.0f * unit(random));
   if (unit(random) < 0.5f) scene.caps.clear();
   return scene;
@@ -365,8 +363,7 @@ double PointLimit(const Scene& scene, int k) {
   const double rate =
       (kappa_at(k) - kappa_at(k - 1)) / (0.5 * (std::abs(before) + std::abs(after)));
   double limit = ShapeLimit(scene.params, VehicleParams{}, kappa_at(k), rate);
-  limit = std::min(limit, scene.request.narrow ? double{scene.params.min_speed_mps}
-                                               : double{scene.params.max_speed_mps});
+  limit = std::min(limit, double{scene.params.max_speed_mps});
   if (k < scene.request.slow_points) {
     limit = std::min(limit, double{scene.params.obstacle_start_speed_mps});
   }
