@@ -57,13 +57,13 @@ struct Plan {
   Status check_status = Status::kNotStarted;
   bool pivots_first = false;
   bool pivots_last = false;  // the goal heading is reached by a turn on the spot
-  bool narrow = false;  // somewhere with little room, see SpeedCaps
-  bool is_seed = false;     // path is the seed: the optimized one would have touched
-  bool ends_short = false;  // path ends before the base path does: there it would have touched
-  WorldPath base;           // resampled base path
-  WorldPath path;           // [n] poses; with pivots_first the first two share their place, with
-                            // pivots_last the last two
-  ActuatorPath actuator;    // [n - 1] steps
+  bool narrow = false;       // somewhere with little room, see SpeedCaps
+  bool is_seed = false;      // path is the seed: the optimized one would have touched
+  bool ends_short = false;   // path ends before the base path does: there it would have touched
+  WorldPath base;            // resampled base path
+  WorldPath path;            // [n] poses; with pivots_first the first two share their place, with
+                             // pivots_last the last two
+  ActuatorPath actuator;     // [n - 1] steps
   SpeedProfile speed;    // [n]; empty unless status is usable. The last one is above 0 only where
                          // the start speed is too high to stop within the path
   PathCost cost_before;  // of the base path, joined to the start's heading
@@ -127,8 +127,7 @@ class Planner {
   static constexpr float kMaxShort_m = 1.0f;
   static constexpr int kMaxTransitions = 32;
   static constexpr int kMaxUnits = kMaxTransitions + CostmapBuilder::kUnits +
-                                   ScanRing::kMaxColumns + AstarSearch::kMaxUnits +
-                                   kMapCells + 1 +
+                                   ScanRing::kMaxColumns + AstarSearch::kMaxUnits + kMapCells + 1 +
                                    PathSmoother::kMaxPasses + 2 * Optimizer::kMaxUnits +
                                    12 * PathCheck::kMaxUnits + SpeedCaps::kMaxUnits;
 
