@@ -70,12 +70,12 @@ void MakeGap(uint64_t seed, Scenario& scenario) {
   Draws draws(seed, 1);
   const Passage gap = GapOf(seed);
   const double side = gap.fence.y_m > gap.boat.y_m ? 1.0 : -1.0;  // of the fence
-  AddFence(world, gap.fence, {gap.fence.x_m + draws.Uniform(-1.0, 1.0), side * 34.0});
+  AddFence(world, gap.fence, {gap.fence.x_m + draws.Uniform(-1.0, 1.0), side * 70.0});
   // The boat lies across the way, its stern to the gap; behind its bow the fence goes on.
   const double middle_y_m = gap.boat.y_m - side * kBoatLength_m / 2.0;
   AddBoat(world, {gap.boat.x_m, middle_y_m}, -side * kPi / 2.0);
   AddFence(world, {gap.boat.x_m, gap.boat.y_m - side * (kBoatLength_m + 0.4)},
-           {gap.boat.x_m + draws.Uniform(-1.0, 1.0), -side * 34.0});
+           {gap.boat.x_m + draws.Uniform(-1.0, 1.0), -side * 70.0});
   for (const double x_m : {9.0, 29.0, 34.0}) {
     AddTree(world, {x_m + draws.Uniform(-1.5, 1.5), draws.Uniform(7.0, 14.0)}, 0.2, 1.8);
     AddTree(world, {x_m + draws.Uniform(-1.5, 1.5), draws.Uniform(-14.0, -7.0)}, 0.25, 2.0);
