@@ -12,6 +12,9 @@ namespace {
 // Of worlds whose ground is not level.
 constexpr Bounds kBounds = {-30.0, -50.0, 90.0, 50.0};
 
+// What has no way around goes on to here on both sides, beyond any map.
+constexpr double kWallEnd_m = 70.0;
+
 // Rough ground: the sum of two nets of random heights, each joined smoothly, up to amplitude_m
 // either way; even where the vehicle starts.
 class Roughness {
@@ -70,12 +73,12 @@ void MakeGap(uint64_t seed, Scenario& scenario) {
   Draws draws(seed, 1);
   const Passage gap = GapOf(seed);
   const double side = gap.fence.y_m > gap.boat.y_m ? 1.0 : -1.0;  // of the fence
-  AddFence(world, gap.fence, {gap.fence.x_m + draws.Uniform(-1.0, 1.0), side * 70.0});
+  AddFence(world, gap.fence, {gap.fence.x_m + draws.Uniform(-1.0, 1.0), side * kWallEnd_m});
   // The boat lies across the way, its stern to the gap; behind its bow the fence goes on.
   const double middle_y_m = gap.boat.y_m - side * kBoatLength_m / 2.0;
   AddBoat(world, {gap.boat.x_m, middle_y_m}, -side * kPi / 2.0);
   AddFence(world, {gap.boat.x_m, gap.boat.y_m - side * (kBoatLength_m + 0.4)},
-           {gap.boat.x_m + draws.Uniform(-1.0, 1.0), -side * 70.0});
+           {gap.boat.x_m + draws.Uniform(-1.0, 1.0), -side * kWallEnd_m});
   for (const double x_m : {9.0, 29.0, 34.0}) {
     AddTree(world, {x_m + draws.Uniform(-1.5, 1.5), draws.Uniform(7.0, 14.0)}, 0.2, 1.8);
     AddTree(world, {x_m + draws.Uniform(-1.5, 1.5), draws.Uniform(-14.0, -7.0)}, 0.25, 2.0);
@@ -200,7 +203,7 @@ void MakeCrossing(uint64_t seed, Scenario& scenario) {
 }
 
 void MakeDeadEnd(uint64_t seed, Scenario& scenario) {
-  scenario.description = "Three walls open towards the vehicle; the goal lies behind them.";
+  scenario.description = "A yard in a long wall; a screen hides that it has no way out.";
   scenario.goal = {38.0, 0.0};
   Draws draws(seed, 1);
   const double half_width_m = draws.Uniform(4.5, 5.5);
@@ -211,8 +214,15 @@ void MakeDeadEnd(uint64_t seed, Scenario& scenario) {
     AddBoxOnGround(scenario.world, {(begin_m + end_m) / 2.0, middle_y_m + side * half_width_m}, 0.0,
                    end_m - begin_m, 0.3, 2.0, kWall);
   }
-  AddBoxOnGround(scenario.world, {end_m, middle_y_m}, kPi / 2.0, 2.0 * half_width_m + 0.3, 0.3, 2.0,
-                 kWall);
+  const auto add_across = [&](double x_m, double from_y_m, double to_y_m) {
+    AddBoxOnGround(scenario.world, {x_m, (from_y_m + to_y_m) / 2.0}, kPi / 2.0, to_y_m - from_y_m,
+                   0.3, 2.0, kWall);
+  };
+  add_across(end_m, middle_y_m - half_width_m - 0.15, middle_y_m + half_width_m + 0.15);
+  const double screen_m = begin_m + 0.6 * (end_m - begin_m);
+  add_across(screen_m, middle_y_m - 2.0, middle_y_m + 2.0);
+  add_across(begin_m, -kWallEnd_m, middle_y_m - half_width_m);
+  add_across(begin_m, middle_y_m + half_width_m, kWallEnd_m);
 }
 
 void MakeDitch(uint64_t seed, Scenario& scenario) {
