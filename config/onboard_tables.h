@@ -81,10 +81,12 @@ inline constexpr std::array kOdometryTable = {
     HP_ODOMETRY(yaw_rate_walk_radps, 0.1f, 50.0f, "How the yaw rate changes in a second."),
     HP_ODOMETRY(wheel_sigma_mps, 0.001f, 1.0f, "Noise of a wheel's rim speed ..."),
     HP_ODOMETRY(wheel_slip_share, 0.0f, 0.5f, "... and besides, so much of that speed."),
-    HP_ODOMETRY(wheel_lag_s, 0.0f, 2.0f,
-                "Wheels slip while they gather speed or lose it: what a rim speed has changed by "
-                "within about this time, ..."),
-    HP_ODOMETRY(wheel_lag_share, 0.0f, 2.0f, "... and so much of that, is noise besides."),
+    HP_ODOMETRY(
+        wheel_lag_s, 0.0f, 2.0f,
+        "Wheels slip while they gather speed or lose it: the vehicle is between their speed "
+        "and what that was about this time ago, ..."),
+    HP_ODOMETRY(wheel_lag_share, 0.0f, 2.0f,
+                "... or so much of the way there: half of it is taken off, and is noise besides."),
     HP_ODOMETRY(wheel_scale_sigma, 0.001f, 0.3f, "Of ground_per_wheel, to begin with."),
     HP_ODOMETRY(wheel_scale_walk, 1.0e-6f, 0.1f, "How it changes in a second of driving."),
     HP_ODOMETRY(turn_slip_share, 0.01f, 1.0f,

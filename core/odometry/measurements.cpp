@@ -165,9 +165,11 @@ void Odometry::FollowRims(const WheelFeedback& wheels) {
   rims_ns_ = wheels.time_ns;
 }
 
-// The noise of a rim speed that has changed by so much.
+// Half of what the wheels may be ahead of the vehicle, having changed by so much: taken off the
+// rims' speed, and its noise.
 float Odometry::Gathering(float change_mps) const {
-  return params_.wheel_lag_share * Min(Abs(change_mps), kMaxRimChange_mps2 * params_.wheel_lag_s);
+  const float most_mps = kMaxRimChange_mps2 * params_.wheel_lag_s;
+  return 0.5f * params_.wheel_lag_share * Clamp(change_mps, -most_mps, most_mps);
 }
 
 // Both numbers of one time: the common speed, then the turn.
@@ -178,7 +180,8 @@ void Odometry::TakeWheels(const WheelFeedback& wheels) {
   if (IsTooLate(time_ns)) return;
   PredictTo(time_ns);
   FollowRims(wheels);
-  const float rim_mps = rim_mps_;
+  const float ahead_mps = Gathering(rim_mps_ - past_rim_mps_);
+  const float rim_mps = rim_mps_ - ahead_mps;
   const float late_s = Lateness(time_ns);
   const float scale = state_[kStateWheelScale];
   Innovation common;
@@ -186,8 +189,7 @@ void Odometry::TakeWheels(const WheelFeedback& wheels) {
   common.h[kStateWheelScale] = -state_[kStateSpeed] / (scale * scale);
   common.value = rim_mps - state_[kStateSpeed] / scale;
   common.variance = Square(params_.wheel_sigma_mps) + Square(params_.wheel_slip_share * rim_mps) +
-                    Square(params_.wheel_slip_share * rim_turn_mps_) +
-                    Square(Gathering(rim_mps_ - past_rim_mps_)) +
+                    Square(params_.wheel_slip_share * rim_turn_mps_) + Square(ahead_mps) +
                     Square(params_.speed_walk_mps * late_s);
   CorrectGated(common, time_ns, kStateSpeed, wheel_speed_gate_, counters_.wheel_speed_rejected);
   TakeTurn(rim_mps, time_ns);
@@ -198,14 +200,14 @@ void Odometry::TakeTurn(float rim_mps, uint64_t time_ns) {
   const float rate_radps = state_[kStateYawRate];
   if (has_gyro && Abs(rate_radps) < params_.min_turn_radps) return;
   const float baseline_m = state_[kStateBaseline];
+  const float ahead_mps = Gathering(rim_turn_mps_ - past_turn_mps_);
   Innovation turn;
   turn.h[kStateYawRate] = baseline_m;
   turn.h[kStateBaseline] = rate_radps;
-  turn.value = rim_turn_mps_ - rate_radps * baseline_m;
+  turn.value = rim_turn_mps_ - ahead_mps - rate_radps * baseline_m;
   turn.variance = 2.0f * Square(params_.wheel_sigma_mps) +
                   Square(params_.wheel_slip_share * rim_mps) +
-                  Square(params_.turn_slip_share * rim_turn_mps_) +
-                  Square(Gathering(rim_turn_mps_ - past_turn_mps_)) +
+                  Square(params_.turn_slip_share * rim_turn_mps_) + Square(ahead_mps) +
                   Square(params_.yaw_rate_walk_radps * baseline_m * Lateness(time_ns));
   if (has_gyro) turn.learns = kStateBaseline;
   CorrectGated(turn, time_ns, has_gyro ? kOdometryStates : kStateYawRate, wheel_turn_gate_,
