@@ -33,21 +33,23 @@ struct OdometryParams {
   float gyro_bias_walk_radps = 1.0e-5f;
   float speed_walk_mps = 1.5f;
   float yaw_rate_walk_radps = 3.0f;
-  float wheel_sigma_mps = 0.05f;         // of a rim speed
-  float wheel_slip_share = 0.03f;        // and besides, of what it says
-  float wheel_lag_s = 0.29f;             // and of what it has changed by in about so long ...
-  float wheel_lag_share = 1.0f;          // ... so much
-  float wheel_scale_sigma = 0.05f;       // to begin with
-  float wheel_scale_walk = 0.001f;       // while it drives
-  float turn_slip_share = 0.2f;          // of the difference of the rim speeds in a turn
-  float baseline_sigma_m = 0.3f;         // to begin with
-  float baseline_walk_m = 0.05f;         // while it turns
-  float min_turn_radps = 0.15f;          // slower turns do not tell the baseline
-  float ground_speed_sigma_mps = 0.15f;  // of the INS's speed over ground
-  float min_ground_speed_mps = 1.0f;     // a slower one does not tell the wheel scale
-  float rest_wheel_radps = 0.03f;        // slower wheels stand; for ...
-  float rest_time_s = 0.5f;              // ... so long: the vehicle is at rest,
-  float rest_rate_radps = 0.05f;         // unless it turns faster than this
+  float wheel_sigma_mps = 0.05f;    // of a rim speed
+  float wheel_slip_share = 0.03f;   // and besides, of what it says
+  float wheel_lag_s = 0.29f;        // and of what it has changed by in about so long ...
+  float wheel_lag_share = 1.0f;     // ... so much
+  float wheel_scale_sigma = 0.05f;  // to begin with
+  float wheel_scale_walk = 0.001f;  // while it drives
+  float turn_slip_share = 0.2f;     // of the difference of the rim speeds in a turn
+  float baseline_sigma_m = 0.3f;    // to begin with
+  float baseline_walk_m = 0.05f;    // while it turns
+  float min_turn_radps = 0.15f;     // slower turns do not tell the baseline
+  float turning_point_m = 0.8f;     // at speed the vehicle turns about a point so far ahead ...
+  float turning_point_speed_mps = 1.67f;  // ... of which 0.7 at this speed
+  float ground_speed_sigma_mps = 0.15f;   // of the INS's speed over ground
+  float min_ground_speed_mps = 1.0f;      // a slower one does not tell the wheel scale
+  float rest_wheel_radps = 0.03f;         // slower wheels stand; for ...
+  float rest_time_s = 0.5f;               // ... so long: the vehicle is at rest,
+  float rest_rate_radps = 0.05f;          // unless it turns faster than this
   float frozen_time_s = 1.0f;  // the same to the bit for so long, against the others: frozen
 };
 
@@ -65,17 +67,24 @@ struct MapFromOdomParams {
   float max_ins_age_s = 1.0f;         // an older position of the INS is none
 };
 
-// How the wheels follow their command (core/tracking/drive_model.h): the common part is half the
-// sum of both sides, the differential part half of right minus left. From recordings of a Warthog
-// (docs/vehicle.md, "How it moves"). The ratio of ground to wheel speed is
-// OdometryParams::ground_per_wheel, the baseline VehicleParams::skid_baseline_m.
+// How the wheels follow their command, and the body the wheels (core/tracking/drive_model.h): the
+// common part is half the sum of both sides, the differential part half of right minus left. From
+// config/vehicles/warthog_paper.toml, a fit to recordings of a Warthog (docs/simulation.md). The
+// ratio of ground to wheel speed and the turning point are in OdometryParams, the baseline is
+// VehicleParams::skid_baseline_m.
 struct DynamicsParams {
-  float dead_time_s = 0.17f;   // from a command to the first change of the wheels
-  float slew_radps2 = 17.0f;   // largest change of either part
-  float common_lag_s = 0.48f;  // first order
-  float differential_lag_s = 0.91f;
-  float differential_gain = 0.907f;       // settled part over its command, for small ones ...
-  float differential_limit_radps = 7.9f;  // ... and the most that any command reaches
+  float dead_time_s = 0.14f;         // from a command to the first change of the wheels
+  float common_lag_s = 0.23f;        // first order
+  float common_slew_radps2 = 14.0f;  // largest change
+  float differential_lag_s = 0.43f;  // the same of the differential part
+  float differential_slew_radps2 = 5.8f;
+  float differential_limit_radps = 7.07f;  // that no command exceeds, at rest ...
+  float differential_limit_slope = 0.12f;  // ... and less by this for each rad/s of the common part
+  float scrub_radps = 1.82f;               // what tyres that scrub sideways take of a command ...
+  float scrub_width_radps = 1.04f;         // ... 0.7 of it at this differential speed ...
+  float integral_time_s = 3.7f;            // ... until the drives have made up for it, after this
+  float speed_lag_s = 0.3f;                // of the body's speed behind its wheels, first order
+  float yaw_rate_lag_s = 0.2f;             // of its yaw rate
 };
 
 // Following the committed plan (core/tracking).
@@ -83,15 +92,16 @@ struct TrackingParams {
   static constexpr int32_t kPurePursuit = 0;  // without the lags, for comparison
   static constexpr int32_t kLagAware = 1;
   int32_t method = kLagAware;
-  float bandwidth_radps = 2.3f;      // of the feedback of place and heading, at most ...
-  float settle_way_m = 0.6f;         // ... and at most the speed over this way
-  float speed_gain_per_s = 3.0f;     // change of the speed per speed error
-  float yaw_rate_gain_per_s = 4.0f;  // change of the yaw rate per yaw rate error, at least
-  float integral_rate_per_s = 0.5f;  // how fast a lasting error of the yaw rate is learned
-  float max_cross_track_m = 2.0f;    // further off its path the vehicle is brought to rest
-  float lookahead_s = 0.5f;          // pure pursuit: way ahead that is aimed at, in time ...
-  float min_lookahead_m = 0.8f;      // ... and at least
-  float heading_gain_per_s = 2.0f;   // turn on the spot: yaw rate per heading error
+  float bandwidth_radps = 1.5f;       // of the feedback of place and heading, at most ...
+  float settle_way_m = 0.6f;          // ... and at most the speed over this way
+  float speed_gain_per_s = 2.0f;      // change of the speed per speed error
+  float turn_bandwidth_radps = 6.0f;  // of that of the yaw rate within it
+  float wheel_gain_per_s = 4.0f;      // change of the wheels' common speed per error of it
+  float integral_rate_per_s = 0.5f;   // how fast a lasting error of the yaw rate is learned
+  float max_cross_track_m = 2.0f;     // further off its path the vehicle is brought to rest
+  float lookahead_s = 0.5f;           // pure pursuit: way ahead that is aimed at, in time ...
+  float min_lookahead_m = 0.8f;       // ... and at least
+  float heading_gain_per_s = 2.0f;    // turn on the spot: yaw rate per heading error
   float max_pivot_rate_radps = 0.8f;
 };
 

@@ -94,6 +94,11 @@ inline constexpr std::array kOdometryTable = {
     HP_ODOMETRY(baseline_sigma_m, 0.001f, 1.0f, "Of vehicle.skid_baseline_m, to begin with."),
     HP_ODOMETRY(baseline_walk_m, 1.0e-5f, 1.0f, "How it changes in a second of turning."),
     HP_ODOMETRY(min_turn_radps, 0.01f, 2.0f, "Slower turns do not tell the baseline."),
+    HP_ODOMETRY(turning_point_m, 0.0f, 3.0f,
+                "How far ahead of its middle, in the direction of driving, lies the point about "
+                "which the vehicle turns at speed: its hind part swings out; recorded."),
+    HP_ODOMETRY(turning_point_speed_mps, 0.01f, 20.0f,
+                "The speed at which 0.7 of that is reached; recorded."),
     HP_ODOMETRY(ground_speed_sigma_mps, 0.01f, 5.0f, "Noise of the INS's speed over ground."),
     HP_ODOMETRY(min_ground_speed_mps, 0.1f, 10.0f, "A slower one does not tell the wheel scale."),
     HP_ODOMETRY(rest_wheel_radps, 0.001f, 1.0f, "Wheels slower than this stand."),
@@ -125,18 +130,27 @@ inline constexpr std::array kMapFromOdomTable = {
 #define HP_DYNAMICS(...) HP_ENTRY("dynamics", DynamicsParams, __VA_ARGS__)
 inline constexpr std::array kDynamicsTable = {
     HP_DYNAMICS(dead_time_s, 0.0f, 0.5f,
-                "From a command to the first change of the wheels; recorded: 0.15 to 0.20."),
-    HP_DYNAMICS(slew_radps2, 1.0f, 100.0f,
-                "Largest change of the common and of the differential wheel speed; recorded."),
+                "From a command to the first change of the wheels; recorded: 0.13 to 0.15."),
     HP_DYNAMICS(common_lag_s, 0.05f, 3.0f,
                 "First-order lag of the common wheel speed, half the sum of both sides; recorded."),
+    HP_DYNAMICS(common_slew_radps2, 1.0f, 100.0f, "Largest change of it; recorded."),
     HP_DYNAMICS(differential_lag_s, 0.05f, 3.0f,
-                "The same of the differential one, half of right minus left; recorded."),
-    HP_DYNAMICS(differential_gain, 0.2f, 2.0f,
-                "Settled differential wheel speed over a small command of it; recorded."),
+                "Lag of the differential wheel speed, half of right minus left; recorded."),
+    HP_DYNAMICS(differential_slew_radps2, 1.0f, 100.0f, "Largest change of it; recorded."),
     HP_DYNAMICS(differential_limit_radps, 1.0f, 40.0f,
-                "The differential wheel speed that no command exceeds: it comes near it as tanh "
-                "does; recorded.")};
+                "The differential wheel speed that no command exceeds, at rest ..."),
+    HP_DYNAMICS(differential_limit_slope, 0.0f, 1.0f,
+                "... and how much lower that is for each rad/s of the common one; recorded."),
+    HP_DYNAMICS(scrub_radps, 0.0f, 10.0f,
+                "What the tyres' sideways scrubbing takes of a differential command; recorded. 0: "
+                "nothing."),
+    HP_DYNAMICS(scrub_width_radps, 0.05f, 10.0f,
+                "The differential wheel speed at which it is 0.7 of that; recorded."),
+    HP_DYNAMICS(integral_time_s, 0.2f, 100.0f,
+                "Of the drives' integral action, which makes up for it in the end; recorded."),
+    HP_DYNAMICS(speed_lag_s, 0.0f, 2.0f,
+                "First-order lag of the body's speed behind its wheels; recorded."),
+    HP_DYNAMICS(yaw_rate_lag_s, 0.05f, 2.0f, "The same of its yaw rate; recorded.")};
 #undef HP_DYNAMICS
 
 #define HP_TRACKING(...) HP_ENTRY("tracking", TrackingParams, __VA_ARGS__)
@@ -146,12 +160,14 @@ inline constexpr std::array kTrackingTable = {
                 "feed-forward and feedback through the model of the drives (dynamics)."),
     HP_TRACKING(
         bandwidth_radps, 0.2f, 6.0f,
-        "Place and heading errors are brought back this fast (frequency of three poles), at most "
+        "Place and heading errors are brought back this fast (frequency of two poles), at most "
         "..."),
     HP_TRACKING(settle_way_m, 0.2f, 5.0f, "... and at most as fast as the speed over this way."),
     HP_TRACKING(speed_gain_per_s, 0.2f, 10.0f, "Change of the speed per speed error."),
-    HP_TRACKING(yaw_rate_gain_per_s, 0.2f, 20.0f,
-                "Change of the yaw rate per yaw rate error, at least."),
+    HP_TRACKING(turn_bandwidth_radps, 1.0f, 15.0f,
+                "Yaw rate errors are brought back this fast (frequency of two poles)."),
+    HP_TRACKING(wheel_gain_per_s, 0.2f, 20.0f,
+                "Change of the wheels' common speed per error of it."),
     HP_TRACKING(integral_rate_per_s, 0.0f, 3.0f,
                 "How fast a lasting error of the yaw rate is learned; 0: not at all."),
     HP_TRACKING(max_cross_track_m, 0.3f, 20.0f,

@@ -183,19 +183,23 @@ inline constexpr std::array kSpeedTable = {
     HP_SPEED(max_lateral_acceleration_mps2, 0.05f, 10.0f,
              "Limit of the lateral acceleration; the default is the largest recorded above 3 m/s "
              "(ours)."),
-    HP_SPEED(max_yaw_rate_radps, 0.05f, 10.0f, "Limit of the yaw rate (ours)."),
+    HP_SPEED(max_yaw_rate_radps, 0.05f, 10.0f,
+             "Limit of the yaw rate: at most what the drives turn against "
+             "scrubbing tyres (ours)."),
     HP_SPEED(max_wheel_speed_share, 0.05f, 1.0f,
              "The part of vehicle.max_wheel_speed_radps that a plan may use; the rest is the "
              "tracker's (ours)."),
     HP_SPEED(max_curvature_rate_per_s2, 0.05f, 100.0f,
-             "Limit of the squared speed times the change of curvature along the path (ours)."),
+             "Limit of the squared speed times the change of curvature along the path, the yaw "
+             "acceleration: at most what the drives reach while they turn (ours)."),
     HP_SPEED(obstacle_start_speed_mps, 0.05f, 5.0f,
              "Limit of the speed while leaving a hard obstacle at the start (ours)."),
     HP_SPEED(reaction_time_s, 0.0f, 5.0f,
              "From a return's stamp to the first command that takes it into account (ours)."),
     HP_SPEED(stopping_dead_time_s, 0.0f, 5.0f, "Dead time of the drives when stopping (ours)."),
     HP_SPEED(stopping_lag_s, 0.0f, 5.0f,
-             "Time constant of the drives' first-order lag when stopping (ours)."),
+             "Lags of the drives, and of the body behind its wheels, together, when stopping "
+             "(ours)."),
     HP_SPEED(person_speed_mps, 0.1f, 10.0f, "How fast a person may walk into the way (ours)."),
     HP_SPEED(person_margin_m, 0.0f, 5.0f,
              "Distance to be kept from a person when stopping (ours)."),

@@ -83,13 +83,13 @@ struct SpeedParams {
   float max_acceleration_mps2 = 2.0f;
   float max_deceleration_mps2 = 2.0f;
   float max_lateral_acceleration_mps2 = 2.0f;
-  float max_yaw_rate_radps = 2.2f;
+  float max_yaw_rate_radps = 1.1f;
   float max_wheel_speed_share = 0.9f;
-  float max_curvature_rate_per_s2 = 2.5f;  // v^2 * |dkappa/ds| is at most this
+  float max_curvature_rate_per_s2 = 0.7f;  // v^2 * |dkappa/ds| is at most this
   float obstacle_start_speed_mps = 0.5f;   // while leaving a hard obstacle at the start
   float reaction_time_s = 0.3f;            // from a return's stamp to the first command
-  float stopping_dead_time_s = 0.2f;       // of the drives
-  float stopping_lag_s = 0.5f;             // first-order lag of the drives
+  float stopping_dead_time_s = 0.15f;      // of the drives
+  float stopping_lag_s = 0.55f;            // first-order lag of the drives and the body behind them
   float person_speed_mps = 2.0f;           // how fast a person may walk into the way
   float person_margin_m = 0.5f;
   float person_creep_mps = 0.2f;  // past a person who is near but leaves room; 0: none

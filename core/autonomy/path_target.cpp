@@ -63,15 +63,21 @@ Status PathTarget(const CommittedPlan& plan, const PathFollower& follower,
   const PathState here = StateFor(plan, along_m, reverse);
   const PathState start = StateFor(plan, along_m + Min(kStartWay_m, target.left_m), reverse);
   target.path = here.pose;
-  target.curvature_per_m = here.curvature_per_m;
+  target.turn_curvature_per_m =
+      StateFor(plan, along_m + Min(follower.turn_ahead_m, target.left_m), reverse).curvature_per_m;
+  const PathState wheels =
+      StateFor(plan, along_m + Min(follower.wheel_ahead_m, target.left_m), reverse);
+  target.wheel_curvature_per_m = wheels.curvature_per_m;
   target.speed_limit_mps = target.left_m <= kStartWay_m ? 0.0f : start.speed_mps;
 
   const float span_m = kSpan_m + kSpan_s * Abs(follower.speed_mps);
-  const float ahead_m = Min(span_m, target.left_m);
+  const float ahead_m = Min(span_m, target.left_m - follower.wheel_ahead_m);
   if (ahead_m > kStartWay_m) {
-    const PathState ahead = StateFor(plan, along_m + ahead_m, reverse);
-    const float bend_per_m = ahead.curvature_per_m - here.curvature_per_m;
+    const PathState ahead = StateFor(plan, along_m + follower.wheel_ahead_m + ahead_m, reverse);
+    const float bend_per_m = ahead.curvature_per_m - wheels.curvature_per_m;
     target.curvature_rate_per_m2 = (reverse ? -bend_per_m : bend_per_m) / ahead_m;
+  }
+  if (Min(span_m, target.left_m) > kStartWay_m) {
     const PathState next = StateFor(plan, along_m + kStartWay_m + kSpan_m, reverse);
     target.acceleration_mps2 =
         (next.speed_mps * next.speed_mps - start.speed_mps * start.speed_mps) / (2.0f * kSpan_m);

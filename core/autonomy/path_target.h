@@ -15,10 +15,12 @@ namespace hardpack {
 
 // Where the vehicle will be, as Tracker::predicted() and the replanner know it.
 struct PathFollower {
-  Pose2 pose;              // odom, when this tick's command takes effect
-  PathPlace place;         // of that pose on the plan's path
-  float speed_mps = 0.0f;  // that it has been told to have: the lookahead of pure pursuit
-  bool stands = false;     // a turn on the spot may be made
+  Pose2 pose;                  // odom, when this tick's command takes effect
+  PathPlace place;             // of that pose on the plan's path
+  float speed_mps = 0.0f;      // that it has been told to have: the lookahead of pure pursuit
+  float turn_ahead_m = 0.0f;   // Tracker::TurnAhead_m()
+  float wheel_ahead_m = 0.0f;  // Tracker::WheelAhead_m()
+  bool stands = false;         // a turn on the spot may be made
 };
 
 // A path whose poses look against their chords is driven in reverse (core/path/path.h says so of

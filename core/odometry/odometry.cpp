@@ -16,7 +16,7 @@ namespace {
 // To begin with, and where a gate is opened: whatever a vehicle of this kind can do.
 constexpr float kAnySpeed_mps = 5.0f;
 constexpr float kAnyRate_radps = 3.0f;
-// What is not modelled: wheels that slip sideways, in a metre and in a second.
+// What is not modelled: how else wheels slip sideways, in a metre and in a second.
 constexpr float kSideSlip_m = 0.01f;
 constexpr float kYawWalk_rad = 1.0e-4f;
 constexpr float kStartPosition_m = 1.0e-3f;
@@ -109,6 +109,12 @@ void Odometry::PredictTo(uint64_t time_ns) {
   Propagate(SecondsBetween(before_ns, time_ns));
 }
 
+float Odometry::TurningPoint_m() const {
+  const float speed_mps = state_[kStateSpeed];
+  const float knee_mps = params_.turning_point_speed_mps;
+  return params_.turning_point_m * speed_mps / Sqrt(speed_mps * speed_mps + knee_mps * knee_mps);
+}
+
 // Equations of odometry.h. Without wheel speeds for too long, and at rest, the pose is held.
 void Odometry::Propagate(float dt_s) {
   const bool moves =
@@ -119,14 +125,15 @@ void Odometry::Propagate(float dt_s) {
   if (moves) {
     const float level_s = Cos(pose_.pitch_rad) * dt_s;
     const SinCosPair middle = SinCos(state_[kStateYaw] + rate_radps * dt_s / 2.0f);
+    const float aside_m = -level_s * TurningPoint_m();  // for each rad/s
     step.x_by_speed = level_s * middle.cos;
     step.y_by_speed = level_s * middle.sin;
-    const float dx_m = speed_mps * step.x_by_speed;
-    const float dy_m = speed_mps * step.y_by_speed;
+    const float dx_m = speed_mps * step.x_by_speed - rate_radps * aside_m * middle.sin;
+    const float dy_m = speed_mps * step.y_by_speed + rate_radps * aside_m * middle.cos;
     step.x_by_yaw = -dy_m;
     step.y_by_yaw = dx_m;
-    step.x_by_rate = -dy_m * dt_s / 2.0f;
-    step.y_by_rate = dx_m * dt_s / 2.0f;
+    step.x_by_rate = -dy_m * dt_s / 2.0f - aside_m * middle.sin;
+    step.y_by_rate = dx_m * dt_s / 2.0f + aside_m * middle.cos;
     step.yaw_by_rate = dt_s;
     state_[kStateX] += dx_m;
     state_[kStateY] += dy_m;

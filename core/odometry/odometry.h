@@ -16,6 +16,8 @@
 // pitch are those of the INS, the height stays 0.
 //
 //   x' = x + v cos(pitch) dt cos(yaw + w dt / 2), y' alike with the sine, yaw' = yaw + w dt
+//     and besides sideways by -w t v / sqrt(v^2 + v_t^2) dt: a vehicle that drives turns about a
+//     point ahead of its middle, by up to t
 //   v, w, gyro bias b, wheel scale k, baseline B: random walks
 //   gyro:   z = w + b                    about the vertical, by roll and pitch
 //   wheels: r (w_r + w_l) / 2 = v / k    and  r (w_r - w_l) = w B
@@ -126,6 +128,7 @@ class Odometry {
   float Lateness(uint64_t time_ns) const;
   bool IsGyroFresh(uint64_t now_ns) const;
   void PredictTo(uint64_t time_ns);
+  float TurningPoint_m() const;
   void Propagate(float dt_s);
   void Correct(const Innovation& innovation);
   // Whether it was let in. `opened`: the state that is doubted where it persists; kOdometryStates:

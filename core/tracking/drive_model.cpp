@@ -13,7 +13,7 @@ namespace {
 // The observer: which part of a measured difference is taken at once, and how fast a lasting one
 // becomes a bias.
 constexpr float kTakenAtOnce = 0.5f;
-constexpr float kBiasRate_radps = 2.0f;
+constexpr float kBiasRate_per_s = 2.0f;
 // A bias belongs to what is being driven: without measurements it fades, by half in 0.35 s.
 constexpr uint64_t kFreshBias_ns = 100'000'000;
 constexpr float kBiasFade = 0.98f;
@@ -23,46 +23,68 @@ constexpr int kLearnSteps = 2;
 constexpr float kLeastChange_radps = 0.05f;
 constexpr float kQuicknessRate = 0.08f;
 constexpr float kMostLearned = 0.05f;
-// From here on the continued fraction is above 1.
-constexpr float kTanhEnd = 4.97f;
-constexpr int kNewtonSteps = 5;
+// What wheels do on this ground: learned so fast, from speeds above these on.
+constexpr float kGroundRate_per_s = 0.5f;
+constexpr float kLeastSpeed_mps = 0.5f;
+constexpr float kLeastRate_radps = 0.15f;
+// Of the body's motion, which odometry has filtered, this part is taken at once.
+constexpr float kBodyTaken = 0.25f;
+// Commands below are zero: the drives let go of their integral.
+constexpr float kStanding_radps = 0.05f;
+constexpr float kLeastLimit_radps = 0.5f;  // however fast it drives, it can turn a little
 
-float Toward(float from_radps, float settled_radps, float lag_s, float slew_radps2) {
-  const float rate = Clamp((settled_radps - from_radps) / lag_s, -slew_radps2, slew_radps2);
-  return from_radps + rate * DriveModel::kStep_s;
+float Toward(float from, float settled, float lag_s) {
+  return lag_s <= DriveModel::kStep_s ? settled
+                                      : from + (settled - from) * (DriveModel::kStep_s / lag_s);
 }
 
 WheelParts Sum(const WheelParts& a, const WheelParts& b) {
   return {a.common_radps + b.common_radps, a.differential_radps + b.differential_radps};
 }
 
+// What a factor of what the body settles at is to be multiplied by, in one step in which the model
+// was off by `off` although so much is taken each time: normalised least mean squares.
+float Taught(float off, float settled, float lag_s) {
+  const float missed = off * kBodyTaken * (lag_s + DriveModel::kStep_s) / DriveModel::kStep_s;
+  return 1.0f + kGroundRate_per_s * DriveModel::kStep_s * Clamp(missed / settled, -1.0f, 1.0f);
+}
+
+float LimitAt(const DynamicsParams& params, float common_radps) {
+  return Max(params.differential_limit_radps - params.differential_limit_slope * Abs(common_radps),
+             kLeastLimit_radps);
+}
+
+// x^8 of a share; of a huge one that of a large one, so that it stays finite.
+float Eighth(float share) {
+  const float second = Min(share * share, 1.0e4f);
+  const float fourth = second * second;
+  return fourth * fourth;
+}
+
+float EighthRoot(float value) {
+  return Sqrt(Sqrt(Sqrt(value)));
+}
+
 }  // namespace
 
-float Tanh(float x) {
-  if (Abs(x) >= kTanhEnd) return x > 0.0f ? 1.0f : -1.0f;
-  const float x2 = x * x;
-  const float over = x * (135135.0f + x2 * (17325.0f + x2 * (378.0f + x2)));
-  const float under = 135135.0f + x2 * (62370.0f + x2 * (3150.0f + x2 * 28.0f));
-  return Clamp(over / under, -1.0f, 1.0f);
+float ReachableDifferential(const DynamicsParams& params, float command_radps, float common_radps) {
+  const float limit_radps = LimitAt(params, common_radps);
+  const float share = command_radps / limit_radps;
+  if (Abs(share) >= 10.0f) return share > 0.0f ? limit_radps : -limit_radps;
+  return command_radps / EighthRoot(1.0f + Eighth(share));
 }
 
-float SettledDifferential(const DynamicsParams& params, float command_radps) {
-  const float limit_radps = params.differential_limit_radps;
-  return limit_radps * Tanh(params.differential_gain * command_radps / limit_radps);
+float DifferentialCommand(const DynamicsParams& params, float reachable_radps, float common_radps) {
+  const float limit_radps = LimitAt(params, common_radps);
+  const float most_radps = kMaxLimitShare * limit_radps;
+  const float wanted_radps = Clamp(reachable_radps, -most_radps, most_radps);
+  return wanted_radps / EighthRoot(1.0f - Eighth(wanted_radps / limit_radps));
 }
 
-// Newton's steps from below: tanh is concave there, so they never pass the root.
-float DifferentialCommand(const DynamicsParams& params, float settled_radps) {
-  const float limit_radps = params.differential_limit_radps;
-  const float share = Min(Abs(settled_radps) / limit_radps, kMaxLimitShare);
-  float x = share;
-  HP_LOOP_BOUND(kNewtonSteps)
-  for (int i = 0; i < kNewtonSteps; ++i) {
-    const float reached = Tanh(x);
-    x += (share - reached) / (1.0f - reached * reached);
-  }
-  const float command_radps = x * limit_radps / params.differential_gain;
-  return settled_radps < 0.0f ? -command_radps : command_radps;
+float ScrubOf(const DynamicsParams& params, float differential_radps) {
+  const float width2 = params.scrub_width_radps * params.scrub_width_radps;
+  return params.scrub_radps * differential_radps /
+         Sqrt(differential_radps * differential_radps + width2);
 }
 
 Status DriveModel::Configure(const VehicleParams& vehicle, const OdometryParams& odometry,
@@ -74,11 +96,15 @@ Status DriveModel::Configure(const VehicleParams& vehicle, const OdometryParams&
   params_ = dynamics;
   rim_m_ = vehicle.wheel_radius_m * odometry.ground_per_wheel;
   differential_per_turn_ = vehicle.skid_baseline_m / (2.0f * rim_m_);
+  turning_point_m_ = odometry.turning_point_m;
+  turning_point_speed_mps_ = odometry.turning_point_speed_mps;
   const float steps = dynamics.dead_time_s / kStep_s;
   dead_steps_ = ClampInt(FloorToInt(steps), 0, kMaxDeadSteps - 1);
   dead_share_ = Clamp(steps - static_cast<float>(dead_steps_), 0.0f, 1.0f);
   command_ = WheelParts{};
   feedback_ns_ = 0;
+  speed_ground_ = 1.0f;
+  turn_ground_ = 1.0f;
   Forget(0);
   configured_ = true;
   return Status::kOk;
@@ -87,8 +113,11 @@ Status DriveModel::Configure(const VehicleParams& vehicle, const OdometryParams&
 void DriveModel::Forget(uint64_t now_ns) {
   at_ns_ = now_ns;
   newest_ = 0;
-  bias_ = WheelParts{};
+  bias_radps_ = 0.0f;
+  integral_radps_ = 0.0f;
   quickness_ = 1.0f;
+  speed_mps_ = 0.0f;
+  yaw_rate_radps_ = 0.0f;
   HP_LOOP_BOUND(kHistory)
   for (WheelParts& command : commands_) command = WheelParts{};
   HP_LOOP_BOUND(kHistory)
@@ -107,22 +136,61 @@ WheelParts DriveModel::DelayedCommand(int steps_ahead) const {
       later.differential_radps + share * (earlier.differential_radps - later.differential_radps)};
 }
 
-WheelParts DriveModel::Next(const WheelParts& wheels, const WheelParts& command) const {
-  const float settled_radps = SettledDifferential(params_, command.differential_radps);
-  return {Toward(wheels.common_radps, command.common_radps + bias_.common_radps,
-                 params_.common_lag_s, params_.slew_radps2),
-          Toward(wheels.differential_radps, settled_radps + bias_.differential_radps,
-                 DifferentialLag_s(), params_.slew_radps2)};
+float DriveModel::TurningPoint_m(float speed_mps) const {
+  const float knee_mps = turning_point_speed_mps_;
+  return turning_point_m_ * speed_mps / Sqrt(speed_mps * speed_mps + knee_mps * knee_mps);
+}
+
+float DriveModel::TurningPointChange_s(float speed_mps) const {
+  const float knee2 = turning_point_speed_mps_ * turning_point_speed_mps_;
+  const float all2 = speed_mps * speed_mps + knee2;
+  return turning_point_m_ * knee2 / (all2 * Sqrt(all2));
+}
+
+// Explicit Euler, the pose by the mean of both ends.
+void DriveModel::Step(const WheelParts& command, DriveState& state) const {
+  const float common_radps = state.wheels.common_radps;
+  const float differential_radps = state.wheels.differential_radps;
+  const float reachable_radps =
+      ReachableDifferential(params_, command.differential_radps, common_radps);
+  const float common_change =
+      Clamp((command.common_radps + bias_radps_ - common_radps) / params_.common_lag_s,
+            -params_.common_slew_radps2, params_.common_slew_radps2);
+  const float slew_radps2 = DifferentialSlew_radps2();
+  const float pushed_radps = reachable_radps - ScrubOf(params_, differential_radps) +
+                             state.integral_radps - differential_radps;
+  const float change = Clamp(pushed_radps / DifferentialLag_s(), -slew_radps2, slew_radps2);
+  const bool is_to_stand = Abs(command.common_radps) < kStanding_radps &&
+                           Abs(command.differential_radps) < kStanding_radps;
+  const float integral_change =
+      is_to_stand ? -state.integral_radps / params_.differential_lag_s
+                  : (reachable_radps - differential_radps) / params_.integral_time_s;
+  state.integral_radps = Clamp(state.integral_radps + integral_change * kStep_s,
+                               -kMaxIntegral_radps, kMaxIntegral_radps);
+  state.wheels = {common_radps + common_change * kStep_s, differential_radps + change * kStep_s};
+  state.speed_mps = Toward(state.speed_mps, common_radps * RimWay_m(), params_.speed_lag_s);
+  state.yaw_rate_radps =
+      Toward(state.yaw_rate_radps, differential_radps / PerTurn(), params_.yaw_rate_lag_s);
+}
+
+DriveState DriveModel::Now() const {
+  return {.pose = {},
+          .wheels = wheels(),
+          .integral_radps = integral_radps_,
+          .speed_mps = speed_mps_,
+          .yaw_rate_radps = yaw_rate_radps_};
 }
 
 void DriveModel::StepOnce() {
-  if (at_ns_ - feedback_ns_ > kFreshBias_ns) {
-    bias_ = {kBiasFade * bias_.common_radps, kBiasFade * bias_.differential_radps};
-  }
-  const WheelParts next = Next(wheels(), DelayedCommand(1));
+  if (at_ns_ - feedback_ns_ > kFreshBias_ns) bias_radps_ *= kBiasFade;
+  DriveState state = Now();
+  Step(DelayedCommand(1), state);
   newest_ = (newest_ + 1) & (kHistory - 1);
   commands_[newest_] = command_;
-  at_[newest_] = next;
+  at_[newest_] = state.wheels;
+  integral_radps_ = state.integral_radps;
+  speed_mps_ = state.speed_mps;
+  yaw_rate_radps_ = state.yaw_rate_radps;
   at_ns_ += kStep_ns;
 }
 
@@ -151,7 +219,7 @@ void DriveModel::Learn(const WheelParts& taken, int back) {
   // What wheels do that are told nothing (pushed, or rolling out under a brake) says nothing.
   const WheelParts& told = commands_[Place(back)];
   if (told.common_radps == 0.0f && told.differential_radps == 0.0f) {
-    bias_ = WheelParts{};
+    bias_radps_ = 0.0f;
     return;
   }
   const float changed_radps =
@@ -162,15 +230,36 @@ void DriveModel::Learn(const WheelParts& taken, int back) {
       Clamp(quickness_ * (1.0f + Clamp(kQuicknessRate * share, -kMostLearned, kMostLearned)),
             kMinQuickness, kMaxQuickness);
   // A bias that is off by one makes a difference of step / lag / kTakenAtOnce at each measurement.
-  bias_.common_radps =
-      Clamp(bias_.common_radps + kBiasRate_radps * params_.common_lag_s * taken.common_radps,
-            -kMaxBias_radps, kMaxBias_radps);
-  bias_.differential_radps = Clamp(
-      bias_.differential_radps + kBiasRate_radps * DifferentialLag_s() * taken.differential_radps,
-      -kMaxBias_radps, kMaxBias_radps);
+  bias_radps_ = Clamp(bias_radps_ + kBiasRate_per_s * params_.common_lag_s * taken.common_radps,
+                      -kMaxBias_radps, kMaxBias_radps);
+  integral_radps_ =
+      Clamp(integral_radps_ + kBiasRate_per_s * DifferentialLag_s() * taken.differential_radps,
+            -kMaxIntegral_radps, kMaxIntegral_radps);
 }
 
-Status DriveModel::Advance(uint64_t now_ns, const WheelFeedback& feedback) {
+// What the body does differently from the wheels that the model has: of the lag or of the ground.
+void DriveModel::TakeBody(const BodyMotion& body) {
+  // Also false for what is no number.
+  const bool is_motion = body.valid && Abs(body.speed_mps) <= kMaxBody_mps &&
+                         Abs(body.yaw_rate_radps) <= kMaxBody_radps;
+  if (!is_motion) return;
+  const float speed_off_mps = body.speed_mps - speed_mps_;
+  const float rate_off_radps = body.yaw_rate_radps - yaw_rate_radps_;
+  speed_mps_ += kBodyTaken * speed_off_mps;
+  yaw_rate_radps_ += kBodyTaken * rate_off_radps;
+  const float turn_radps = wheels().differential_radps / PerTurn();
+  const float rim_mps = wheels().common_radps * RimWay_m();
+  if (Abs(rim_mps) > kLeastSpeed_mps) {
+    speed_ground_ = Clamp(speed_ground_ * Taught(speed_off_mps, rim_mps, params_.speed_lag_s),
+                          kMinGround, kMaxGround);
+  }
+  if (Abs(turn_radps) > kLeastRate_radps) {
+    turn_ground_ = Clamp(turn_ground_ * Taught(rate_off_radps, turn_radps, params_.yaw_rate_lag_s),
+                         kMinGround, kMaxGround);
+  }
+}
+
+Status DriveModel::Advance(uint64_t now_ns, const WheelFeedback& feedback, const BodyMotion& body) {
   if (!configured_) return Status::kNotStarted;
   if (at_ns_ != 0 && now_ns < at_ns_) return Status::kInvalidArgument;
   HP_LOOP_BOUND(kMaxCatchUpSteps)
@@ -182,9 +271,12 @@ Status DriveModel::Advance(uint64_t now_ns, const WheelFeedback& feedback) {
                           Abs(feedback.right_radps) <= kMaxWheel_radps;
     if (is_speed) at_[newest_] = PartsOf(feedback.left_radps, feedback.right_radps);
     feedback_ns_ = feedback.time_ns;
+    speed_mps_ = at_[newest_].common_radps * RimWay_m();
+    yaw_rate_radps_ = at_[newest_].differential_radps / PerTurn();
     return Status::kStale;
   }
   TakeFeedback(feedback);
+  TakeBody(body);
   return Status::kOk;
 }
 
@@ -193,26 +285,24 @@ void DriveModel::SetCommand(const WheelParts& command) {
 }
 
 DriveState DriveModel::Predict(const Pose2& pose) const {
-  DriveState state;
+  DriveState state = Now();
   state.pose = pose;
-  state.wheels = wheels();
   if (!IsFinite(pose.x_m) || !IsFinite(pose.y_m) || !IsFinite(pose.theta_rad)) return state;
   state.pose.theta_rad = WrapAngle(pose.theta_rad);
   HP_LOOP_BOUND(kMaxDeadSteps)
   for (int i = 1; i <= dead_steps_ + (dead_share_ > 0.5f ? 1 : 0); ++i) {
-    const WheelParts next = Next(state.wheels, DelayedCommand(i));
-    const float half = 0.5f * kStep_s;
-    const float way_m = half * rim_m_ * (state.wheels.common_radps + next.common_radps);
-    const float turn_rad =
-        half * (state.wheels.differential_radps + next.differential_radps) / differential_per_turn_;
+    const float before_mps = state.speed_mps;
+    const float before_radps = state.yaw_rate_radps;
+    Step(DelayedCommand(i), state);
+    const float half_s = 0.5f * kStep_s;
+    const float way_m = half_s * (before_mps + state.speed_mps);
+    const float turn_rad = half_s * (before_radps + state.yaw_rate_radps);
+    const float left_m = -turn_rad * TurningPoint_m(state.speed_mps);
     const SinCosPair middle = SinCos(state.pose.theta_rad + 0.5f * turn_rad);
-    state.pose.x_m += way_m * middle.cos;
-    state.pose.y_m += way_m * middle.sin;
+    state.pose.x_m += way_m * middle.cos - left_m * middle.sin;
+    state.pose.y_m += way_m * middle.sin + left_m * middle.cos;
     state.pose.theta_rad = WrapAngle(state.pose.theta_rad + turn_rad);
-    state.wheels = next;
   }
-  state.speed_mps = state.wheels.common_radps * rim_m_;
-  state.yaw_rate_radps = state.wheels.differential_radps / differential_per_turn_;
   return state;
 }
 

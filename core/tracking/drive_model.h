@@ -10,20 +10,26 @@
 #include "core/base/status.h"
 #include "core/measurements/measurements.h"
 
-// How the wheels follow their commands, and where that takes the vehicle until a command that is
-// given now takes effect. It is told every command and every measured wheel speed, and steps in
-// kStep_ns whatever the ticks are. It controls nothing (core/tracking/tracking.h does).
+// How the wheels follow their commands and the body its wheels, and where that takes the vehicle
+// until a command that is given now takes effect. It is told every command, every measured wheel
+// speed and how the body moves, and steps in kStep_ns whatever the ticks are. It controls nothing
+// (core/tracking/tracking.h does).
 //
-//   common c = (w_r + w_l) / 2, differential d = (w_r - w_l) / 2, commands u(t) of both
-//   c' = clamp((u_c(t - dead) + b_c - c) / lag_c, -slew, slew)
-//   d' = clamp(q (L tanh(g u_d(t - dead) / L) + b_d - d) / lag_d, -slew, slew)
-//   v = c r ground_per_wheel,  w = d 2 r ground_per_wheel / baseline
+//   common c = (w_r + w_l) / 2, differential d = (w_r - w_l) / 2, commands u(t - dead) of both
+//   c' = clamp((u_c + b_c - c) / lag_c, -slew_c, slew_c)
+//   d' = clamp(q (s - F(d) + i - d) / lag_d, -q slew_d, q slew_d)
+//   s  = u_d / (1 + (u_d / a)^8)^(1/8), a = limit - slope |c|
+//   F  = scrub d / sqrt(d^2 + width^2)                      what the tyres' scrubbing takes
+//   i' = (s - d) / integral_time                            what the drives make up for of it
+//   v' = (k_v r ground_per_wheel c - v) / speed_lag,  w' = (k_w d / per_turn - w) / yaw_rate_lag
+//   v_y = -w t v / sqrt(v^2 + v_t^2)                        it turns about a point ahead
 //
-// The form and its numbers are fits to recordings of a Warthog (docs/vehicle.md, "How it moves").
-// What the fit does not know is learned from the measured speeds: b_c, b_d by an observer of the
-// speed with a bias, within kMaxBias_radps; q, how much quicker a turn follows than the fit says,
-// by normalised least mean squares of what is measured over what the model changed by, within
-// kMinQuickness to kMaxQuickness. Without measurements the model goes on by itself.
+// The form and its numbers are a fit to recordings of a Warthog (docs/simulation.md, "The
+// vehicle"). What the fit does not know is learned: b_c, i by an observer of the wheel speed with a
+// bias, within kMaxBias_radps and kMaxIntegral_radps; q, how much quicker a turn follows than the
+// fit says, and k_v and k_w, what a wheel's turn does on this ground, by normalised least mean
+// squares of what is measured over what the model said, within their limits below. Without
+// measurements the model goes on by itself.
 
 namespace hardpack {
 
@@ -37,23 +43,29 @@ constexpr WheelParts PartsOf(float left_radps, float right_radps) {
   return {0.5f * (right_radps + left_radps), 0.5f * (right_radps - left_radps)};
 }
 
-// tanh by its continued fraction to x^7 / x^6, +-1 from where that reaches it; within
-// kTanhMaxError. Odd, never beyond +-1. Source: Lambert 1761, as in Abramowitz and Stegun 4.5.70.
-inline constexpr float kTanhMaxError = 1.0e-4f;
-float Tanh(float x);
-
-// Settled differential speed of a command that lasts, and the command that a settled speed needs.
-// The latter beyond kMaxLimitShare of the limit: that of kMaxLimitShare.
+// What the drives make of a differential command while the common part is common_radps, and the
+// command that such a one needs. The latter beyond kMaxLimitShare of the limit: that of
+// kMaxLimitShare, 1.09 times the limit. Odd in the differential part.
 inline constexpr float kMaxLimitShare = 0.95f;
-float SettledDifferential(const DynamicsParams& params, float command_radps);
-float DifferentialCommand(const DynamicsParams& params, float settled_radps);
+float ReachableDifferential(const DynamicsParams& params, float command_radps, float common_radps);
+float DifferentialCommand(const DynamicsParams& params, float reachable_radps, float common_radps);
+// F above.
+float ScrubOf(const DynamicsParams& params, float differential_radps);
+
+// How the body moves, as odometry has it.
+struct BodyMotion {
+  bool valid = false;
+  float speed_mps = 0.0f;
+  float yaw_rate_radps = 0.0f;
+};
 
 // Where the vehicle will be, and how fast, when a command that is given now takes effect.
 struct DriveState {
   Pose2 pose;
   WheelParts wheels;
-  float speed_mps = 0.0f;  // backwards: negative
-  float yaw_rate_radps = 0.0f;
+  float integral_radps = 0.0f;  // i
+  float speed_mps = 0.0f;       // of the body; backwards: negative
+  float yaw_rate_radps = 0.0f;  // of the body
 };
 
 class DriveModel {
@@ -66,9 +78,14 @@ class DriveModel {
   // A longer pause is a gap: the drives have stopped by themselves, or nobody knows.
   static constexpr int kMaxCatchUpSteps = 20;
   static constexpr float kMaxBias_radps = 2.5f;
-  static constexpr float kMinQuickness = 0.75f;
-  static constexpr float kMaxQuickness = 2.2f;
+  static constexpr float kMaxIntegral_radps = 4.0f;
+  static constexpr float kMinQuickness = 0.5f;
+  static constexpr float kMaxQuickness = 2.5f;
+  static constexpr float kMinGround = 0.7f;  // of k_v and k_w
+  static constexpr float kMaxGround = 1.3f;
   static constexpr float kMaxWheel_radps = 100.0f;  // a report beyond is none
+  static constexpr float kMaxBody_mps = 50.0f;      // the same
+  static constexpr float kMaxBody_radps = 20.0f;
 
   // At rest. kParameterOutOfRange: odometry or dynamics; `vehicle` was checked before.
   Status Configure(const VehicleParams& vehicle, const OdometryParams& odometry,
@@ -77,9 +94,10 @@ class DriveModel {
   // To now_ns: the command that was told last was in force since. kOk; kStale: after a gap, the
   // commands of before are forgotten and the wheels taken as measured; kNotStarted;
   // kInvalidArgument: time does not grow, then nothing changes. Wheel speeds are taken once each,
-  // by their time; invalid ones, and those that are no number or too old, not at all.
-  // Cost: at most kMaxCatchUpSteps steps, and kMaxFeedbackSteps corrections.
-  Status Advance(uint64_t now_ns, const WheelFeedback& feedback);
+  // by their time; invalid ones, and those that are no number or too old, not at all; the body's
+  // motion is that of now_ns. Cost: at most kMaxCatchUpSteps steps, and kMaxFeedbackSteps
+  // corrections.
+  Status Advance(uint64_t now_ns, const WheelFeedback& feedback, const BodyMotion& body);
 
   // Of this tick, until the next.
   void SetCommand(const WheelParts& command);
@@ -89,25 +107,39 @@ class DriveModel {
   DriveState Predict(const Pose2& pose) const;
 
   const WheelParts& wheels() const { return at_[Place(0)]; }  // now
-  const WheelParts& bias() const { return bias_; }
+  float speed_mps() const { return speed_mps_; }              // of the body, now
+  float yaw_rate_radps() const { return yaw_rate_radps_; }
+  float common_bias_radps() const { return bias_radps_; }
+  float integral_radps() const { return integral_radps_; }
   float quickness() const { return quickness_; }
   float DifferentialLag_s() const { return params_.differential_lag_s / quickness_; }
+  float DifferentialSlew_radps2() const { return params_.differential_slew_radps2 * quickness_; }
   const DynamicsParams& params() const { return params_; }
-  float RimWay_m() const { return rim_m_; }                 // of the vehicle, per radian of common
-  float PerTurn() const { return differential_per_turn_; }  // differential speed per yaw rate
+  float RimWay_m() const { return rim_m_ * speed_ground_; }  // of the vehicle, per radian of common
+  float PerTurn() const {
+    return differential_per_turn_ / turn_ground_;
+  }  // differential speed
+     // per yaw rate
+  // How far ahead of the vehicle's middle lies the point about which it turns; negative in reverse.
+  float TurningPoint_m(float speed_mps) const;
+  float TurningPointChange_s(float speed_mps) const;  // its derivative by the speed
 
  private:
   int Place(int steps_back) const { return (newest_ - steps_back) & (kHistory - 1); }
   WheelParts DelayedCommand(int steps_ahead) const;
-  WheelParts Next(const WheelParts& wheels, const WheelParts& command) const;
+  void Step(const WheelParts& command, DriveState& state) const;
+  DriveState Now() const;
   void Forget(uint64_t now_ns);
   void StepOnce();
   void TakeFeedback(const WheelFeedback& feedback);
+  void TakeBody(const BodyMotion& body);
   void Learn(const WheelParts& taken, int back);
 
   DynamicsParams params_;
   float rim_m_ = 0.0f;
   float differential_per_turn_ = 0.0f;
+  float turning_point_m_ = 0.0f;
+  float turning_point_speed_mps_ = 1.0f;
   int32_t dead_steps_ = 0;   // whole ones ...
   float dead_share_ = 0.0f;  // ... and what is left, of a step
   bool configured_ = false;
@@ -115,8 +147,13 @@ class DriveModel {
   uint64_t feedback_ns_ = 0;  // taken last
   int32_t newest_ = 0;        // place in both rings
   WheelParts command_;        // in force
-  WheelParts bias_;
+  float bias_radps_ = 0.0f;   // of the common part
+  float integral_radps_ = 0.0f;
   float quickness_ = 1.0f;
+  float speed_mps_ = 0.0f;
+  float yaw_rate_radps_ = 0.0f;
+  float speed_ground_ = 1.0f;
+  float turn_ground_ = 1.0f;
   WheelParts commands_[kHistory];  // [step]: in force in the step that ended there
   WheelParts at_[kHistory];        // [step]: the wheels at its end
 };

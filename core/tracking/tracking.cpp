@@ -7,8 +7,8 @@
 namespace hardpack {
 namespace {
 
-// (s + p)(s^2 + 1.4 p s + p^2) = s^3 + 2.4 p s^2 + 2.4 p^2 s + p^3
-constexpr float kGains = 2.4f;
+// s^2 + 1.6 p s + p^2: damped by 0.8
+constexpr float kDamping = 1.6f;
 // No nearer than this is a point a direction to aim at.
 constexpr float kMinAim_m = 0.05f;
 // Below this speed the way back to the path is not looked for: the vehicle hardly moves.
@@ -19,7 +19,18 @@ constexpr float kLeastCurvatureSpeed_mps = 0.5f;
 // A turn on the spot ends here.
 constexpr float kTurned_rad = 0.02f;
 constexpr float kTurnedRate_radps = 0.05f;
-constexpr float kPivotBrake_radps2 = 1.2f;
+constexpr float kPivotBrake_radps2 = 0.8f;
+// Of what the wheels can change by, the body is asked for no more: the rest corrects.
+constexpr float kMaxAskedShare = 0.9f;
+constexpr float kLeastTurn_radps = 0.3f;
+// So far off the path the speed begins to be lowered, and is half as high.
+constexpr float kSlowFrom_m = 0.15f;
+constexpr float kSlowHalf_m = 0.6f;
+constexpr float kLeastShare = 0.3f;
+// A turn that is more than the drives have costs the speed this much in a second, and it comes back
+// more slowly.
+constexpr float kGiveWay_per_s = 1.0f;
+constexpr float kComeBack_per_s = 0.4f;
 
 bool IsFinitePose(const Pose2& pose) {
   return IsFinite(pose.x_m) && IsFinite(pose.y_m) && IsFinite(pose.theta_rad);
@@ -28,8 +39,8 @@ bool IsFinitePose(const Pose2& pose) {
 bool IsFiniteInput(const TrackingInput& input) {
   return IsFinitePose(input.pose) && IsFinitePose(input.aim.pose) && IsFinitePose(input.path) &&
          IsFinite(input.speed_limit_mps) && IsFinite(input.acceleration_mps2) &&
-         IsFinite(input.curvature_per_m) && IsFinite(input.curvature_rate_per_m2) &&
-         IsFinite(input.left_m);
+         IsFinite(input.turn_curvature_per_m) && IsFinite(input.wheel_curvature_per_m) &&
+         IsFinite(input.curvature_rate_per_m2) && IsFinite(input.left_m);
 }
 
 float Limited(float value, float most) {
@@ -55,8 +66,9 @@ Status Tracker::Configure(const VehicleParams& vehicle, const SpeedParams& speed
   return Status::kOk;
 }
 
-Status Tracker::Predict(uint64_t now_ns, const Pose2& pose, const WheelFeedback& wheels) {
-  const Status status = model_.Advance(now_ns, wheels);
+Status Tracker::Predict(uint64_t now_ns, const Pose2& pose, const WheelFeedback& wheels,
+                        const BodyMotion& body) {
+  const Status status = model_.Advance(now_ns, wheels, body);
   predicted_ = model_.Predict(pose);
   return status;
 }
@@ -73,14 +85,27 @@ void Tracker::Zero(TrackingOutput& output) {
   speed_mps_ = 0.0f;
   curvature_per_m_ = 0.0f;
   integral_radps_ = 0.0f;
+  give_way_ = 1.0f;
   saturated_ = false;
   output = TrackingOutput{};
   Mix(WheelParts{}, output);
 }
 
+float Tracker::EndTime_s() const {
+  return kEndLags * (model_.params().common_lag_s + model_.params().speed_lag_s);
+}
+
+float Tracker::TurnAhead_m() const {
+  return Abs(model_.TurningPoint_m(predicted_.speed_mps));
+}
+
+float Tracker::WheelAhead_m() const {
+  return TurnAhead_m() + model_.params().yaw_rate_lag_s * Abs(predicted_.speed_mps);
+}
+
 float Tracker::EndSpeed(float left_m) const {
   if (!(left_m > 0.0f)) return 0.0f;
-  const float time_s = kEndLags * model_.params().common_lag_s;
+  const float time_s = EndTime_s();
   const float brake_mps2 = kEndBrakeShare * limits_.max_deceleration_mps2;
   const float rolling_m = brake_mps2 * time_s * time_s;
   if (left_m <= rolling_m) return left_m / time_s;
@@ -141,15 +166,17 @@ void Tracker::PursueAim(const TrackingInput& input, bool stops, float dt_s,
 }
 
 // Moves the reference on and returns its change [m/s^2], in the direction of driving.
-float Tracker::Reference(const TrackingInput& input, bool stops, float dt_s) {
+float Tracker::Reference(const TrackingInput& input, float off_m, bool stops, float dt_s) {
   const float brake_mps2 = limits_.max_deceleration_mps2;
   const float end_mps = EndSpeed(input.left_m);
-  float wanted_mps = Clamp(input.speed_limit_mps, 0.0f, limits_.max_speed_mps);
+  const float slow = Max(
+      1.0f - 0.5f * Max(Abs(off_m) - kSlowFrom_m, 0.0f) / (kSlowHalf_m - kSlowFrom_m), kLeastShare);
+  float wanted_mps =
+      Min(slow, give_way_) * Clamp(input.speed_limit_mps, 0.0f, limits_.max_speed_mps);
   float change_mps2 = input.acceleration_mps2;
   if (end_mps <= wanted_mps) {
     wanted_mps = end_mps;
-    change_mps2 =
-        -Min(kEndBrakeShare * brake_mps2, end_mps / (kEndLags * model_.params().common_lag_s));
+    change_mps2 = -Min(kEndBrakeShare * brake_mps2, end_mps / EndTime_s());
   }
   change_mps2 = Clamp(change_mps2 + kRampGain_per_s * (wanted_mps - speed_mps_), -brake_mps2,
                       limits_.max_acceleration_mps2);
@@ -161,59 +188,109 @@ float Tracker::Reference(const TrackingInput& input, bool stops, float dt_s) {
   return speed_mps_ > 0.0f ? change_mps2 : Max(change_mps2, -before_mps / dt_s);
 }
 
-// What brings the yaw rate to where the path and the feedback want it.
+// The change of the wheels' turn, as one of a yaw rate, that brings the body to w_d with the inner
+// pair of poles: z_r, z_r' what the path asks of the wheels, w_r of the body.
+float Tracker::WheelsChange(const Turn& turn) const {
+  const float lag_s = model_.params().yaw_rate_lag_s;
+  const Gains gains = GainsAt(turn.pole_radps);
+  const float wheels_radps = predicted_.wheels.differential_radps / model_.PerTurn();
+  const float body_radps = predicted_.yaw_rate_radps;
+  const float ahead_radps =
+      (wheels_radps - turn.path_wheels_radps) - (body_radps - turn.path_radps);
+  return turn.path_change_radps2 + (1.0f / lag_s - gains.jerk_per_s) * ahead_radps -
+         lag_s * gains.rate_per_s2 * (body_radps - turn.wanted_radps);
+}
+
+// (s^2 + 1.6 p s + p^2)(s^2 + 1.6 q s + q^2)
+Tracker::Gains Tracker::GainsAt(float pole_radps) const {
+  const float p = pole_radps;
+  const float q = params_.turn_bandwidth_radps;
+  const float pq = p * q;
+  return {.jerk_per_s = kDamping * (p + q),
+          .rate_per_s2 = p * p + kDamping * kDamping * pq + q * q,
+          .heading_per_s3 = kDamping * pq * (p + q),
+          .place_per_s4 = pq * pq};
+}
+
+// What yaw rate the path and the feedback want of the body, and what the path asks of the wheels.
 Tracker::Turn Tracker::TurnFor(const TrackingInput& input, const Errors& errors, float change_mps2,
                                float dt_s) {
   const float speed_mps = predicted_.speed_mps;
   const float magnitude_mps = Abs(speed_mps);
-  const float pole_radps = Min(params_.bandwidth_radps, magnitude_mps / params_.settle_way_m);
-  const float rate_gain_per_s = Max(kGains * pole_radps, params_.yaw_rate_gain_per_s);
-  const float heading_gain_per_s = kGains * pole_radps * pole_radps / rate_gain_per_s;
-  const float towards_mps = Max(magnitude_mps, kLeastSpeed_mps);
-  float back_rad =
-      Limited(pole_radps * errors.cross_track_m / (kGains * towards_mps), kMaxReturn_rad);
-  if (input.reverse) back_rad = -back_rad;
-  const float feedback_radps = heading_gain_per_s * (errors.heading_rad + back_rad);
-  const float path_radps = speed_mps * input.curvature_per_m;
-  const float path_change_radps2 =
-      change_mps2 * input.curvature_per_m + speed_mps * speed_mps * input.curvature_rate_per_m2;
-  const float asked_radps = path_radps - feedback_radps - integral_radps_;
+  const float point_m = model_.TurningPoint_m(speed_mps);
+  const float heading_rad = errors.heading_rad - point_m * input.turn_curvature_per_m;
+  const float off_m = errors.cross_track_m + point_m * heading_rad;
   Turn turn;
-  turn.wanted_radps = Limited(asked_radps, limits_.max_yaw_rate_radps);
-  turn.change_radps2 =
-      path_change_radps2 + rate_gain_per_s * (turn.wanted_radps - predicted_.yaw_rate_radps);
+  turn.pole_radps = Min(params_.bandwidth_radps, magnitude_mps / params_.settle_way_m);
+  const Gains gains = GainsAt(turn.pole_radps);
+  const float towards_mps = Max(magnitude_mps, kLeastSpeed_mps);
+  float back_rad = 0.0f;
+  if (turn.pole_radps > 0.0f) {
+    back_rad =
+        Limited(gains.place_per_s4 / gains.heading_per_s3 * off_m / towards_mps, kMaxReturn_rad);
+  }
+  if (input.reverse) back_rad = -back_rad;
+  const float feedback_radps = gains.heading_per_s3 / gains.rate_per_s2 * (heading_rad + back_rad);
+  // The faster it becomes, the further ahead of its middle it turns: so it has to turn in.
+  const float turn_in = model_.TurningPointChange_s(speed_mps) * change_mps2;
+  turn.path_radps = (speed_mps + turn_in) * input.turn_curvature_per_m;
+  turn.path_wheels_radps = (speed_mps + turn_in) * input.wheel_curvature_per_m;
+  turn.path_change_radps2 = change_mps2 * input.wheel_curvature_per_m +
+                            speed_mps * speed_mps * input.curvature_rate_per_m2;
+  const float asked_radps = turn.path_radps - feedback_radps - integral_radps_;
+  turn.wanted_radps = Limited(asked_radps, MostTurn_radps());
   // What is not done does not teach anything, nor does the way back from far off.
   const bool is_done = !saturated_ && turn.wanted_radps == asked_radps;
-  if (is_done && magnitude_mps > kLeastCurvatureSpeed_mps &&
-      Abs(errors.cross_track_m) < kLearnWithin_m) {
+  if (is_done && magnitude_mps > kLeastCurvatureSpeed_mps && Abs(off_m) < kLearnWithin_m) {
     integral_radps_ = Limited(integral_radps_ + params_.integral_rate_per_s * feedback_radps * dt_s,
                               kMaxIntegral_radps);
   }
   return turn;
 }
 
+// Whether a differential command is about all that the drives can do.
+bool Tracker::IsAtLimit(float command_radps) const {
+  const DynamicsParams& drives = model_.params();
+  const float limit_radps = drives.differential_limit_radps -
+                            drives.differential_limit_slope * Abs(predicted_.wheels.common_radps);
+  return Abs(command_radps) > kMaxLimitShare * limit_radps;
+}
+
+// What the drives can hold against the tyres.
+float Tracker::MostTurn_radps() const {
+  const DynamicsParams& drives = model_.params();
+  const float reach_radps =
+      kMaxLimitShare * (drives.differential_limit_radps -
+                        drives.differential_limit_slope * Abs(predicted_.wheels.common_radps)) -
+      0.5f * drives.scrub_radps;
+  return Clamp(reach_radps / model_.PerTurn(), kLeastTurn_radps, limits_.max_yaw_rate_radps);
+}
+
 void Tracker::FollowPath(const TrackingInput& input, bool stops, float dt_s,
                          TrackingOutput& output) {
   const float direction = input.reverse ? -1.0f : 1.0f;
-  const float reference_change_mps2 = Reference(input, stops, dt_s);
-  const float speed_mps = direction * speed_mps_;
-  const float change_mps2 = direction * reference_change_mps2 +
-                            params_.speed_gain_per_s * (speed_mps - predicted_.speed_mps);
-
   const SinCosPair heading = SinCos(input.path.theta_rad);
   const Errors errors = {.cross_track_m = heading.cos * (input.pose.y_m - input.path.y_m) -
                                           heading.sin * (input.pose.x_m - input.path.x_m),
                          .heading_rad = WrapAngle(input.pose.theta_rad - input.path.theta_rad)};
-  const Turn turn = TurnFor(input, errors, direction * reference_change_mps2, dt_s);
+  const float reference_change_mps2 =
+      direction * Reference(input, errors.cross_track_m, stops, dt_s);
+  const float speed_mps = direction * speed_mps_;
+  const float change_mps2 =
+      reference_change_mps2 + params_.speed_gain_per_s * (speed_mps - predicted_.speed_mps);
+  const Turn turn = TurnFor(input, errors, reference_change_mps2, dt_s);
 
   const bool stands = speed_mps_ <= 0.0f && Abs(predicted_.speed_mps) < kEndSpeed_mps;
   WheelParts command;
   if (!stands) {
-    const float common_radps = CommonCommand(change_mps2 / model_.RimWay_m());
+    const float common_radps = CommonCommand(change_mps2, reference_change_mps2);
     // Never against the direction of driving: what rolls rolls out.
     command.common_radps = direction * Max(direction * common_radps, 0.0f);
-    command.differential_radps = DifferentialCommandFor(turn.change_radps2 * model_.PerTurn());
+    command.differential_radps = DifferentialCommandFor(turn);
   }
+  const bool is_at_limit = !stands && IsAtLimit(command.differential_radps);
+  give_way_ = Clamp(give_way_ + dt_s * (is_at_limit ? -kGiveWay_per_s : kComeBack_per_s),
+                    kLeastShare, 1.0f);
   curvature_per_m_ =
       Abs(predicted_.speed_mps) > kLeastCurvatureSpeed_mps
           ? Limited(predicted_.yaw_rate_radps / predicted_.speed_mps, 1.0f / kMinAim_m)
@@ -224,8 +301,8 @@ void Tracker::FollowPath(const TrackingInput& input, bool stops, float dt_s,
   Command(command, dt_s, output);
 }
 
-// The heading's error sets the yaw rate, no faster than it can be braked again, and the lag is
-// undone as it is along a path.
+// The heading's error sets the yaw rate, no faster than it can be braked again, and the lags are
+// undone as they are along a path.
 void Tracker::TurnOnTheSpot(const TrackingInput& input, float dt_s, TrackingOutput& output) {
   speed_mps_ = 0.0f;
   curvature_per_m_ = 0.0f;
@@ -250,31 +327,42 @@ void Tracker::TurnOnTheSpot(const TrackingInput& input, float dt_s, TrackingOutp
                                  ? gain_per_s * Abs(error_rad)
                                  : Sqrt(2.0f * kPivotBrake_radps2 * far_rad);
   const float most_radps = Min(braked_radps, params_.max_pivot_rate_radps);
-  const float wanted_radps = error_rad < 0.0f ? -most_radps : most_radps;
-  float change_radps2 = 0.0f;
+  Turn turn;
+  turn.wanted_radps = error_rad < 0.0f ? -most_radps : most_radps;
   if (braked_radps <= params_.max_pivot_rate_radps) {
-    change_radps2 = -Limited(gain_per_s * rate_radps, kPivotBrake_radps2);
+    turn.path_change_radps2 = -Limited(gain_per_s * rate_radps, kPivotBrake_radps2);
   }
-  change_radps2 += params_.yaw_rate_gain_per_s * (wanted_radps - rate_radps);
-  output.yaw_rate_radps = wanted_radps;
-  Command({0.0f, DifferentialCommandFor(Limited(change_radps2, kMaxTurnChange_radps2) *
-                                        model_.PerTurn())},
-          dt_s, output);
+  turn.path_radps = turn.wanted_radps;
+  turn.path_wheels_radps =
+      turn.wanted_radps + model_.params().yaw_rate_lag_s * turn.path_change_radps2;
+  output.yaw_rate_radps = turn.wanted_radps;
+  Command({0.0f, DifferentialCommandFor(turn)}, dt_s, output);
 }
 
-// The command whose lag gives the wheels this change, at the predicted speed.
-float Tracker::CommonCommand(float change_radps2) const {
+// The command whose lags give the body this change, at the predicted speed; the reference's change
+// lasts, what corrects it does not.
+float Tracker::CommonCommand(float change_mps2, float reference_change_mps2) const {
   const DynamicsParams& drives = model_.params();
-  const float change = Limited(change_radps2, drives.slew_radps2);
-  return predicted_.wheels.common_radps + drives.common_lag_s * change - model_.bias().common_radps;
+  const float per_rim = 1.0f / model_.RimWay_m();
+  const float most_mps2 = kMaxAskedShare * drives.common_slew_radps2 * model_.RimWay_m();
+  const float wanted_radps =
+      (predicted_.speed_mps + drives.speed_lag_s * Limited(change_mps2, most_mps2)) * per_rim;
+  const float change =
+      Limited(reference_change_mps2 * per_rim +
+                  params_.wheel_gain_per_s * (wanted_radps - predicted_.wheels.common_radps),
+              drives.common_slew_radps2);
+  return predicted_.wheels.common_radps + drives.common_lag_s * change - model_.common_bias_radps();
 }
 
-float Tracker::DifferentialCommandFor(float change_radps2) const {
+float Tracker::DifferentialCommandFor(const Turn& turn) const {
   const DynamicsParams& drives = model_.params();
-  const float change = Limited(change_radps2, drives.slew_radps2);
-  return DifferentialCommand(drives, predicted_.wheels.differential_radps +
-                                         model_.DifferentialLag_s() * change -
-                                         model_.bias().differential_radps);
+  const WheelParts& wheels = predicted_.wheels;
+  const float change =
+      Limited(WheelsChange(turn) * model_.PerTurn(), model_.DifferentialSlew_radps2());
+  const float reachable_radps = wheels.differential_radps +
+                                ScrubOf(drives, wheels.differential_radps) -
+                                predicted_.integral_radps + model_.DifferentialLag_s() * change;
+  return DifferentialCommand(drives, reachable_radps, wheels.common_radps);
 }
 
 // No faster than it may change; then what the wheels can do.

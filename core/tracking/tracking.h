@@ -17,21 +17,28 @@
 // tracker of its own ([OS] System Overview); this is docs/algorithm.md section 7 (ours).
 //
 // Everything is computed at the state after the dead time (drive_model.h), where a command acts
-// through a lag only. With v the predicted speed (in reverse: negative), w the predicted yaw rate,
-// kappa the path's curvature, e the cross-track error (left of the path: positive) and psi the
-// heading error:
+// through lags only: that of the wheels and, behind it, that of the body. With v the predicted
+// speed (in reverse: negative), w the predicted yaw rate, c and d the wheels' common and
+// differential part, kappa the path's curvature, e the cross-track error (left of the path:
+// positive), psi the heading error, t the way to the point about which the vehicle turns
+// (DriveModel::TurningPoint_m, negative in reverse):
 //
 //   reference   v_r' = a_path + kRampGain (v_path - v_r), within the plan's accelerations;
 //               near where the vehicle has to stand, v_path is at most what a stop with rolling out
-//               through the lag allows (EndSpeed)
-//   speed       v'   = v_r' + k_v (v_r - v)
-//   turn        w_d  = v kappa - (k_2 / k_1) (psi + k_3 e / (k_2 v)) - i
-//               w'   = (v kappa)' + k_1 (w_d - w)
-//     with k_1 = 2.4 p, k_2 = 2.4 p^2, k_3 = p^3: for e' = v psi, psi' = w - v kappa a pole at -p
-//     and a pair of that frequency, damped by 0.7; p = min(bandwidth, |v| / settle way). The
-//     heading that brings e back is at most kMaxReturn_rad. i is the integral of what the feedback
-//     asks for; it waits where a limit is reached and while the vehicle is far off.
-//   wheels      u_c = c + lag_c c' - b_c;   u_d = S^-1(d + lag_d d' - b_d), S the settled one
+//               through the lags allows (EndSpeed)
+//   speed       c_d  = (v + speed_lag (v_r' + k_v (v_r - v))) / r
+//               c'   = v_r' / r + k_c (c_d - c)
+//   turn        psi_t = psi - t kappa_t,  e_t = e + t psi_t       of the turning point
+//               f    = -k_2 (psi_t + k_3 e_t / v) - i
+//               w_d  = v kappa_t + f
+//               z_d  = v kappa_z + f + (k_1 yaw_rate_lag - 1) (w_d - w)
+//               d'   = per_turn (v kappa_z)' + k_d (per_turn z_d - d)
+//     kappa_t lies t further on than the vehicle, kappa_z besides what it drives in yaw_rate_lag.
+//     k_2 = 1.6 p, k_3 = p / 1.6: for e_t' = v psi_t, psi_t' = w - v kappa a pair of poles of
+//     frequency p, damped by 0.8; p = min(bandwidth, |v| / settle way). The heading that brings e_t
+//     back is at most kMaxReturn_rad. i is the integral of what the feedback asks for; it waits
+//     where a limit is reached and while the vehicle is far off.
+//   wheels      u_c = c + lag_c c' - b_c;   u_d = S^-1(d + F(d) - i_d + lag_d d')
 //
 // The turn keeps the vehicle on its path: where a wheel would be too fast, the common part is cut.
 
@@ -52,10 +59,11 @@ struct TrackingInput {
   TrackingPoint aim;             // pure pursuit: the point that is aimed at; turn: its heading
   // The rest is the lag-aware method's.
   Pose2 path;  // odom, the place of the path nearest to `pose`; its heading is the vehicle's
-  float acceleration_mps2 = 0.0f;  // of that speed, in the direction of driving
-  float curvature_per_m = 0.0f;
-  float curvature_rate_per_m2 = 0.0f;
-  float left_m = 0.0f;  // way to where it has to stand; never negative
+  float acceleration_mps2 = 0.0f;      // of that speed, in the direction of driving
+  float turn_curvature_per_m = 0.0f;   // kappa_t
+  float wheel_curvature_per_m = 0.0f;  // kappa_z ...
+  float curvature_rate_per_m2 = 0.0f;  // ... and its change there
+  float left_m = 0.0f;                 // way to where it has to stand; never negative
 };
 
 struct TrackingOutput {
@@ -68,12 +76,11 @@ struct TrackingOutput {
 class Tracker {
  public:
   static constexpr float kRampGain_per_s = 4.0f;
-  static constexpr float kMaxReturn_rad = 0.6f;
+  static constexpr float kMaxReturn_rad = 0.35f;
   static constexpr float kMaxIntegral_radps = 0.4f;
-  static constexpr float kMaxLead_mps = 0.5f;  // of the reference before the vehicle
-  static constexpr float kMaxTurnChange_radps2 = 3.0f;
-  static constexpr float kMaxCommandChange_radps2 = 80.0f;  // so a command begins over some ticks
-  static constexpr float kEndLags = 1.5f;         // time constant of the last stretch, in lags
+  static constexpr float kMaxLead_mps = 0.5f;               // of the reference before the vehicle
+  static constexpr float kMaxCommandChange_radps2 = 60.0f;  // so a command begins over some ticks
+  static constexpr float kEndLags = 2.2f;         // time constant of the last stretch, in lags
   static constexpr float kEndBrakeShare = 0.85f;  // of the deceleration; the rest corrects
   static constexpr float kEndSpeed_mps = 0.03f;   // slower is standing
 
@@ -82,9 +89,10 @@ class Tracker {
                    const OdometryParams& odometry, const DynamicsParams& dynamics,
                    const TrackingParams& tracking);
 
-  // Once every tick, before the command: the pose of now, and the newest wheel speeds. Statuses and
-  // cost: DriveModel::Advance and Predict.
-  Status Predict(uint64_t now_ns, const Pose2& pose, const WheelFeedback& wheels);
+  // Once every tick, before the command: the pose and the motion of now, and the newest wheel
+  // speeds. Statuses and cost: DriveModel::Advance and Predict.
+  Status Predict(uint64_t now_ns, const Pose2& pose, const WheelFeedback& wheels,
+                 const BodyMotion& body);
 
   // Where and how fast the vehicle will be when this tick's command takes effect.
   const DriveState& predicted() const { return predicted_; }
@@ -111,8 +119,13 @@ class Tracker {
   // stretch, by rolling out: no faster than its lag lets it without being told to drive backwards.
   // Zero for what is not positive.
   //   v = left / T below a T^2, else sqrt(2 a (left - a T^2 / 2)),
-  //   a = kEndBrakeShare max_deceleration, T = kEndLags common_lag
+  //   a = kEndBrakeShare max_deceleration, T = kEndLags (common_lag + speed_lag)
   float EndSpeed(float left_m) const;
+
+  // Where PathTarget is to look for the curvatures of the input, in ways ahead of the predicted
+  // place, in the direction of driving.
+  float TurnAhead_m() const;   // kappa_t
+  float WheelAhead_m() const;  // kappa_z
 
  private:
   struct Errors {
@@ -120,19 +133,33 @@ class Tracker {
     float heading_rad = 0.0f;
   };
   struct Turn {
-    float wanted_radps = 0.0f;
-    float change_radps2 = 0.0f;
+    float pole_radps = 0.0f;          // p
+    float wanted_radps = 0.0f;        // w_d
+    float path_radps = 0.0f;          // w_r
+    float path_wheels_radps = 0.0f;   // z_r
+    float path_change_radps2 = 0.0f;  // z_r'
+  };
+  struct Gains {
+    float jerk_per_s = 0.0f;      // a_1
+    float rate_per_s2 = 0.0f;     // a_2
+    float heading_per_s3 = 0.0f;  // a_3
+    float place_per_s4 = 0.0f;    // a_4
   };
 
+  Gains GainsAt(float pole_radps) const;
+  float WheelsChange(const Turn& turn) const;
+  float MostTurn_radps() const;
+  bool IsAtLimit(float command_radps) const;
   Status Drive(const TrackingInput& input, bool stops, float dt_s, TrackingOutput& output);
   void PursueAim(const TrackingInput& input, bool stops, float dt_s, TrackingOutput& output);
   void FollowPath(const TrackingInput& input, bool stops, float dt_s, TrackingOutput& output);
   void TurnOnTheSpot(const TrackingInput& input, float dt_s, TrackingOutput& output);
   float CurvatureTo(const TrackingInput& input) const;
-  float Reference(const TrackingInput& input, bool stops, float dt_s);
+  float Reference(const TrackingInput& input, float off_m, bool stops, float dt_s);
   Turn TurnFor(const TrackingInput& input, const Errors& errors, float change_mps2, float dt_s);
-  float CommonCommand(float change_radps2) const;
-  float DifferentialCommandFor(float change_radps2) const;
+  float EndTime_s() const;
+  float CommonCommand(float change_mps2, float reference_change_mps2) const;
+  float DifferentialCommandFor(const Turn& turn) const;
   void Command(WheelParts command, float dt_s, TrackingOutput& output);
   void Mix(WheelParts command, TrackingOutput& output);
 
@@ -146,6 +173,7 @@ class Tracker {
   float speed_mps_ = 0.0f;  // reference
   float curvature_per_m_ = 0.0f;
   float integral_radps_ = 0.0f;
+  float give_way_ = 1.0f;  // share of the path's speed, where turns need more than the drives have
   WheelParts command_;
 };
 static_assert(std::is_trivially_copyable_v<Tracker>);

@@ -17,6 +17,8 @@ constexpr float kUnitsOfTorque = 1000.0f;
 constexpr uint64_t kBlindStop_ns = 5'000'000'000;
 // A fault that has not gone so long after its reset stays.
 constexpr uint64_t kResetTime_ns = 1'000'000'000;
+// A wheel that is carried along may turn against its command for so many times opposite_time_s.
+constexpr float kCarriedTimes = 6.0f;
 
 void Push(CanBatch& out, const CanFrame& frame) {
   const Status pushed = out.PushBack(frame);
@@ -148,7 +150,7 @@ bool Drive::TakeSdo(const CanFrame& frame) {
   return true;
 }
 
-void Drive::Watch(uint64_t now_ns, const DriveParams& params) {
+void Drive::Watch(uint64_t now_ns, const DriveParams& params, bool carried) {
   if (bring_up_.verified() && !commandable_ && !drops_command_) {
     commandable_ = true;
     has_feedback_ = false;
@@ -156,7 +158,7 @@ void Drive::Watch(uint64_t now_ns, const DriveParams& params) {
   }
   WatchSilence(now_ns, params);
   WatchStatus(now_ns, params);
-  WatchDirection(now_ns, params);
+  WatchDirection(now_ns, params, carried);
   Report();
 }
 
@@ -207,8 +209,9 @@ void Drive::WatchStatus(uint64_t now_ns, const DriveParams& params) {
 }
 
 // A wheel that is told to turn back takes its time; one that turns against its command and does not
-// slow down is wired, geared or signed the wrong way round.
-void Drive::WatchDirection(uint64_t now_ns, const DriveParams& params) {
+// slow down is wired, geared or signed the wrong way round; or, for a while, the inner wheel of a
+// turn, whose motor has no torque left against the scrubbing tyres.
+void Drive::WatchDirection(uint64_t now_ns, const DriveParams& params, bool carried) {
   const float wanted_radps = WheelSpeed(sent_rpm_, params);
   const float against_radps = wanted_radps > 0.0f ? -report_.wheel_radps : report_.wheel_radps;
   if (sent_rpm_ == 0 || !IsFresh(now_ns, params) || against_radps <= params.opposite_speed_radps) {
@@ -222,7 +225,8 @@ void Drive::WatchDirection(uint64_t now_ns, const DriveParams& params) {
     opposite_since_ns_ = now_ns;
     return;
   }
-  if (now_ns - opposite_since_ns_ >= Seconds(params.opposite_time_s)) {
+  const float time_s = carried ? kCarriedTimes * params.opposite_time_s : params.opposite_time_s;
+  if (now_ns - opposite_since_ns_ >= Seconds(time_s)) {
     SetFault(DriveFault::kOppositeMotion);
   }
 }

@@ -31,8 +31,9 @@ class Drive {
   bool TakeFeedback(const CanFrame& frame, uint64_t now_ns, const DriveParams& params);
   bool TakeSdo(const CanFrame& frame);
 
-  // First in a tick: looks for what is missing, late or wrong.
-  void Watch(uint64_t now_ns, const DriveParams& params);
+  // First in a tick: looks for what is missing, late or wrong. `carried`: the vehicle takes the
+  // wheel along in a turn, so that it may turn against its command for longer.
+  void Watch(uint64_t now_ns, const DriveParams& params, bool carried);
   // Then: towards operation enabled while `wish`, else to zero, and once `rests` has lasted,
   // disabled.
   void Sequence(uint64_t now_ns, const DriveParams& params, bool wish, bool rests);
@@ -66,7 +67,7 @@ class Drive {
   void SequenceStop(uint64_t now_ns, const DriveParams& params, bool rests);
   void WatchSilence(uint64_t now_ns, const DriveParams& params);
   void WatchStatus(uint64_t now_ns, const DriveParams& params);
-  void WatchDirection(uint64_t now_ns, const DriveParams& params);
+  void WatchDirection(uint64_t now_ns, const DriveParams& params, bool carried);
   void BeginAnew();
   void BeginWatch(uint64_t now_ns, const DriveParams& params);
   void TakeBringUpFault();

@@ -130,13 +130,30 @@ bool DrivePair::RestOf(const Drive& drive) const {
          Abs(drive.report().wheel_radps) <= params_.standstill_radps;
 }
 
+// Whether the turning tyres hold a wheel back from its command, which is to turn against the way
+// that the pair is to drive: the other side pulls that way and is faster, and the wheel is no
+// faster than both together are to be. A wheel that its own motor drives the wrong way turns as
+// fast as it is told, and then as a rule beyond that.
+bool DrivePair::IsCarried(int side) const {
+  const Drive& wheel = drives_[side];
+  const Drive& other = drives_[kLeftIndex + kRightIndex - side];
+  if (!other.IsFresh(now_ns_, params_)) return false;
+  const float direction = wheel.report().wheel_radps > 0.0f ? 1.0f : -1.0f;
+  const float speed_radps = direction * wheel.report().wheel_radps;
+  const float told_radps = direction * wheel.WheelSpeed(wheel.sent_rpm(), params_);
+  const float other_told_radps = direction * other.WheelSpeed(other.sent_rpm(), params_);
+  const float both_radps = 0.5f * (told_radps + other_told_radps);
+  return both_radps > 0.0f && direction * other.report().wheel_radps > speed_radps &&
+         speed_radps <= both_radps + params_.opposite_speed_radps;
+}
+
 void DrivePair::Sequence(const DriveDemand& demand) {
   const bool reset = demand.reset_faults && !was_reset_asked_ && !demand.enable;
   was_reset_asked_ = demand.reset_faults;
   HP_LOOP_BOUND(kSides)
-  for (Drive& drive : drives_) {
-    if (reset) drive.ResetFault(now_ns_, params_);
-    drive.Watch(now_ns_, params_);
+  for (int side = 0; side < kSides; ++side) {
+    if (reset) drives_[side].ResetFault(now_ns_, params_);
+    drives_[side].Watch(now_ns_, params_, IsCarried(side));
   }
   const bool wish = demand.enable && drives_[kLeftIndex].ready() && drives_[kRightIndex].ready();
   const bool rest = RestOf(drives_[kLeftIndex]) && RestOf(drives_[kRightIndex]);

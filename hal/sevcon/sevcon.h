@@ -85,6 +85,7 @@ class DrivePair {
   Sender SenderOf(uint32_t id, int& side) const;
   bool TakeFromDrive(Drive& drive, const CanFrame& frame, uint64_t now_ns);
   bool has_fault() const;
+  bool IsCarried(int side) const;
   bool RestOf(const Drive& drive) const;
   void Sequence(const DriveDemand& demand);
   void SendCommands(const DriveDemand& demand, CanBatch& out);

@@ -83,6 +83,8 @@ void VehicleLoop::Move() {
   const PathFollower follower = {.pose = tracker_.predicted().pose,
                                  .place = replanner_.place(),
                                  .speed_mps = tracker_.speed_mps(),
+                                 .turn_ahead_m = tracker_.TurnAhead_m(),
+                                 .wheel_ahead_m = tracker_.WheelAhead_m(),
                                  .stands = stands};
   TrackingInput target;
   static_cast<void>(PathTarget(replanner_.committed(), follower, config_.onboard.tracking, target));

@@ -47,8 +47,9 @@ Status VehicleLoop::Configure(const VehicleConfig& config) {
   }
   // What a plan takes to stop is not to be less than what the tracker needs.
   const SpeedParams& speed = config.planner.speed;
-  const bool stops = speed.stopping_dead_time_s >= onboard.dynamics.dead_time_s &&
-                     speed.stopping_lag_s >= onboard.dynamics.common_lag_s;
+  const bool stops =
+      speed.stopping_dead_time_s >= onboard.dynamics.dead_time_s &&
+      speed.stopping_lag_s >= onboard.dynamics.common_lag_s + onboard.dynamics.speed_lag_s;
   if (IsUsable(status) && !stops) status = Status::kParameterOutOfRange;
   if (IsUsable(status)) status = supervisor_.Configure(onboard.safety);
   if (IsUsable(status)) status = ConfigureSafety();
@@ -238,7 +239,7 @@ Status VehicleLoop::TakeLidar(std::span<const uint8_t> bytes) {
 void VehicleLoop::AddPose() {
   const uint32_t gaps = odometry_.gaps();
   const WheelFeedback wheels = drives_.feedback(now_ns_);
-  static_cast<void>(odometry_.Advance(now_ns_, wheels));
+  const Status moved = odometry_.Advance(now_ns_, wheels);
   is_gap_ = odometry_.gaps() != gaps;
   if (is_gap_) {
     ++counters_.odometry_gaps;
@@ -262,8 +263,11 @@ void VehicleLoop::AddPose() {
   if (is_gap_) corridor_.Reset();
   corridor_.Advance({pose.position.x_m, pose.position.y_m}, static_cast<uint32_t>(index_));
   LocateInMap(pose);
-  static_cast<void>(
-      tracker_.Predict(now_ns_, {pose.position.x_m, pose.position.y_m, pose.yaw_rad}, wheels));
+  const BodyMotion body = {.valid = moved == Status::kOk,
+                           .speed_mps = odometry_.speed_mps(),
+                           .yaw_rate_radps = odometry_.yaw_rate_radps()};
+  static_cast<void>(tracker_.Predict(now_ns_, {pose.position.x_m, pose.position.y_m, pose.yaw_rad},
+                                     wheels, body));
 }
 
 void VehicleLoop::LocateInMap(const StampedPose& pose) {

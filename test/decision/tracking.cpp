@@ -28,7 +28,8 @@ TrackingInput InputAt(const Pose2& pose, int tick) {
   const SinCosPair wave = SinCos(kWave_per_m * pose.x_m);
   input.pose = pose;
   input.path = {pose.x_m, 1.5f * wave.sin, Atan2(1.5f * kWave_per_m * wave.cos, 1.0f)};
-  input.curvature_per_m = -1.5f * kWave_per_m * kWave_per_m * wave.sin;
+  input.turn_curvature_per_m = -1.5f * kWave_per_m * kWave_per_m * wave.sin;
+  input.wheel_curvature_per_m = input.turn_curvature_per_m;
   input.speed_limit_mps = tick % 700 < 500 ? 4.0f : 1.0f;
   input.left_m = tick % 900 < 850 ? 20.0f : 1.0f;
   input.aim.pose = {pose.x_m + 2.0f, pose.y_m * 0.5f, 1.0f};
@@ -59,7 +60,10 @@ DecisionHash Along(int32_t method) {
                                     .time_ns = now_ns - 6'000'000,
                                     .left_radps = wheels.common_radps - wheels.differential_radps,
                                     .right_radps = wheels.common_radps + wheels.differential_radps};
-    hash.AddU8(static_cast<uint8_t>(tracker.Predict(now_ns, pose, feedback)));
+    const BodyMotion body = {.valid = tick % 50 < 40,
+                             .speed_mps = 0.29f * wheels.common_radps,
+                             .yaw_rate_radps = 0.31f * wheels.differential_radps};
+    hash.AddU8(static_cast<uint8_t>(tracker.Predict(now_ns, pose, feedback, body)));
     const TrackingInput input = InputAt(tracker.predicted().pose, tick);
     const Status status = tick % 1300 < 1200 ? tracker.Follow(input, 0.01f, output)
                                              : tracker.StopAlong(input, 0.01f, output);

@@ -15,13 +15,18 @@
 #include "core/autonomy/path_target.h"
 #include "core/speed/speed.h"
 #include "core/tracking/tracking.h"
+#include "tools/sim/vehicle_model.h"
+#include "tools/sim/vehicle_model_file.h"
 
-// A vehicle to try the tracker on: its own model in double precision and steps of a millisecond,
-// with parameters of its own, which the tracker does not know, and noise in what it is told.
+// Vehicles to try the tracker on, in double precision and steps of a millisecond, with parameters
+// of their own, which the tracker does not know, and noise in what it is told: those of the fit to
+// the recordings (tools/sim/vehicle_model.h), and simpler ones, which the tracker's model is not
+// made for.
 
 namespace hardpack::testing {
 
-struct TrueVehicle {
+// First-order lags, a gain that saturates, no scrubbing, no lag of the body.
+struct SimpleVehicle {
   double dead_time_s = 0.17;
   double slew_radps2 = 17.0;
   double common_lag_s = 0.48;
@@ -34,22 +39,33 @@ struct TrueVehicle {
   double max_wheel_radps = 17.5;
 };
 
-// Each parameter by itself within the spread: dead time 0.15 to 0.20 s, lags and gain by 20 %, the
-// baseline from 1.72 to 2.03 m (docs/vehicle.md: 10 % and 90 % of what was recorded), slip by 4 %.
-inline TrueVehicle Spread(std::mt19937& random) {
-  const auto between = [&](double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  };
-  TrueVehicle vehicle;
-  vehicle.dead_time_s = between(0.15, 0.20);
-  vehicle.slew_radps2 *= between(0.8, 1.2);
-  vehicle.common_lag_s *= between(0.8, 1.2);
-  vehicle.differential_lag_s *= between(0.8, 1.2);
-  vehicle.differential_gain *= between(0.8, 1.2);
-  vehicle.differential_limit_radps *= between(0.8, 1.2);
-  vehicle.baseline_m = between(1.72, 2.03);
-  vehicle.ground_per_wheel *= between(0.96, 1.04);
+// One of the two.
+struct TrueVehicle {
+  sim::VehicleModelParams fitted;
+  bool is_simple = false;
+  SimpleVehicle simple;
+};
+
+inline sim::UncertainVehicle Warthog() {
+  sim::UncertainVehicle vehicle;
+  const ReadOutcome outcome =
+      sim::ReadVehicle(HARDPACK_SOURCE "/config/vehicles/warthog_paper.toml", vehicle);
+  EXPECT_EQ(outcome.status, Status::kOk);
   return vehicle;
+}
+
+inline TrueVehicle Typical() {
+  return {.fitted = Warthog().typical, .simple = {}};
+}
+
+// One of the many of the fit.
+inline TrueVehicle Spread(unsigned seed) {
+  static const sim::UncertainVehicle warthog = Warthog();
+  return {.fitted = sim::Draw(warthog, seed), .simple = {}};
+}
+
+inline TrueVehicle Simple(const SimpleVehicle& vehicle) {
+  return {.fitted = {}, .is_simple = true, .simple = vehicle};
 }
 
 struct TruePose {
@@ -61,44 +77,66 @@ struct TruePose {
 class VehicleBench {
  public:
   explicit VehicleBench(const TrueVehicle& vehicle)
-      : vehicle_(vehicle), commands_(kMaxDead_ms, WheelCommand{}) {}
+      : vehicle_(vehicle), fitted_(vehicle.fitted), commands_(kMaxDead_ms, WheelCommand{}) {}
 
-  void Place(const TruePose& pose) { pose_ = pose; }
+  void Place(const TruePose& pose) {
+    pose_ = pose;
+    fitted_ = sim::VehicleModel(vehicle_.fitted, {pose.x_m, pose.y_m, pose.theta_rad});
+  }
   void Step_ms(const WheelCommand& command) {
-    commands_[at_ % kMaxDead_ms] = command;
-    const auto dead_ms = static_cast<size_t>(std::lround(1000.0 * vehicle_.dead_time_s));
-    const WheelCommand& late = commands_[(at_ + kMaxDead_ms - dead_ms) % kMaxDead_ms];
-    ++at_;
-    const double limit = vehicle_.max_wheel_radps;
-    const double left = std::clamp(static_cast<double>(late.left_radps), -limit, limit);
-    const double right = std::clamp(static_cast<double>(late.right_radps), -limit, limit);
-    const double most = vehicle_.differential_limit_radps;
-    const double settled =
-        most * std::tanh(vehicle_.differential_gain * 0.5 * (right - left) / most);
-    const auto toward = [&](double& wheels, double target, double lag_s) {
-      wheels +=
-          1e-3 * std::clamp((target - wheels) / lag_s, -vehicle_.slew_radps2, vehicle_.slew_radps2);
-    };
-    toward(common_, 0.5 * (left + right), vehicle_.common_lag_s);
-    toward(differential_, settled, vehicle_.differential_lag_s);
-    const double rim = vehicle_.wheel_radius_m * vehicle_.ground_per_wheel;
-    const double turn = 2.0 * differential_ * rim / vehicle_.baseline_m * 1e-3;
-    pose_.x_m += rim * common_ * 1e-3 * std::cos(pose_.theta_rad + 0.5 * turn);
-    pose_.y_m += rim * common_ * 1e-3 * std::sin(pose_.theta_rad + 0.5 * turn);
-    pose_.theta_rad += turn;
+    if (vehicle_.is_simple) return StepSimple(command);
+    fitted_.Step({.speeds = {command.left_radps, command.right_radps}});
+    const sim::Pose& pose = fitted_.pose();
+    pose_ = {pose.x_m, pose.y_m, pose.theta_rad};
+    common_ = fitted_.wheels().common_radps();
+    differential_ = fitted_.wheels().differential_radps();
+    speed_mps_ = fitted_.speed_mps();
+    yaw_rate_radps_ = fitted_.yaw_rate_radps();
   }
   const TruePose& pose() const { return pose_; }
   double left_radps() const { return common_ - differential_; }
   double right_radps() const { return common_ + differential_; }
-  double speed_mps() const { return vehicle_.wheel_radius_m * vehicle_.ground_per_wheel * common_; }
+  double speed_mps() const { return speed_mps_; }
+  double yaw_rate_radps() const { return yaw_rate_radps_; }
 
  private:
   static constexpr size_t kMaxDead_ms = 1000;
+
+  void StepSimple(const WheelCommand& command) {
+    const SimpleVehicle& vehicle = vehicle_.simple;
+    commands_[at_ % kMaxDead_ms] = command;
+    const auto dead_ms = static_cast<size_t>(std::lround(1000.0 * vehicle.dead_time_s));
+    const WheelCommand& late = commands_[(at_ + kMaxDead_ms - dead_ms) % kMaxDead_ms];
+    ++at_;
+    const double limit = vehicle.max_wheel_radps;
+    const double left = std::clamp(static_cast<double>(late.left_radps), -limit, limit);
+    const double right = std::clamp(static_cast<double>(late.right_radps), -limit, limit);
+    const double most = vehicle.differential_limit_radps;
+    const double settled =
+        most * std::tanh(vehicle.differential_gain * 0.5 * (right - left) / most);
+    const auto toward = [&](double& wheels, double target, double lag_s) {
+      wheels +=
+          1e-3 * std::clamp((target - wheels) / lag_s, -vehicle.slew_radps2, vehicle.slew_radps2);
+    };
+    toward(common_, 0.5 * (left + right), vehicle.common_lag_s);
+    toward(differential_, settled, vehicle.differential_lag_s);
+    const double rim = vehicle.wheel_radius_m * vehicle.ground_per_wheel;
+    speed_mps_ = rim * common_;
+    yaw_rate_radps_ = 2.0 * differential_ * rim / vehicle.baseline_m;
+    const double turn = yaw_rate_radps_ * 1e-3;
+    pose_.x_m += speed_mps_ * 1e-3 * std::cos(pose_.theta_rad + 0.5 * turn);
+    pose_.y_m += speed_mps_ * 1e-3 * std::sin(pose_.theta_rad + 0.5 * turn);
+    pose_.theta_rad += turn;
+  }
+
   TrueVehicle vehicle_;
+  sim::VehicleModel fitted_;
   std::vector<WheelCommand> commands_;
   size_t at_ = kMaxDead_ms;
   double common_ = 0.0;
   double differential_ = 0.0;
+  double speed_mps_ = 0.0;
+  double yaw_rate_radps_ = 0.0;
   TruePose pose_;
 };
 
@@ -143,6 +181,8 @@ inline CommittedPlan PlanOf(const WorldPath& path, const SpeedParams& speed,
 struct DriveNoise {
   double position_m = 0.03;
   double heading_rad = 0.5 * std::numbers::pi / 180.0;
+  double speed_mps = 0.05;
+  double yaw_rate_radps = 0.02;
 };
 
 struct Driven {
@@ -155,12 +195,16 @@ struct Driven {
   double heading_off_rad = 0.0;  // at the end
   bool stood = false;
   bool within_limits = true;
+  double most_differential_radps = 0.0;  // of the commands
+  double change2_sum = 0.0;              // of their changes from tick to tick, differential part
+  double fastest_turn_radps = 0.0;
 };
 
 struct DriveSetup {
-  TrueVehicle vehicle;
+  TrueVehicle vehicle = Typical();
   VehicleParams params;
   SpeedParams speed;
+  OdometryParams odometry;
   DynamicsParams dynamics;
   TrackingParams tracking;
   DriveNoise noise;
@@ -193,6 +237,16 @@ inline WheelFeedback FeedbackOf(const VehicleBench& bench, uint64_t time_ns) {
           .right_radps = static_cast<float>(bench.right_radps())};
 }
 
+// What odometry says of the motion, with noise.
+template <typename Random>
+BodyMotion BodyOf(const VehicleBench& bench, const DriveNoise& noise, Random& random) {
+  std::normal_distribution<double> normal;
+  return {.valid = true,
+          .speed_mps = static_cast<float>(bench.speed_mps() + noise.speed_mps * normal(random)),
+          .yaw_rate_radps =
+              static_cast<float>(bench.yaw_rate_radps() + noise.yaw_rate_radps * normal(random))};
+}
+
 // Drives the path to its end, ticks of 10 ms: the loop of hal/vehicle_loop with a fixed plan.
 inline Driven Drive(const WorldPath& path, const DriveSetup& setup, unsigned seed) {
   constexpr uint64_t kTick_ns = 10'000'000;
@@ -204,14 +258,16 @@ inline Driven Drive(const WorldPath& path, const DriveSetup& setup, unsigned see
   bench.Place({first.x_m - setup.offset_m * std::sin(first.theta_rad),
                first.y_m + setup.offset_m * std::cos(first.theta_rad), first.theta_rad});
   Tracker tracker;
-  EXPECT_EQ(tracker.Configure(setup.params, setup.speed, {}, setup.dynamics, setup.tracking),
-            Status::kOk);
+  EXPECT_EQ(
+      tracker.Configure(setup.params, setup.speed, setup.odometry, setup.dynamics, setup.tracking),
+      Status::kOk);
   Driven driven;
   TrackingOutput output;
   WheelFeedback feedback;
   PathPlace place;
   uint64_t now_ns = 1'000'000'000;
   int standing = 0;
+  double before = 0.0;
   const Pose2& end = path.back();
   const bool reverse = std::cos(HeadingOf({path[1].x_m - first.x_m, path[1].y_m - first.y_m}) -
                                 first.theta_rad) < 0.0;
@@ -227,18 +283,31 @@ inline Driven Drive(const WorldPath& path, const DriveSetup& setup, unsigned see
     const bool lost = now_s > setup.feedback_until_s;
     if (tick % 2 == 0 && !lost) feedback = FeedbackOf(bench, now_ns - 4'000'000);
     if (lost && setup.feedback_freezes) feedback.time_ns = now_ns - 4'000'000;
-    static_cast<void>(tracker.Predict(now_ns, seen, feedback));
+    static_cast<void>(tracker.Predict(now_ns, seen, feedback, BodyOf(bench, setup.noise, random)));
     const DriveState& ahead = tracker.predicted();
     const bool stands = tracker.speed_mps() <= 0.05f && std::fabs(bench.speed_mps()) <= 0.1;
     place = Project(path, ahead.pose, stands,
                     place.along_m + std::fabs(ahead.speed_mps) * 0.01f + 3.0f);
     TrackingInput target;
-    EXPECT_EQ(
-        PathTarget(plan, {ahead.pose, place, tracker.speed_mps(), stands}, setup.tracking, target),
-        Status::kOk);
+    EXPECT_EQ(PathTarget(plan,
+                         {.pose = ahead.pose,
+                          .place = place,
+                          .speed_mps = tracker.speed_mps(),
+                          .turn_ahead_m = tracker.TurnAhead_m(),
+                          .wheel_ahead_m = tracker.WheelAhead_m(),
+                          .stands = stands},
+                         setup.tracking, target),
+              Status::kOk);
     EXPECT_TRUE(IsUsable(tracker.Follow(target, 0.01f, output)));
     for (int ms = 0; ms < 10; ++ms) bench.Step_ms(output.wheels);
 
+    const double told =
+        0.5 * static_cast<double>(output.wheels.right_radps - output.wheels.left_radps);
+    driven.most_differential_radps = std::max(driven.most_differential_radps, std::fabs(told));
+    driven.change2_sum += (told - before) * (told - before);
+    before = told;
+    driven.fastest_turn_radps =
+        std::max(driven.fastest_turn_radps, std::fabs(bench.yaw_rate_radps()));
     const TruePose& now = bench.pose();
     driven.poses.push_back(now);
     const double beyond_m = way_sign * (std::cos(end.theta_rad) * (now.x_m - end.x_m) +

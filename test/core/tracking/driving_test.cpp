@@ -55,10 +55,9 @@ Figures DriveSpread(const NamedPath& named, const TrackingParams& tracking, int 
                     std::vector<double>* all = nullptr) {
   Figures figures;
   std::vector<double> off_m;
-  std::mt19937 random(7);
   for (int run = 0; run < runs; ++run) {
     DriveSetup setup;
-    setup.vehicle = Spread(random);
+    setup.vehicle = Spread(static_cast<unsigned>(run + 1));
     setup.tracking = tracking;
     const Driven driven =
         Drive(reverse ? Reversed(named.path) : named.path, setup, static_cast<unsigned>(run));
@@ -97,27 +96,27 @@ TEST(TrackerDriving, KeepsToThePathOverTheSpreadOfVehicles) {
   std::printf("  all: p95 %.3f  p99 %.3f\n", Percentile(all, 0.95), Percentile(all, 0.99));
 }
 
-// Far outside the spread: turns that follow twice as quickly, or half again as slowly, as the fit.
-TEST(TrackerDriving, LearnsDrivesThatAreOthers) {
-  TrueVehicle quick;
+// Drives of another kind, without scrubbing and without a lag of the body, whose turns follow a
+// little or much more quickly: the tracker's model is not made for them, but it is not unstable.
+TEST(TrackerDriving, StaysNearThePathWithDrivesOfAnotherKind) {
+  SimpleVehicle quick;
   quick.differential_lag_s = 0.48;
   quick.differential_gain = 1.0;
   quick.differential_limit_radps = 100.0;
   quick.dead_time_s = 0.15;
-  TrueVehicle slow;
-  slow.differential_lag_s = 1.3;
-  slow.differential_gain = 0.75;
-  slow.dead_time_s = 0.20;
-  for (const TrueVehicle& vehicle : {quick, slow}) {
+  for (const SimpleVehicle& vehicle : {SimpleVehicle{}, quick}) {
     for (const NamedPath& named : Paths()) {
       DriveSetup setup;
-      setup.vehicle = vehicle;
+      setup.vehicle = Simple(vehicle);
+      setup.odometry.turning_point_m = 0.0f;
       const Driven driven = Drive(named.path, setup, 1);
       const double p95_m = Percentile(driven.off_m, 0.95);
-      std::printf("  lag %.2f s, %-16s p95 %.3f m\n", vehicle.differential_lag_s, named.name,
-                  p95_m);
+      const double largest_m = Percentile(driven.off_m, 1.0);
+      std::printf("  lag %.2f s, %-16s p95 %.3f  max %.3f m\n", vehicle.differential_lag_s,
+                  named.name, p95_m, largest_m);
       EXPECT_TRUE(driven.stood) << named.name;
-      EXPECT_LE(p95_m, 0.20) << named.name;
+      EXPECT_LE(p95_m, 0.35) << named.name;
+      EXPECT_LE(largest_m, 0.5) << named.name;
     }
   }
 }
@@ -150,10 +149,10 @@ TEST(TrackerDriving, IsFarNearerToThePathThanPurePursuit) {
 
 // From beside its path: it comes back without swinging far to the other side.
 TEST(TrackerDriving, ComesBackToThePathFromBesideIt) {
-  std::mt19937 random(8);
+  unsigned seed = 0;
   for (const double offset_m : {-1.0, -0.4, 0.4, 1.0}) {
     DriveSetup setup;
-    setup.vehicle = Spread(random);
+    setup.vehicle = Spread(++seed);
     setup.offset_m = offset_m;
     const Driven driven = Drive(Paths()[0].path, setup, 3);
     ASSERT_TRUE(driven.stood);
@@ -182,13 +181,14 @@ struct Rig {
   void Begin() {
     now_ns += 10'000'000;
     if (++tick % 2 == 0) feedback = FeedbackOf(bench, now_ns - 4'000'000);
-    static_cast<void>(tracker.Predict(now_ns, Seen(), feedback));
+    static_cast<void>(tracker.Predict(now_ns, Seen(), feedback, BodyOf(bench, noise, random)));
   }
   void Move() {
     for (int ms = 0; ms < 10; ++ms) bench.Step_ms(output.wheels);
   }
   std::mt19937 random{1};
   std::normal_distribution<double> normal;
+  DriveNoise noise;
   VehicleBench bench;
   Tracker tracker;
   TrackingOutput output;
@@ -204,7 +204,7 @@ TEST(TrackerDriving, TurnsOnTheSpotWithoutTurningTooFar) {
   double longest_s = 0.0;
   for (int run = 0; run < 40; ++run) {
     const double goal_rad = std::uniform_real_distribution<double>(-3.0, 3.0)(random);
-    Rig rig{Spread(random)};
+    Rig rig{Spread(static_cast<unsigned>(run + 1))};
     double over_rad = 0.0;
     int at_goal = 0;
     for (int tick = 0; tick < 1500 && at_goal < 100; ++tick) {
@@ -235,11 +235,10 @@ TEST(TrackerDriving, TurnsOnTheSpotWithoutTurningTooFar) {
 // What a plan's check takes as given: the way to rest from any speed, dead time and lag included,
 // is no longer than StoppingDistance says, which a safe stop along the path relies upon.
 TEST(TrackerDriving, StopsWithinTheStoppingDistanceOfThePlans) {
-  std::mt19937 random(10);
   const SpeedParams speed;
   double least_m = 1e9;
   for (int run = 0; run < 30; ++run) {
-    Rig rig{Spread(random)};
+    Rig rig{Spread(static_cast<unsigned>(run + 1))};
     const float limit_mps = 1.0f + 0.125f * static_cast<float>(run);
     double begin_x_m = 0.0;
     double begin_mps = 0.0;
@@ -276,7 +275,7 @@ TEST(TrackerDriving, StopsWithinTheStoppingDistanceOfThePlans) {
 TEST(TrackerDriving, GivesUpSpeedRatherThanTheTurn) {
   DriveSetup setup;
   setup.params.max_wheel_speed_radps = 11.0f;
-  setup.vehicle.max_wheel_radps = 11.0;
+  setup.vehicle.fitted.wheel_limit_radps = 11.0;
   setup.limit_s = 60.0;
   const WorldPath path = Paths()[1].path;
   // Timed for wheels that are faster.
@@ -289,7 +288,12 @@ TEST(TrackerDriving, GivesUpSpeedRatherThanTheTurn) {
     const Pose2 pose = rig.tracker.predicted().pose;
     place = Project(path, pose, false, place.along_m + 3.0f);
     TrackingInput input;
-    ASSERT_EQ(PathTarget(fast, {pose, place, 3.0f, false}, {}, input), Status::kOk);
+    const PathFollower follower = {.pose = pose,
+                                   .place = place,
+                                   .speed_mps = 3.0f,
+                                   .turn_ahead_m = rig.tracker.TurnAhead_m(),
+                                   .wheel_ahead_m = rig.tracker.WheelAhead_m()};
+    ASSERT_EQ(PathTarget(fast, follower, {}, input), Status::kOk);
     ASSERT_EQ(rig.tracker.Follow(input, 0.01f, rig.output), Status::kOk);
     ASSERT_LE(std::fabs(rig.output.wheels.left_radps), 11.0f);
     ASSERT_LE(std::fabs(rig.output.wheels.right_radps), 11.0f);
@@ -302,11 +306,10 @@ TEST(TrackerDriving, GivesUpSpeedRatherThanTheTurn) {
 // Lost, they leave the model alone, whose biases fade; frozen, they deceive it. In both cases for
 // longer than it takes to stop the vehicle for it.
 TEST(TrackerDriving, StaysNearThePathForAWhileWithoutWheelSpeeds) {
-  std::mt19937 random(11);
   for (const bool freezes : {false, true}) {
     for (int run = 0; run < 5; ++run) {
       DriveSetup setup;
-      setup.vehicle = Spread(random);
+      setup.vehicle = Spread(static_cast<unsigned>(run + 1));
       setup.feedback_until_s = 4.0;
       setup.feedback_freezes = freezes;
       setup.limit_s = 5.5;

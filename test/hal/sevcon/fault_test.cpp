@@ -216,6 +216,46 @@ TEST_F(DrivingFault, StuckWhileItIsToTurnRound) {
   EXPECT_EQ(bench.FaultOf(Side::kLeft), DriveFault::kOppositeMotion);
 }
 
+// The inner wheel of a hard turn goes on forwards although it is told to turn back: the tyres hold
+// it, not its motor. So it may for a while, but not for good.
+TEST_F(DrivingFault, NoneWhileATurnCarriesAWheel) {
+  for (const float way : {1.0f, -1.0f}) {
+    bench.Run(300, Bench::Wheels(way * 3.0f, way * 3.0f));
+    bench.left.stuck = true;
+    bench.Run(150, Bench::Wheels(way * -3.7f, way * 12.0f));
+    EXPECT_EQ(bench.FaultOf(Side::kLeft), DriveFault::kNone) << way;
+    bench.left.stuck = false;
+    bench.Run(100, Bench::Wheels(way * -3.7f, way * 12.0f));
+    EXPECT_EQ(bench.FaultOf(Side::kLeft), DriveFault::kNone) << way;
+  }
+  bench.Run(300, Bench::Wheels(3.0f, 3.0f));
+  bench.left.stuck = true;
+  bench.Run(400, Bench::Wheels(-3.7f, 12.0f));
+  EXPECT_EQ(bench.FaultOf(Side::kLeft), DriveFault::kOppositeMotion);
+}
+
+// Turns in which nothing carries the wheel: its own motor drives it the wrong way, faster than both
+// sides together are to be; the other side does not pull; or both sides turn wrongly.
+TEST_F(DrivingFault, OppositeMotionInATurn) {
+  struct Turn {
+    float left_radps;
+    float right_radps;
+    bool right_too;
+  };
+  for (const Turn& turn :
+       {Turn{-6.0f, 8.0f, false}, Turn{-6.0f, 6.0f, false}, Turn{-6.0f, 8.0f, true},
+        Turn{6.0f, -8.0f, false}, Turn{-6.0f, -2.0f, false}}) {
+    bench.left.runs_backward = true;
+    bench.right.runs_backward = turn.right_too;
+    bench.Run(80, Bench::Wheels(turn.left_radps, turn.right_radps));
+    EXPECT_EQ(bench.FaultOf(Side::kLeft), DriveFault::kOppositeMotion)
+        << turn.left_radps << " " << turn.right_radps;
+    bench.left.runs_backward = bench.right.runs_backward = false;
+    bench.Run(300);
+    ExpectDrivingAgain();
+  }
+}
+
 TEST_F(DrivingFault, ForeignSenders) {
   struct Foreign {
     uint32_t id;

@@ -89,8 +89,9 @@ TEST(VehicleLoopDriving, RefusesDrivesThatAreSlowerThanThePlansBelieve) {
   const auto config = std::make_unique<VehicleConfig>(drive.config());
   config->onboard.dynamics.dead_time_s = 0.25f;
   EXPECT_EQ(drive.loop().Configure(*config), Status::kParameterOutOfRange);
-  config->onboard.dynamics.dead_time_s = 0.17f;
-  config->onboard.dynamics.common_lag_s = 0.6f;
+  config->onboard.dynamics.dead_time_s = 0.14f;
+  // The drives' lag and that of the body behind them, 0.3 s.
+  config->onboard.dynamics.common_lag_s = 0.29f;
   EXPECT_EQ(drive.loop().Configure(*config), Status::kParameterOutOfRange);
   config->planner.speed.stopping_lag_s = 0.6f;
   EXPECT_EQ(drive.loop().Configure(*config), Status::kOk);
