@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,12 +28,30 @@ inline constexpr int kOutcomes = 7;
 
 const char* Name(Outcome outcome);
 
+// What the worlds are to show of the way (tools/mission/way_watch.h).
+struct WayResult {
+  double off_base_m = 0.0;     // largest, of a plan from the base path that it was bent from
+  double cross_track_m = 0.0;  // largest
+  int64_t overshoots = 0;      // times that it was more than 0.2 m beside the committed path
+  double recovery_s = 0.0;     // longest, from there to less than 0.1 m
+  bool recovered = true;       // the last one, too
+  // Of what the way leads around (world::Scenario::around): plans that changed the side before it
+  // was passed, and replans while the vehicle was beside it, so that what is behind came into view.
+  int64_t side_switches = 0;
+  int64_t replans_beside = 0;
+  // Largest distance from the middle of a corridor, or of what a pillar leaves of it.
+  std::optional<double> off_middle_m;
+};
+
 struct RunResult {
   // What was run.
   std::string world;
-  std::string planner;  // "optimizer" or "astar"
-  std::string tracker;  // "full" or "pursuit"
-  std::string vehicle;  // name of its parameters' file
+  std::string planner;          // "optimizer" or "astar"
+  std::string tracker;          // "full" or "pursuit"
+  std::string vehicle;          // name of its parameters' file
+  std::string labels = "none";  // or their delay, "100 ms"
+  double max_speed_set_mps = 0.0;
+  uint64_t settings = 0;  // a digest of all else that the runs of a row have in common
   uint64_t seed = 0;
   // What came of it.
   Outcome outcome = Outcome::kTimeOut;
@@ -51,6 +70,7 @@ struct RunResult {
   // that it was considered for, and that time times the speed.
   Histogram reaction_s{0.005, 200};
   Histogram reaction_m{0.02, 250};
+  WayResult way;
   uint64_t decision_hash = 0;
   bool replayed = false;  // its log was replayed, and every tick was decided the same
 
@@ -63,10 +83,15 @@ nlohmann::ordered_json ToJson(const RunResult& result);
 ReadOutcome FromJson(const nlohmann::json& object, RunResult& result);
 
 // Lines of JSON; the file's name and the line's number are in the message of a failure. A run that
-// is there twice (merged twice) is kept once; twice with another result is kInvalidArgument.
+// is there twice (merged twice) is kept once; twice with another result, or runs of one row with
+// different settings, are kInvalidArgument. A last line without its end was being written when the
+// experiment was stopped: it is left out.
 ReadOutcome ReadRuns(const std::string& path, std::vector<RunResult>& results);
 
-// In the order of their seeds.
+// Whether both were run in the same way, but for the seed: then they are of one row of the table.
+bool IsSameRow(const RunResult& one, const RunResult& other);
+
+// In the order of their rows and seeds.
 ReadOutcome WriteRuns(const std::string& path, std::vector<RunResult> results);
 
 }  // namespace hardpack::experiment

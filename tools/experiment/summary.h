@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,11 +13,26 @@
 
 namespace hardpack::experiment {
 
+// Of WayResult, over all runs of a row.
+struct WayRow {
+  double least_off_base_m = 0.0;  // of the runs' largest
+  double mean_off_base_m = 0.0;
+  double cross_track_m = 0.0;  // largest
+  int64_t overshoots = 0;
+  double recovery_s = 0.0;             // longest
+  int64_t not_recovered = 0;           // runs that ended beside their path
+  int64_t switched_side = 0;           // runs
+  int64_t replanned_beside = 0;        // runs
+  std::optional<double> off_middle_m;  // largest
+};
+
 struct Row {
   std::string world;
   std::string planner;
   std::string tracker;
   std::string vehicle;
+  std::string labels;
+  double max_speed_set_mps = 0.0;
   int64_t runs = 0;
   int64_t successes = 0;
   int64_t outcomes[kOutcomes] = {};
@@ -32,6 +48,15 @@ struct Row {
   Histogram cross_track_m;
   Histogram reaction_s{0.005, 200};
   Histogram reaction_m{0.02, 250};
+  WayRow way;
+
+  double success_share() const {
+    return runs > 0 ? static_cast<double>(successes) / static_cast<double>(runs) : 0.0;
+  }
+  // What reaction_s means at a speed.
+  double ReactionAt_m(double speed_mps, double share) const {
+    return speed_mps * reaction_s.Quantile(share);
+  }
 };
 
 // The interval that contains the true share of successes with 95 % confidence (Wilson 1927,
@@ -46,6 +71,8 @@ Interval Confidence95(int64_t successes, int64_t runs);
 std::vector<Row> Summarise(const std::vector<RunResult>& results);
 
 nlohmann::ordered_json ToJson(const Row& row);
+
+// Two tables: what came of the runs, and what their way shows.
 std::string ToMarkdown(const std::vector<Row>& rows);
 
 }  // namespace hardpack::experiment

@@ -9,6 +9,7 @@
 #include "tools/hardpack/bench_command.h"
 #include "tools/hardpack/command.h"
 #include "tools/hardpack/ctl_command.h"
+#include "tools/hardpack/experiment_command.h"
 #include "tools/hardpack/figures_command.h"
 #include "tools/hardpack/fit_command.h"
 #include "tools/hardpack/plan_command.h"
@@ -81,6 +82,7 @@ int main(int argc, char** argv) {
   hardpack::command::AddCtlCommand(app);
   hardpack::command::AddReplayCommand(app);
   hardpack::command::AddSimCommand(app);
+  hardpack::command::AddExperimentCommand(app);
   hardpack::command::AddWorldCommand(app);
   hardpack::command::AddFitCommand(app);
   const int exit_code = Run(app, argc, argv);

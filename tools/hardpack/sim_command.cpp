@@ -7,9 +7,7 @@
 
 #include "tools/hardpack/arguments.h"
 #include "tools/hardpack/command.h"
-#include "tools/hardpack/world_picture.h"
-#include "tools/mission/mission.h"
-#include "tools/sim/vehicle_model_file.h"
+#include "tools/hardpack/mission_options.h"
 
 namespace hardpack::command {
 namespace {
@@ -21,28 +19,15 @@ using mission::MissionTrace;
 struct SimOptions {
   std::string world = "gap";
   std::string out;
-  std::string configuration;
-  std::string vehicle = "warthog_paper";
   bool log = true;
   bool json = false;
-  double max_speed_mps = 0.0;
-  MissionSettings mission;
+  MissionOptions mission;
 };
 
 std::string Seconds(double seconds) {
   char text[32];
   std::snprintf(text, sizeof(text), "%.1f s", seconds);
   return text;
-}
-
-DrivenWay DrivenOf(const MissionTrace& trace) {
-  DrivenWay driven;
-  for (const MissionTrace::Sample& sample : trace.samples) {
-    driven.way.push_back({sample.x_m, sample.y_m});
-    driven.end_s = sample.t_s;
-  }
-  for (const MissionTrace::Plan& plan : trace.plans) driven.plans.push_back(plan.path);
-  return driven;
 }
 
 void WriteOutputs(const SimOptions& options, const MissionSettings& settings,
@@ -57,23 +42,9 @@ void WriteOutputs(const SimOptions& options, const MissionSettings& settings,
   WriteText(options.out + "/events.txt", events);
 }
 
-// A name is a file of config/vehicles, anything else a path.
-std::string VehiclePath(const std::string& name) {
-  if (name.ends_with(".toml")) return name;
-  return std::string(HARDPACK_VEHICLES) + "/" + name + ".toml";
-}
-
 void RunSim(const SimOptions& options) {
-  MissionSettings settings = options.mission;
-  Require(sim::ReadVehicle(VehiclePath(options.vehicle), settings.vehicle));
-  settings.vehicle_name = options.vehicle;
-  Require(world::MakeScenario(options.world, settings.seed, settings.scenario));
-  if (!options.configuration.empty()) {
-    Require(ReadConfiguration(options.configuration, settings.configuration));
-  }
-  if (options.max_speed_mps > 0.0) {
-    settings.configuration.planner.speed.max_speed_mps = static_cast<float>(options.max_speed_mps);
-  }
+  MissionSettings settings = SettingsOf(options.mission);
+  settings.scenario = ScenarioOf(options.world, settings.seed, options.mission.scenario);
   if (!options.out.empty()) MakeOutputFolder(options.out);
   if (options.log && !options.out.empty()) settings.log = options.out + "/run.pcap";
   RunResult result;
@@ -101,19 +72,11 @@ void AddSimCommand(CLI::App& app) {
       "Drive one mission in a simulated world: the onboard program's loop and a vehicle in one\n"
       "process, faster than real time. Exit code 1 when the mission did not end as it should.");
   const auto options = std::make_shared<SimOptions>();
-  sim->add_option("--world", options->world, "World, see `hardpack world` (default gap)");
-  sim->add_option("--seed", options->mission.seed, "Of world, vehicle and noise (default 1)");
-  sim->add_option("--planner", options->mission.planner, "optimizer (default) or astar");
-  sim->add_option("--tracker", options->mission.tracker, "full (default) or pursuit");
-  sim->add_option("--vehicle", options->vehicle,
-                  "warthog_paper (default), warthog_recorded, or FILE.toml (docs/simulation.md)");
-  sim->add_flag("!--typical", options->mission.spread,
-                "The typical vehicle instead of one drawn by the seed");
-  sim->add_option("--config", options->configuration, "Configuration (TOML) of the vehicle");
-  sim->add_option("--max-speed", options->max_speed_mps, "Instead of the configuration's [m/s]");
-  sim->add_option("--limit", options->mission.limit_s, "On the mission's time [s] (default 120)");
-  sim->add_option("--lidar-columns", options->mission.lidar_columns,
-                  "A revolution: 512, 1024 (default) or 2048");
+  sim->add_option("--world", options->world,
+                  "World or map.yaml, see `hardpack world` (default gap)");
+  sim->add_option("--seed", options->mission.mission.seed,
+                  "Of world, vehicle and noise (default 1)");
+  AddMissionOptions(*sim, options->mission);
   sim->add_option("--out", options->out,
                   "Folder for run.json, events.txt, sim.png and the flight log run.pcap");
   sim->add_flag("!--no-log", options->log, "No flight log");

@@ -7,44 +7,21 @@
 
 #include "tools/hardpack/arguments.h"
 #include "tools/hardpack/command.h"
+#include "tools/hardpack/scenario_argument.h"
 #include "tools/hardpack/world_picture.h"
-#include "tools/world/map_world.h"
 
 namespace hardpack::command {
 namespace {
 
 struct WorldOptions {
   std::string name;
-  std::string start = "0,0";
-  std::string goal;
+  ScenarioOptions scenario;
   std::string out;
   uint32_t seed = 1;
 };
 
-// The middle of the map, unless it is told where.
-world::Scenario MapScenario(const WorldOptions& options) {
-  map_server::OccupancyMap map;
-  Require(map_server::ReadOccupancyMap(options.name, map));
-  world::Scenario scenario;
-  scenario.name = options.name;
-  scenario.description = "A map of ROS map_server: walls of 2 m, bushes of 1 m.";
-  scenario.world = world::WorldOfMap(map);
-  const auto start = ParseNumbers("--start", options.start, 2, 3, "X,Y[,THETA]");
-  scenario.start.position = {double{start[0]}, double{start[1]}, 0.0};
-  if (start.size() == 3) scenario.start.yaw_rad = double{start[2]};
-  const auto goal =
-      ParseNumbers("--goal", options.goal.empty() ? options.start : options.goal, 2, 3, "X,Y");
-  scenario.goal = {double{goal[0]}, double{goal[1]}};
-  return scenario;
-}
-
 void Run(const WorldOptions& options) {
-  world::Scenario scenario;
-  if (options.name.ends_with(".yaml")) {
-    scenario = MapScenario(options);
-  } else {
-    Require(world::MakeScenario(options.name, options.seed, scenario));
-  }
+  const world::Scenario scenario = ScenarioOf(options.name, options.seed, options.scenario);
   const WorldScan scan = ScanFromStart(scenario, options.seed);
   MakeOutputFolder(options.out);
   const std::string path = options.out + "/world.png";
@@ -68,8 +45,8 @@ void AddWorldCommand(CLI::App& app) {
   command->add_option("name", options->name, "World, or FILE.yaml")->required();
   command->add_option("--out", options->out, "Folder to write to; made when missing")->required();
   command->add_option("--seed", options->seed, "Of its variations (default 1)");
-  command->add_option("--start", options->start, "X,Y[,THETA] on a map (default 0,0)");
-  command->add_option("--goal", options->goal, "X,Y on a map");
+  command->add_option("--start", options->scenario.start, "X,Y[,THETA] on a map (default 0,0)");
+  command->add_option("--goal", options->scenario.goal, "X,Y on a map");
   command->callback([options] { Run(*options); });
 }
 

@@ -51,6 +51,9 @@ ReadOutcome LockStep::Start(const LockStepSettings& settings) {
   told.lidar.metadata = "simulated.json";
   told.ins.address = {kSensorAddress[static_cast<size_t>(InputSource::kIns)]};
   told.ins.port = 7520;
+  if (settings.vehicle.labels) {
+    told.label_source.address = {kSensorAddress[static_cast<size_t>(InputSource::kLabels)]};
+  }
   configuration_text_ = ToToml(told);
   ReadOutcome outcome = ParseConfiguration(configuration_text_, "simulation", configuration_);
   if (!outcome.ok()) return outcome;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/mission/mission.h"
 
+#include <cmath>
 #include <memory>
 #include <span>
 
@@ -8,6 +9,7 @@
 #include "tools/mission/observer.h"
 #include "tools/replay/replay.h"
 #include "tools/sim/script.h"
+#include "tools/sim/vehicle_model_file.h"
 
 namespace hardpack::mission {
 namespace {
@@ -59,7 +61,10 @@ LockStepSettings SettingsOf(const MissionSettings& settings) {
   run.vehicle.ins.errors = sim::Vn300Errors();
   run.vehicle.ins.seed = seed;
   run.vehicle.seed = seed;
-  if (run.vehicle.labels) run.vehicle.labels->seed = seed;
+  if (run.vehicle.labels) {
+    run.vehicle.labels->seed = seed;
+    run.configuration.perception.mapping.use_labels = 1;
+  }
   return run;
 }
 
@@ -110,6 +115,29 @@ std::string Begin(LockStep& run, world::Point2 goal) {
 
 }  // namespace
 
+std::string LabelsName(const std::optional<sim::LabelSettings>& labels) {
+  if (!labels) return "none";
+  return std::to_string(std::lround(1000.0 * labels->delay_s)) + " ms";
+}
+
+uint64_t DigestOf(const MissionSettings& settings) {
+  std::string text = ToToml(settings.configuration) + settings.script;
+  text += sim::VehicleToToml(settings.vehicle, "");
+  for (const double number : {settings.spread ? 1.0 : 0.0, settings.limit_s,
+                              static_cast<double>(settings.lidar_columns)}) {
+    text.append(" ").append(sim::NumberText(number));
+  }
+  if (settings.labels) {
+    for (const double number : {settings.labels->accuracy, settings.labels->delay_s,
+                                static_cast<double>(settings.labels->columns)}) {
+      text.append(" ").append(sim::NumberText(number));
+    }
+  }
+  uint64_t digest = 14695981039346656037u;  // FNV-1a
+  for (const char c : text) digest = (digest ^ static_cast<uint8_t>(c)) * 1099511628211u;
+  return digest;
+}
+
 Outcome WantedOutcome(const std::string& world) {
   return world == "dead_end" || world == "ditch" ? Outcome::kSaid : Outcome::kReached;
 }
@@ -130,6 +158,9 @@ ReadOutcome RunMission(const MissionSettings& settings, RunResult& result, Missi
   result.planner = settings.planner;
   result.tracker = settings.tracker;
   result.vehicle = settings.vehicle_name;
+  result.labels = LabelsName(settings.labels);
+  result.max_speed_set_mps = double{settings.configuration.planner.speed.max_speed_mps};
+  result.settings = DigestOf(settings);
   result.seed = settings.seed;
   result.reason = "none";
   result.clearance_m = world::Contact::kFar_m;
@@ -141,7 +172,7 @@ ReadOutcome RunMission(const MissionSettings& settings, RunResult& result, Missi
     return run.End();
   }
   const double start_s = run.time_s();
-  Observer observer(result, trace, start_s);
+  Observer observer(settings.scenario, result, trace, start_s);
   size_t next_event = 0;
   while (!observer.ended() && run.time_s() - start_s < settings.limit_s) {
     for (; next_event < script.size() && script[next_event].at_s <= run.time_s() - start_s;

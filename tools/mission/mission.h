@@ -27,6 +27,8 @@ struct MissionSettings {
   bool spread = true;             // false: the typical one
 
   uint64_t seed = 1;  // of all that is random but the scenario
+  // External labels, which the vehicle then waits for (mapping.use_labels); none: it classes all
+  // returns itself.
   std::optional<sim::LabelSettings> labels;
   int lidar_columns = 1024;
   Configuration configuration;
@@ -34,6 +36,13 @@ struct MissionSettings {
   double limit_s = 120.0;  // from the goal on
   std::string log;         // path of the flight log; empty: none
 };
+
+// How the table of an experiment names them: "none", or by how much they are late, "100 ms".
+std::string LabelsName(const std::optional<sim::LabelSettings>& labels);
+
+// A digest of everything that decides about a mission but the world, the methods' names and the
+// seed.
+uint64_t DigestOf(const MissionSettings& settings);
 
 // What the experiment of a world is to end in.
 experiment::Outcome WantedOutcome(const std::string& world);

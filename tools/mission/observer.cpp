@@ -19,18 +19,9 @@ constexpr double kSample_s = 0.05;
 // step of one tick.
 constexpr size_t kJerkTicks = 5;
 
-double Distance_m(world::Point2 a, world::Point2 b) {
-  return std::sqrt((a.x_m - b.x_m) * (a.x_m - b.x_m) + (a.y_m - b.y_m) * (a.y_m - b.y_m));
-}
-
-// Of a point to a chord, with the place of the nearest one on it.
-double ToChord_m(world::Point2 p, world::Point2 from, world::Point2 to, double& share) {
-  const double dx = to.x_m - from.x_m;
-  const double dy = to.y_m - from.y_m;
-  const double length2 = dx * dx + dy * dy;
-  share = length2 > 0.0 ? ((p.x_m - from.x_m) * dx + (p.y_m - from.y_m) * dy) / length2 : 0.0;
-  share = std::clamp(share, 0.0, 1.0);
-  return Distance_m(p, {from.x_m + share * dx, from.y_m + share * dy});
+world::Point2 Here(const LockStep& run) {
+  const sim::Pose& pose = run.vehicle().vehicle().pose();
+  return {pose.x_m, pose.y_m};
 }
 
 std::string ReasonName(StopReason reason) {
@@ -58,7 +49,7 @@ void Observer::Watch(const LockStep& run) {
   result_.max_speed_mps =
       std::max(result_.max_speed_mps, std::fabs(run.vehicle().vehicle().speed_mps()));
   WatchPlan(run, t_s);
-  WatchMotion(run);
+  WatchMotion(run, t_s);
   WatchContact(run, t_s);
   WatchMode(run, t_s);
   Sample(run, t_s);
@@ -90,26 +81,20 @@ void Observer::WatchContact(const LockStep& run, double t_s) {
 void Observer::WatchPlan(const LockStep& run, double t_s) {
   const CommittedPlan& plan = run.loop().replanner().committed();
   if (plan.number == plan_) return;
-  if (plan_ != 0 && plan.number != 0) ++result_.replans;
+  const bool is_replan = plan_ != 0 && plan.number != 0;
+  if (is_replan) ++result_.replans;
   plan_ = plan.number;
   path_.clear();
   if (plan.number == 0) return;
   const WorldFromOdom frame(run.vehicle().vehicle().pose(), run.loop().odometry().pose());
   for (const Pose2& pose : plan.path) path_.push_back(frame.ToWorld({pose.x_m, pose.y_m}));
+  result_.way.off_base_m =
+      std::max(result_.way.off_base_m, OffBase_m(run.loop().replanner().planner().result()));
+  way_.Committed(path_, Here(run), is_replan);
   if (trace_ != nullptr) trace_->plans.push_back({t_s, path_});
 }
 
-double Observer::CrossTrack_m(const sim::Pose& pose) const {
-  double least_m = INFINITY;
-  double share = 0.0;
-  const world::Point2 here = {pose.x_m, pose.y_m};
-  for (size_t i = 0; i + 1 < path_.size(); ++i) {
-    least_m = std::min(least_m, ToChord_m(here, path_[i], path_[i + 1], share));
-  }
-  return least_m;
-}
-
-void Observer::WatchMotion(const LockStep& run) {
+void Observer::WatchMotion(const LockStep& run, double t_s) {
   const double speed_mps = run.vehicle().vehicle().speed_mps();
   speeds_mps_.push_back(speed_mps);
   if (speeds_mps_.size() > 2 * kJerkTicks) {
@@ -121,9 +106,12 @@ void Observer::WatchMotion(const LockStep& run) {
     ++jerks_;
     speeds_mps_.pop_front();
   }
+  way_.Moved(Here(run));
   if (path_.size() < 2 || run.loop().permission().mode != Mode::kDriving) return;
-  cross_track_m_ = CrossTrack_m(run.vehicle().vehicle().pose());
-  if (std::fabs(speed_mps) > 0.1) result_.cross_track_m.Add(cross_track_m_);
+  cross_track_m_ = DistanceToPath_m(Here(run), path_);
+  if (std::fabs(speed_mps) <= 0.1) return;
+  result_.cross_track_m.Add(cross_track_m_);
+  way_.Followed(t_s, cross_track_m_);
 }
 
 void Observer::WatchMode(const LockStep& run, double t_s) {

@@ -8,6 +8,7 @@
 #include "tools/mission/frame.h"
 #include "tools/mission/lock_step.h"
 #include "tools/mission/mission.h"
+#include "tools/mission/way_watch.h"
 
 // Watches a mission from outside, once a tick: contact, clearance, how far the vehicle is from the
 // path that it follows, how it came to a stop. Nothing of it goes back to the vehicle.
@@ -16,9 +17,11 @@ namespace hardpack::mission {
 
 class Observer {
  public:
-  // `trace` may be null. start_s: the lock step's time at which the goal was accepted.
-  Observer(experiment::RunResult& result, MissionTrace* trace, double start_s)
-      : result_(result), trace_(trace), start_s_(start_s) {}
+  // `trace` may be null; the others outlive it. start_s: the lock step's time at which the goal was
+  // accepted.
+  Observer(const world::Scenario& scenario, experiment::RunResult& result, MissionTrace* trace,
+           double start_s)
+      : result_(result), trace_(trace), start_s_(start_s), way_(scenario, result.way) {}
 
   void Watch(const LockStep& run);
   void Finish(const LockStep& run);
@@ -36,15 +39,15 @@ class Observer {
   void WatchContact(const LockStep& run, double t_s);
   void WatchPlan(const LockStep& run, double t_s);
   void WatchMode(const LockStep& run, double t_s);
-  void WatchMotion(const LockStep& run);
+  void WatchMotion(const LockStep& run, double t_s);
   void Sample(const LockStep& run, double t_s);
-  double CrossTrack_m(const sim::Pose& pose) const;
   void Note(double t_s, const std::string& text);
   void End(experiment::Outcome outcome);
 
   experiment::RunResult& result_;
   MissionTrace* trace_;
   double start_s_;
+  WayWatch way_;
   bool ended_ = false;
   bool drove_ = false;
   bool stands_ = true;

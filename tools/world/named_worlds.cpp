@@ -99,6 +99,7 @@ void MakeRockPile(uint64_t seed, Scenario& scenario) {
   const double core_m = draws.Uniform(3.6, 4.4);
   const Point2 middle = {20.0, draws.Uniform(-1.2, 1.2)};
   AddRockPile(scenario.world, middle, core_m, core_m + 2.0, draws.Uniform(1.9, 2.4), draws);
+  scenario.around = {middle, core_m + 2.0};
   for (int i = 0; i < 6; ++i) {
     AddBush(scenario.world, {draws.Uniform(8.0, 36.0), draws.Sign() * draws.Uniform(10.0, 18.0)},
             draws.Uniform(0.6, 1.2), draws.Uniform(0.6, 1.2));
@@ -121,6 +122,7 @@ void MakeHill(uint64_t seed, Scenario& scenario) {
                            return rough.At(x_m, y_m) + height_m * bump * bump;
                          }));
   scenario.goal = {44.0, 0.0};
+  scenario.around = {middle, radius_m};
 }
 
 void MakeForest(uint64_t seed, Scenario& scenario) {
@@ -168,7 +170,10 @@ void MakeCorridor(uint64_t seed, Scenario& scenario) {
   for (const double side : {-1.0, 1.0}) {
     AddBoxOnGround(scenario.world, {21.0, side * (half_width_m + 0.2)}, 0.0, 54.0, 0.4, 2.5, kWall);
   }
-  AddBoxOnGround(scenario.world, {pillar_m, 0.0}, 0.0, 1.2, 1.2, 2.0, kWall);
+  constexpr double kPillar_m = 1.2;
+  AddBoxOnGround(scenario.world, {pillar_m, 0.0}, 0.0, kPillar_m, kPillar_m, 2.0, kWall);
+  scenario.around = {{pillar_m, 0.0}, kPillar_m / 2.0};
+  scenario.corridor_half_width_m = half_width_m;
 }
 
 void MakeCrossing(uint64_t seed, Scenario& scenario) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,12 +16,20 @@
 
 namespace hardpack::world {
 
+// One thing that the way leads around, on the one side or on the other.
+struct Landmark {
+  Point2 middle;
+  double radius_m = 0.0;
+};
+
 struct Scenario {
   std::string name;
   std::string description;
   World world;
   BodyPose start;  // of named worlds: at the origin, looking along +x
   Point2 goal;
+  std::optional<Landmark> around;      // rock_pile, hill, corridor: pile, hill and pillar
+  double corridor_half_width_m = 0.0;  // corridor: between walls along +x, y = 0 in the middle
 };
 
 // gap, rock_pile, hill, forest, corridor, crossing, dead_end, ditch, open.

@@ -17,6 +17,9 @@ RunResult Sample(uint64_t seed = 4) {
   result.planner = "optimizer";
   result.tracker = "full";
   result.vehicle = "warthog_paper";
+  result.labels = "100 ms";
+  result.max_speed_set_mps = 5.0;
+  result.settings = 0x0123456789abcdef;
   result.seed = seed;
   result.outcome = Outcome::kContact;
   result.success = false;
@@ -34,6 +37,14 @@ RunResult Sample(uint64_t seed = 4) {
   result.cross_track_m.Add(77.0, 2);
   result.reaction_s.Add(0.064, 1000);
   result.reaction_m.Add(0.32, 1000);
+  result.way = {.off_base_m = 1.5,
+                .cross_track_m = 0.4,
+                .overshoots = 2,
+                .recovery_s = 0.75,
+                .recovered = false,
+                .side_switches = 1,
+                .replans_beside = 3,
+                .off_middle_m = 0.25};
   result.decision_hash = 0xfedcba9876543210;
   result.replayed = true;
   return result;
@@ -68,6 +79,20 @@ TEST(RunResult, IsRefusedWithAFieldMissingOrOfAnotherKind) {
     other[item.key()] = nlohmann::json::array({"x"});
     EXPECT_FALSE(FromJson(other, result).ok()) << item.key();
   }
+  for (const auto& item : whole["way"].items()) {
+    RunResult result;
+    nlohmann::json without = whole;
+    without["way"].erase(item.key());
+    EXPECT_FALSE(FromJson(without, result).ok()) << item.key();
+  }
+}
+
+TEST(RunResult, KeepsThatThereWasNoCorridor) {
+  RunResult sample = Sample();
+  sample.way.off_middle_m.reset();
+  RunResult back;
+  ASSERT_TRUE(FromJson(nlohmann::json::parse(ToJson(sample).dump()), back).ok());
+  EXPECT_FALSE(back.way.off_middle_m.has_value());
 }
 
 TEST(RunResult, IsRefusedWithAHistogramOfOtherBins) {
@@ -107,8 +132,34 @@ TEST_F(RunsFile, WithOneSeedDecidedInTwoWaysIsRefused) {
   EXPECT_NE(outcome.message.find(":2: seed 1"), std::string::npos) << outcome.message;
 }
 
+TEST_F(RunsFile, WithRunsOfOneRowUnderOtherSettingsIsRefused) {
+  RunResult other = Sample(2);
+  other.settings ^= 1;
+  ASSERT_TRUE(WriteRuns(path, {Sample(1), other}).ok());
+  std::vector<RunResult> runs;
+  const ReadOutcome outcome = ReadRuns(path, runs);
+  EXPECT_FALSE(outcome.ok());
+  EXPECT_NE(outcome.message.find(":2: seed 2 was run with other settings"), std::string::npos)
+      << outcome.message;
+  // Of another row they are no matter.
+  other.labels = "none";
+  ASSERT_TRUE(WriteRuns(path, {Sample(1), other}).ok());
+  runs.clear();
+  EXPECT_TRUE(ReadRuns(path, runs).ok());
+  EXPECT_EQ(runs.size(), 2u);
+}
+
+TEST_F(RunsFile, LosesALastLineThatWasCut) {
+  const std::string line = ToJson(Sample(2)).dump();
+  Write(ToJson(Sample(1)).dump() + "\n" + line.substr(0, line.size() / 2));
+  std::vector<RunResult> runs;
+  ASSERT_TRUE(ReadRuns(path, runs).ok());
+  ASSERT_EQ(runs.size(), 1u);
+  EXPECT_EQ(runs[0].seed, 1u);
+}
+
 TEST_F(RunsFile, ThatIsBadSaysWhere) {
-  Write(ToJson(Sample()).dump() + "\n{\"world\": ");
+  Write(ToJson(Sample()).dump() + "\n{\"world\": \n");
   std::vector<RunResult> runs;
   const ReadOutcome outcome = ReadRuns(path, runs);
   EXPECT_FALSE(outcome.ok());

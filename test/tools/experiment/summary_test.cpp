@@ -51,7 +51,11 @@ TEST(Summarise, KeepsEveryWayOfRunningApart) {
   other.planner = "astar";
   RunResult third = RunOf(1, true, 1.0, 1.0);
   third.vehicle = "warthog_recorded";
-  EXPECT_EQ(Summarise({RunOf(1, true, 1.0, 1.0), other, third}).size(), 3u);
+  RunResult fourth = RunOf(1, true, 1.0, 1.0);
+  fourth.labels = "100 ms";
+  RunResult fifth = RunOf(1, true, 1.0, 1.0);
+  fifth.max_speed_set_mps = 3.0;
+  EXPECT_EQ(Summarise({RunOf(1, true, 1.0, 1.0), other, third, fourth, fifth}).size(), 5u);
 }
 
 TEST(Summarise, QuantilesAreOfAllRunsTogether) {
@@ -62,6 +66,41 @@ TEST(Summarise, QuantilesAreOfAllRunsTogether) {
   const std::vector<Row> rows = Summarise({one, other});
   EXPECT_NEAR(rows[0].cross_track_m.Quantile(0.5), 0.015, 1e-9);
   EXPECT_NEAR(rows[0].cross_track_m.Quantile(0.95), 0.205, 1e-9);
+}
+
+TEST(Summarise, WhatTheWayShowsIsOfAllRuns) {
+  RunResult one = RunOf(1, true, 1.0, 1.0);
+  one.way = {.off_base_m = 1.0,
+             .cross_track_m = 0.5,
+             .overshoots = 2,
+             .recovery_s = 1.5,
+             .recovered = false,
+             .side_switches = 2,
+             .replans_beside = 3,
+             .off_middle_m = 0.7};
+  RunResult other = RunOf(2, false, 1.0, 1.0);
+  other.way.off_base_m = 0.5;
+  other.way.off_middle_m = 0.2;
+  const std::vector<Row> rows = Summarise({one, other});
+  const WayRow& way = rows[0].way;
+  EXPECT_DOUBLE_EQ(way.least_off_base_m, 0.5);
+  EXPECT_DOUBLE_EQ(way.mean_off_base_m, 0.75);
+  EXPECT_DOUBLE_EQ(way.cross_track_m, 0.5);
+  EXPECT_EQ(way.overshoots, 2);
+  EXPECT_DOUBLE_EQ(way.recovery_s, 1.5);
+  EXPECT_EQ(way.not_recovered, 1);
+  EXPECT_EQ(way.switched_side, 1);
+  EXPECT_EQ(way.replanned_beside, 1);
+  EXPECT_DOUBLE_EQ(way.off_middle_m.value(), 0.7);
+}
+
+// 0.06 s at 5 m/s are 0.3 m, whatever was driven when they were measured; to a bin.
+TEST(Summarise, ReactionIsToldAtASpeedThatIsAskedFor) {
+  RunResult one = RunOf(1, true, 1.0, 1.0);
+  one.reaction_s.Add(0.058, 100);
+  const std::vector<Row> rows = Summarise({one});
+  EXPECT_NEAR(rows[0].ReactionAt_m(5.0, 0.5), 0.3, 1e-9);
+  EXPECT_NEAR(ToJson(rows[0])["reaction_at_5_mps_p99_m"].get<double>(), 0.3, 1e-9);
 }
 
 TEST(Summarise, OfNoSuccessHasNoNumberThatIsNone) {

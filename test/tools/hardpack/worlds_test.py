@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""usage: worlds_test.py WORLD
+
+The experiment of one world over HARDPACK_SEEDS seeds (5): every run has a result, its log replays to
+its decisions, one run driven again is the same to the bit, and no fewer runs succeed and no more
+touch something than the table says.
+"""
+
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+COMMAND = os.environ["HARDPACK_COMMAND"]
+SEEDS = int(os.environ.get("HARDPACK_SEEDS", "5"))
+
+# Of five: successes at least, runs that touched something (a person while moving, an obstacle, a
+# wheel in the ditch) at most. Wanted is (5, 0) everywhere; what is less was measured, and is to be
+# raised with the driving.
+LIMITS = {
+    "open": (5, 0),
+    "hill": (5, 0),
+    "rock_pile": (5, 0),
+    "gap": (4, 0),
+    "corridor": (2, 0),
+    "forest": (2, 0),
+    "crossing": (1, 1),
+    "dead_end": (0, 0),
+    "ditch": (0, 5),
+}
+
+
+def run(*arguments, codes=(0,)):
+    result = subprocess.run([COMMAND, *map(str, arguments)], capture_output=True, text=True,
+                            check=False)
+    if result.returncode not in codes:
+        sys.exit(f"exit code {result.returncode}: {result.stderr}{result.stdout}")
+    return result.stdout
+
+
+def check(world, out):
+    failures = []
+    table = json.loads(run("experiment", world, "--runs", SEEDS, "--jobs", 1, "--pictures", "none",
+                           "--json", "--out", out))
+    row, = table["rows"]
+    print((out / "table.md").read_text())
+    runs = [json.loads(line) for line in (out / "runs.jsonl").read_text().splitlines()]
+    if [one["seed"] for one in runs] != list(range(1, SEEDS + 1)) or row["runs"] != SEEDS:
+        failures.append("a run is missing")
+    if row["replayed"] != SEEDS:
+        failures.append(f"{row['replayed']} of {SEEDS} logs replay")
+    if not all(one["time_s"] > 0 and one["reaction_s"]["bins"] for one in runs):
+        failures.append("a run has no time or no reactions")
+    again = json.loads(run("sim", "--world", world, "--seed", 1, "--json", codes=(0, 1)))
+    if again | {"replayed": True} != runs[0]:
+        failures.append("seed 1 is not the same a second time")
+    least, most_touches = LIMITS[world]
+    # With fewer seeds: as many failures as there may be of five.
+    if row["runs"] - row["successes"] > 5 - least:
+        failures.append(f"{row['successes']} of {SEEDS} succeeded, wanted {least} of 5")
+    touches = row["outcomes"]["contact"] + row["outcomes"]["person"]
+    if touches > most_touches:
+        failures.append(f"{touches} runs touched something, at most {most_touches} may")
+    return failures
+
+
+def main():
+    with tempfile.TemporaryDirectory(prefix="hardpack_worlds_") as folder:
+        failures = check(sys.argv[1], pathlib.Path(folder) / "out")
+    for failure in failures:
+        print(f"{sys.argv[1]}: {failure}", file=sys.stderr)
+    sys.exit(1 if failures else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "CLI/CLI.hpp"
+
+namespace hardpack::command {
+
+// hardpack experiment: missions over many seeds, and the table of what came of them.
+void AddExperimentCommand(CLI::App& app);
+
+}  // namespace hardpack::command

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "CLI/CLI.hpp"
+#include "tools/hardpack/scenario_argument.h"
+#include "tools/hardpack/world_picture.h"
+#include "tools/mission/mission.h"
+
+// What `hardpack sim` and `hardpack experiment` ask for of a mission.
+
+namespace hardpack::command {
+
+struct MissionOptions {
+  std::string vehicle = "warthog_paper";
+  std::string configuration;
+  std::string labels = "none";
+  double max_speed_mps = 0.0;  // 0: the configuration's
+  ScenarioOptions scenario;
+  mission::MissionSettings mission;
+};
+
+// `options` outlives the command.
+void AddMissionOptions(CLI::App& command, MissionOptions& options);
+
+// Reads the files; everything but world and seed. Throws a CommandFailure (bad input).
+mission::MissionSettings SettingsOf(const MissionOptions& options);
+
+// What a picture shows of a mission.
+DrivenWay DrivenOf(const mission::MissionTrace& trace);
+
+}  // namespace hardpack::command
