@@ -16,8 +16,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kAround_m = 12.0;  // ahead of and behind the way, on the map
-constexpr double kBeside_m = 12.0;
+constexpr double kAround_m = 12.0;  // of the way, on the map
+// Shapes of a map's frame: width over height on a wide screen, height over width on a phone.
+constexpr double kWidest = 1.6;
+constexpr double kHighest = 1.2;
 constexpr double kHeightStep_m = 0.5;
 
 double Rounded(double value, double per_unit) {
@@ -48,17 +50,27 @@ struct Extent {
   }
 };
 
-Extent ExtentOf(const MissionSettings& settings, const MissionTrace& trace) {
-  Extent extent;
-  extent.Include(settings.scenario.start.position.x_m, settings.scenario.start.position.y_m);
-  extent.Include(settings.scenario.goal.x_m, settings.scenario.goal.y_m);
-  for (const MissionTrace::Sample& sample : trace.samples) extent.Include(sample.x_m, sample.y_m);
-  const world::Bounds& bounds = settings.scenario.world.bounds();
-  extent.left_m = std::max(extent.left_m - kAround_m, bounds.low_x_m);
-  extent.right_m = std::min(extent.right_m + kAround_m, bounds.high_x_m);
-  extent.low_m = std::max(extent.low_m - kBeside_m, bounds.low_y_m);
-  extent.high_m = std::min(extent.high_m + kBeside_m, bounds.high_y_m);
-  return extent;
+// What is looked at first: the way, start and goal, and what is around them.
+Extent FocusOf(const MissionSettings& settings, const MissionTrace& trace) {
+  Extent focus;
+  focus.Include(settings.scenario.start.position.x_m, settings.scenario.start.position.y_m);
+  focus.Include(settings.scenario.goal.x_m, settings.scenario.goal.y_m);
+  for (const MissionTrace::Sample& sample : trace.samples) focus.Include(sample.x_m, sample.y_m);
+  return {focus.left_m - kAround_m, focus.right_m + kAround_m, focus.low_m - kAround_m,
+          focus.high_m + kAround_m};
+}
+
+// Of the ground that the page has: enough for a frame of any shape around the focus.
+Extent ExtentOf(const world::World& world, const Extent& focus) {
+  const double wide_m = focus.right_m - focus.left_m;
+  const double high_m = focus.high_m - focus.low_m;
+  const double beside_m = std::max(0.0, kWidest * high_m - wide_m) / 2.0;
+  const double above_m = std::max(0.0, kHighest * wide_m - high_m) / 2.0;
+  const world::Bounds& bounds = world.bounds();
+  return {std::max(focus.left_m - beside_m, bounds.low_x_m),
+          std::min(focus.right_m + beside_m, bounds.high_x_m),
+          std::max(focus.low_m - above_m, bounds.low_y_m),
+          std::min(focus.high_m + above_m, bounds.high_y_m)};
 }
 
 // [rows x columns] of centimetres from the lower left corner on.
@@ -105,7 +117,8 @@ Json BodiesOf(const world::World& world, const Extent& extent) {
 
 Json SceneOf(const MissionSettings& settings, const MissionTrace& trace) {
   const world::Scenario& scenario = settings.scenario;
-  const Extent extent = ExtentOf(settings, trace);
+  const Extent focus = FocusOf(settings, trace);
+  const Extent extent = ExtentOf(scenario.world, focus);
   Json ditches = Json::array();
   for (const world::Ditch& ditch : scenario.world.ditches()) {
     ditches.push_back({{"from", PointOf(ditch.from)},
@@ -115,6 +128,7 @@ Json SceneOf(const MissionSettings& settings, const MissionTrace& trace) {
   return {{"description", scenario.description},
           {"start", PointOf({scenario.start.position.x_m, scenario.start.position.y_m})},
           {"goal", PointOf(scenario.goal)},
+          {"focus", {focus.left_m, focus.low_m, focus.right_m, focus.high_m}},
           {"extent", {extent.left_m, extent.low_m, extent.right_m, extent.high_m}},
           {"heights", HeightsOf(scenario.world, extent)},
           {"ditches", ditches},

@@ -10,7 +10,7 @@ const count = samples.t_s.length;
 // Colours that are told apart by the colour-blind too (Okabe and Ito), and the paper's yellow.
 const kColours = {
   driven: '#f0e442', plan: '#0072b2', earlier: 'rgba(0,114,178,0.22)', vehicle: '#111111',
-  goal: '#cc79a7', person: '#7b1fa2', measured: '#111111', commanded: '#d55e00', planned: '#0072b2',
+  goal: '#cc79a7', person: '#7b1fa2', measured: '#111111', commanded: '#d55e00', planned: '#8cc8ec',
   median: '#0072b2', tail: '#d55e00', solid: '#5f6368', trunk: '#6b4a2b', leaves: 'rgba(0,158,115,0.30)',
   mesh: '#3f51b5', ditch: 'rgba(90,70,40,0.35)',
   // By the kinds of cells: unknown, free, costly, lethal, soft, hard, a person.

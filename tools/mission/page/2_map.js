@@ -21,7 +21,7 @@ function fit(canvas) {
 }
 
 function showWhole() {
-  const [left, low, right, high] = scene.extent;
+  const [left, low, right, high] = scene.focus;
   view.x_m = (left + right) / 2;
   view.y_m = (low + high) / 2;
   view.scale = Math.min(groundCanvas.clientWidth / (right - left),

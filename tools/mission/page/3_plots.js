@@ -3,10 +3,10 @@
 
 const kPlotFrame = {left: 44, right: 10, top: 6, bottom: 20};
 
-// [title, unit, [[name, colour, value of a sample, dash]...], least and most that is always shown]
+// [title, unit, [[name, colour, value of a sample, dash, width]...], least and most that is always shown]
 const kPlots = [
   ['Speed', 'm/s', [
-    ['planned', kColours.planned, (i) => samples.planned_mps[i], [6, 3]],
+    ['planned', kColours.planned, (i) => samples.planned_mps[i], null, 5],
     ['commanded', kColours.commanded, (i) => samples.commanded_mps[i], [2, 2]],
     ['driven', kColours.measured, (i) => samples.speed_mps[i]]], [0, 1]],
   ['Yaw rate', 'rad/s', [
@@ -24,10 +24,10 @@ const kPlots = [
 
 const plotCanvases = [];
 
-function swatch(colour, dash) {
+function swatch(colour, dash, width) {
   const dashes = dash ? ` stroke-dasharray="${dash.join(' ')}"` : '';
   return `<svg width="24" height="10" aria-hidden="true"><line x1="0" y1="5" x2="24" y2="5" ` +
-    `stroke="${colour}" stroke-width="2.5"${dashes}/></svg>`;
+    `stroke="${colour}" stroke-width="${width || 2.5}"${dashes}/></svg>`;
 }
 
 function addPlot(title, legend, name) {
@@ -35,9 +35,9 @@ function addPlot(title, legend, name) {
   box.className = 'plot';
   const heading = document.createElement('h3');
   heading.textContent = title;
-  for (const [text, colour, dash] of legend) {
+  for (const [text, colour, dash, width] of legend) {
     const entry = document.createElement('span');
-    entry.innerHTML = swatch(colour, dash);
+    entry.innerHTML = swatch(colour, dash, width);
     entry.append(text);
     heading.append(entry);
   }
@@ -50,7 +50,7 @@ function addPlot(title, legend, name) {
 
 function makePlots() {
   for (const [title, unit, lines] of kPlots) {
-    const legend = lines.map(([text, colour, , dash]) => [text, colour, dash]);
+    const legend = lines.map(([text, colour, , dash, width]) => [text, colour, dash, width]);
     plotCanvases.push(addPlot(`${title} [${unit}]`, legend, title));
   }
   plotCanvases.push(addPlot('Reaction radius of all lidar columns [m]: share of columns [%]',
@@ -117,7 +117,7 @@ function drawPlot(index, i) {
   const [, , lines, always] = kPlots[index];
   const {pen, x, y, height} = drawFrame(plotCanvases[index], timeRange(), plotRange(lines, always),
     't [s]');
-  for (const [, colour, value, dash] of lines) {
+  for (const [, colour, value, dash, width] of lines) {
     pen.beginPath();
     let open = false;
     for (let k = 0; k < count; ++k) {
@@ -126,7 +126,7 @@ function drawPlot(index, i) {
       open = Number.isFinite(v);
     }
     pen.strokeStyle = colour;
-    pen.lineWidth = 1.6;
+    pen.lineWidth = width || 1.6;
     pen.setLineDash(dash || []);
     pen.stroke();
     pen.setLineDash([]);
