@@ -8,17 +8,22 @@ usage: tools/arm64_vcan.sh [OPTION...] [--] DIR COMMAND [ARG...]
 
 Runs a command on Debian's arm64 kernel in QEMU, an emulated machine with two Cortex-A72, where a
 real SocketCAN interface vcan0 exists and the loopback is up. A copy of DIR (static aarch64 programs,
-scripts, data) is the working folder there, in memory: what is written there is lost. There is a
-busybox, and nothing else. Exit status, standard output and standard error are the command's, which
-runs as root with an empty standard input. Starting takes some five seconds.
+scripts, data) is the working folder there, in memory: what is written there is lost. There are a
+busybox and candump, and nothing else. Exit status, standard output and standard error are the
+command's, which runs as root with an empty standard input. Starting takes some five seconds.
 
   --interfaces N   vcan0 to vcan<N-1>; 1 unless told
   --memory SIZE    of the machine, as 512M or 2G; 1G unless told
+  --own-clock      its clocks run by what it computes, not by the host's: a nanosecond an
+                   instruction, and the time in which it has nothing to do is left out. So a busy
+                   host cannot make it late, and a second of it takes as long as it takes. One core
+  --bring-back NEW the folder `out` of its working folder becomes NEW, which must not be there yet,
+                   when the command has ended
   --timeout S      ends everything after S seconds, starting included, with exit status 124
   --verbose        shows the kernel's log too
   --help           this text
 
-The kernel and the busybox come from Debian's archive by apt-get download, once, into
+The kernel and these programs come from Debian's archive by apt-get download, once, into
 $XDG_CACHE_HOME/hardpack/arm64_vcan (~/.cache unless told), which may be deleted at any time.
 
 Exit status: the command's; 2 bad usage, 123 the machine failed, 124 time-out and 125 something
@@ -36,6 +41,8 @@ end_with() {
 
 interfaces=1
 memory=1G
+own_clock=false
+back=
 timeout=infinity
 verbose=false
 while [ $# -gt 0 ]; do
@@ -45,6 +52,12 @@ while [ $# -gt 0 ]; do
       declare "${1#--}=$2"
       shift
       ;;
+    --bring-back)
+      [ $# -ge 2 ] || end_with 2 "$1 needs a value; see --help"
+      back=$2
+      shift
+      ;;
+    --own-clock) own_clock=true ;;
     --verbose) verbose=true ;;
     --help | -h) usage; exit 0 ;;
     --) shift; break ;;
@@ -56,6 +69,7 @@ done
 [[ $interfaces =~ ^[1-9][0-9]?$ ]] || end_with 2 "--interfaces is a number from 1 to 99"
 [[ $memory =~ ^[1-9][0-9]*[MG]$ ]] || end_with 2 "--memory is a number and M or G"
 [[ $timeout =~ ^([0-9]+(\.[0-9]+)?|infinity)$ ]] || end_with 2 "--timeout is a number of seconds"
+if [ -n "$back" ] && [ -e "$back" ]; then end_with 2 "$back is there already"; fi
 [ $# -ge 2 ] || end_with 2 "a folder and a command are needed; see --help"
 [ -d "$1" ] || end_with 2 "$1 is not a folder"
 folder=$1
@@ -87,7 +101,9 @@ work=$(mktemp -d "${TMPDIR:-/tmp}/arm64_vcan.XXXXXX")
 # --- the kernel and the busybox -------------------------------------------------------------------
 
 cache=${XDG_CACHE_HOME:-$HOME/.cache}/hardpack/arm64_vcan
-modules=(net/can/can net/can/can-raw drivers/net/can/dev/can-dev drivers/net/can/vcan)
+modules=(net/can/can net/can/can-raw drivers/net/can/dev/can-dev drivers/net/can/vcan
+  drivers/virtio/virtio_pci_legacy_dev drivers/virtio/virtio_pci_modern_dev
+  drivers/virtio/virtio_pci drivers/block/virtio_blk)
 
 # Of Debian's arm64 packages, whatever this machine's own are: only the few files that are used are
 # kept. The folder is filled aside and moved into place whole; of two at a time the later wins.
@@ -98,10 +114,11 @@ fetch() {
     -o Dir::Cache="$work" -o APT::Sandbox::User="$(id -un)" -o Debug::NoLocking=1)
   apt-get "${apt[@]}" -qq update
   kernel=$(apt-cache "${apt[@]}" depends linux-image-arm64 | awk '/Depends:/ { print $2; exit }')
-  (cd "$work/debs" && apt-get "${apt[@]}" -qq download "$kernel" busybox-static)
+  (cd "$work/debs" && apt-get "${apt[@]}" -qq download "$kernel" busybox-static can-utils libc6)
   for package in "$work"/debs/*.deb; do dpkg -x "$package" "$work/unpacked"; done
   cp "$work"/unpacked/boot/vmlinuz-* "$work/cache/vmlinuz"
-  cp "$work/unpacked/bin/busybox" "$work/cache/"
+  cp "$work/unpacked/bin/busybox" "$work/unpacked/usr/bin/candump" "$work/cache/"
+  cp -L "$work"/unpacked/lib/aarch64-linux-gnu/{libc.so.6,ld-linux-aarch64.so.1} "$work/cache/"
   for module in "${modules[@]}"; do
     cp "$work"/unpacked/lib/modules/*/kernel/"$module.ko" "$work/cache/"
   done
@@ -110,14 +127,14 @@ fetch() {
   mv -T "$work/cache" "$cache"
 }
 
-if [ ! -e "$cache/vmlinuz" ]; then
+if [ ! -e "$cache/candump" ]; then  # the newest of its files
   set +e  # on the left of || the first failure would not end it
   (set -e; fetch) >"$work/fetch.log" 2>&1 </dev/null
   fetched=$?
   set -e
   if [ $fetched -ne 0 ]; then
     tail -n 5 "$work/fetch.log" >&2
-    end_with 125 "Debian's arm64 kernel and busybox could not be fetched"
+    end_with 125 "Debian's arm64 kernel, busybox and candump could not be fetched"
   fi
 fi
 
@@ -127,8 +144,9 @@ fi
 # prints, apart from the console.
 make_file_system() {
   local module
-  mkdir -p "$work/fs"/{bin,dev,modules,proc,run/app,sys,tmp}
-  cp "$cache/busybox" "$work/fs/bin/"
+  mkdir -p "$work/fs"/{bin,dev,lib,modules,proc,run/app,sys,tmp}
+  cp "$cache/busybox" "$cache/candump" "$work/fs/bin/"
+  cp "$cache/libc.so.6" "$cache/ld-linux-aarch64.so.1" "$work/fs/lib/"
   cp -a "$folder/." "$work/fs/run/app/"
   for module in "${modules[@]}"; do cp "$cache/${module##*/}.ko" "$work/fs/modules/"; done
   { printf 'exec'; printf " '%s'" "${@//\'/\'\\\'\'}"; } >"$work/fs/command"
@@ -158,6 +176,7 @@ set +e
     echo \$? >/status
   } | cat >/dev/ttyS1
 } 3>&1 | cat >/dev/ttyS0
+if [ -b /dev/vda ] && [ -d out ]; then tar -c -f /dev/vda out || echo failed >/status; fi
 cat /status >/dev/ttyS2
 poweroff -f
 INIT
@@ -172,7 +191,15 @@ mkfifo "$work/output" "$work/errors"
 readers+=($!)
 "${bound[@]}" cat "$work/errors" >&2 &
 readers+=($!)
-"${bound[@]}" qemu-system-aarch64 -M virt -cpu cortex-a72 -smp 2 -m "$memory" -display none \
+options=(-smp 2)
+# Neither TCG thread nor sleep between instructions: the machine's time goes on by 2^0 ns for each.
+if $own_clock; then options=(-smp 1 -icount "shift=0,sleep=off"); fi
+if [ -n "$back" ]; then
+  truncate -s "$memory" "$work/disk"  # a file with a hole: more than its memory it cannot hold
+  options+=(-drive "file=$work/disk,format=raw,if=none,id=disk,cache=unsafe"
+    -device "virtio-blk-pci,drive=disk")
+fi
+"${bound[@]}" qemu-system-aarch64 -M virt -cpu cortex-a72 "${options[@]}" -m "$memory" -display none \
   -no-reboot -nic none -kernel "$cache/vmlinuz" -initrd "$work/initrd" \
   -append "console=ttyAMA0 panic=-1" -serial "file:$work/log" \
   -chardev "file,id=output,path=$work/output" -chardev "file,id=errors,path=$work/errors" \
@@ -196,4 +223,10 @@ wait "${readers[@]}" || exit 141
 status=$(grep -x '[0-9]*' "$work/status") || status=failed
 if $verbose || [ "$status" = failed ]; then cat "$work/qemu.log" "$work/log" >&2; fi
 if [ "$status" = failed ]; then end_with 123 "the machine failed; above is its log"; fi
+if [ -n "$back" ]; then
+  mkdir "$work/back"
+  tar -x -f "$work/disk" -C "$work/back" || end_with 123 "the folder out is too large"
+  [ -d "$work/back/out" ] || end_with 123 "the command left no folder out"
+  mv -T "$work/back/out" "$back"
+fi
 exit "$status"

@@ -37,6 +37,23 @@ PassesOutputAndExitStatus() {
   expect "what is left" "" "$(ls "$TMPDIR")"
 }
 
+# By its own clock the machine sleeps for as long as it was told to.
+HasItsOwnClockAndBringsBack() {
+  local status=0 slept start=$SECONDS
+  "$arm64_vcan" --own-clock --bring-back "$scratch/back" "$scratch/folder" sh -c \
+    'mkdir out; cut -d . -f 1 /proc/uptime >out/before; sleep 30; cut -d . -f 1 /proc/uptime >out/after
+     exit 3' >"$scratch/out" 2>"$scratch/err" || status=$?
+  if [ $status -eq 125 ]; then exit 125; fi
+  expect status 3 $status
+  slept=$(($(<"$scratch/back/after") - $(<"$scratch/back/before")))
+  if [ $slept -lt 30 ] || [ $slept -gt 31 ]; then expect "seconds asleep" 30 $slept; fi
+  echo "30 s of the machine's clock in $((SECONDS - start)) s, its start included"
+  status=0
+  "$arm64_vcan" --bring-back "$scratch/back" "$scratch/folder" true 2>"$scratch/err" || status=$?
+  expect "status for a folder that is there" 2 $status
+  expect "what is left" "" "$(ls "$TMPDIR")"
+}
+
 EndsWithSigterm() {
   local pid status=0 file
   "$arm64_vcan" "$scratch/folder" sh -c 'echo started; sleep 1000' >"$scratch/out" &

@@ -8,6 +8,10 @@
 #include "tools/hardpack/arguments.h"
 #include "tools/hardpack/command.h"
 #include "tools/hardpack/mission_options.h"
+#include "tools/hardpack/world_picture.h"
+#include "tools/mission/mission.h"
+#include "tools/mission/page.h"
+#include "tools/sim/vehicle_model_file.h"
 
 namespace hardpack::command {
 namespace {
@@ -20,6 +24,7 @@ struct SimOptions {
   std::string world = "gap";
   std::string out;
   bool log = true;
+  bool replay = false;
   bool json = false;
   MissionOptions mission;
 };
@@ -40,6 +45,8 @@ void WriteOutputs(const SimOptions& options, const MissionSettings& settings,
     events += Seconds(event.t_s) + "  " + event.text + "\n";
   }
   WriteText(options.out + "/events.txt", events);
+  WriteText(options.out + "/page.html",
+            mission::PageOf(mission::PageData(settings, result, trace)));
 }
 
 void RunSim(const SimOptions& options) {
@@ -52,8 +59,17 @@ void RunSim(const SimOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   Require(mission::RunMission(settings, result, &trace));
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  std::string difference;
+  if (options.replay) {
+    if (settings.log.empty()) throw CommandFailure(kBadInput, "--replay needs --out, and the log");
+    Require(mission::ReplaysTheSame(settings.log, result.decision_hash, difference));
+    result.replayed = difference.empty();
+  }
   if (!options.out.empty()) WriteOutputs(options, settings, result, trace);
   if (options.json) std::cout << ToJson(result).dump() << "\n";
+  if (!difference.empty()) {
+    throw CommandFailure(kWorkFailed, "the log does not replay: " + difference);
+  }
   if (!result.success) {
     throw CommandFailure(kWorkFailed, std::string(experiment::Name(result.outcome)) + " after " +
                                           Seconds(result.time_s) + ", reason " + result.reason);
@@ -78,8 +94,11 @@ void AddSimCommand(CLI::App& app) {
                   "Of world, vehicle and noise (default 1)");
   AddMissionOptions(*sim, options->mission);
   sim->add_option("--out", options->out,
-                  "Folder for run.json, events.txt, sim.png and the flight log run.pcap");
+                  "Folder for page.html, which shows the mission in a browser, run.json,\n"
+                  "events.txt, sim.png and the flight log run.pcap");
   sim->add_flag("!--no-log", options->log, "No flight log");
+  sim->add_flag("--replay", options->replay,
+                "Replay the log afterwards: whether every tick was decided the same again");
   sim->add_flag("--json", options->json, "Print run.json as one line on standard output");
   sim->callback([options] { RunSim(*options); });
 }

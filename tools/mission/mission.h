@@ -9,6 +9,7 @@
 #include "port_linux/configuration.h"
 #include "port_linux/read_outcome.h"
 #include "tools/experiment/run_result.h"
+#include "tools/mission/map_record.h"
 #include "tools/sim/sim_labels.h"
 #include "tools/sim/vehicle_model_params.h"
 #include "tools/world/named_worlds.h"
@@ -55,11 +56,16 @@ struct MissionTrace {
     double y_m = 0.0;
     double yaw_rad = 0.0;
     double speed_mps = 0.0;
-    double planned_mps = 0.0;  // by the plan at that place
+    double commanded_mps = 0.0;  // that the tracker has told it to have by now
+    double planned_mps = 0.0;    // by the committed plan at that place; 0 without one
     double yaw_rate_radps = 0.0;
     double commanded_yaw_radps = 0.0;  // of the wheels' setpoints, without slip
+    double commanded_curvature_per_m = 0.0;
     double cross_track_m = 0.0;
-    double reaction_m = 0.0;  // median so far
+    double clearance_m = 0.0;        // to anything hard, now
+    double reaction_median_m = 0.0;  // of the columns of the second before; 0 without any
+    double reaction_p99_m = 0.0;
+    std::vector<world::Point2> people;  // as in the world's list
   };
   struct Plan {
     double t_s = 0.0;
@@ -72,6 +78,7 @@ struct MissionTrace {
   std::vector<Sample> samples;
   std::vector<Plan> plans;  // each that was committed
   std::vector<Event> events;
+  std::vector<MapRecord> maps;  // by time
 };
 
 // Failures are settings that cannot be run; a mission that goes wrong is a result. `trace` may be

@@ -24,6 +24,15 @@ world::Point2 Here(const LockStep& run) {
   return {pose.x_m, pose.y_m};
 }
 
+// Of the committed plan where the vehicle is; 0 without one.
+double PlannedSpeed_mps(const Replanner& replanner) {
+  const CommittedPlan& plan = replanner.committed();
+  const PathPlace& place = replanner.place();
+  if (plan.number == 0 || place.point + 1 >= plan.speed.size()) return 0.0;
+  const double from_mps = double{plan.speed[place.point]};
+  return from_mps + double{place.share} * (double{plan.speed[place.point + 1]} - from_mps);
+}
+
 std::string ReasonName(StopReason reason) {
   return ctl::NameOf(control::FieldKind::kStopReason, static_cast<uint8_t>(reason)).name;
 }
@@ -60,7 +69,8 @@ void Observer::WatchContact(const LockStep& run, double t_s) {
   const double speed_mps = std::fabs(run.vehicle().vehicle().speed_mps());
   const world::Contact contact =
       world::ContactOf(run.world(), pose.x_m, pose.y_m, pose.theta_rad, run.time_s());
-  result_.clearance_m = std::min(result_.clearance_m, std::max(0.0, contact.hard_m));
+  clearance_m_ = std::max(0.0, contact.hard_m);
+  result_.clearance_m = std::min(result_.clearance_m, clearance_m_);
   if (contact.hard_m < 0.0 || contact.in_ditch || contact.too_steep()) {
     if (!ended_) {
       Note(t_s, contact.in_ditch ? "in a ditch" : contact.hard_m < 0.0 ? "touched" : "too steep");
@@ -144,14 +154,32 @@ void Observer::WatchMode(const LockStep& run, double t_s) {
 }
 
 void Observer::Sample(const LockStep& run, double t_s) {
-  if (trace_ == nullptr || t_s < next_sample_s_) return;
+  if (trace_ == nullptr) return;
+  maps_.Watch(run, t_s, trace_->maps);
+  if (t_s < next_sample_s_) return;
   next_sample_s_ = t_s + kSample_s - 1.0e-6;
   const sim::SimVehicle& vehicle = run.vehicle().vehicle();
   const TrackingOutput& commanded = run.loop().tracking();
-  trace_->samples.push_back({t_s, vehicle.pose().x_m, vehicle.pose().y_m, vehicle.pose().theta_rad,
-                             vehicle.speed_mps(), commanded.speed_mps, vehicle.yaw_rate_radps(),
-                             commanded.yaw_rate_radps, cross_track_m_,
-                             run.loop().reaction().Radius_m(0.5f)});
+  MissionTrace::Sample sample;
+  sample.t_s = t_s;
+  sample.x_m = vehicle.pose().x_m;
+  sample.y_m = vehicle.pose().y_m;
+  sample.yaw_rad = vehicle.pose().theta_rad;
+  sample.speed_mps = vehicle.speed_mps();
+  sample.commanded_mps = commanded.speed_mps;
+  sample.planned_mps = PlannedSpeed_mps(run.loop().replanner());
+  sample.yaw_rate_radps = vehicle.yaw_rate_radps();
+  sample.commanded_yaw_radps = commanded.yaw_rate_radps;
+  sample.commanded_curvature_per_m = commanded.curvature_per_m;
+  sample.cross_track_m = cross_track_m_;
+  sample.clearance_m = clearance_m_;
+  reaction_.Add(run.loop().reaction().radius_bins());
+  sample.reaction_median_m = reaction_.Radius_m(0.5);
+  sample.reaction_p99_m = reaction_.Radius_m(0.99);
+  for (const world::Person& person : run.world().people()) {
+    sample.people.push_back(person.At(run.time_s()));
+  }
+  trace_->samples.push_back(std::move(sample));
 }
 
 void Observer::Finish(const LockStep& run) {

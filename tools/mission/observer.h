@@ -7,7 +7,9 @@
 #include "tools/experiment/run_result.h"
 #include "tools/mission/frame.h"
 #include "tools/mission/lock_step.h"
+#include "tools/mission/map_record.h"
 #include "tools/mission/mission.h"
+#include "tools/mission/reaction_window.h"
 #include "tools/mission/way_watch.h"
 
 // Watches a mission from outside, once a tick: contact, clearance, how far the vehicle is from the
@@ -61,7 +63,10 @@ class Observer {
   std::deque<double> speeds_mps_;  // of the last ticks, for the jerk
   double jerk2_sum_ = 0.0;
   int64_t jerks_ = 0;
+  double clearance_m_ = 0.0;
   double next_sample_s_ = 0.0;
+  MapRecorder maps_;
+  ReactionWindow reaction_;
 };
 
 }  // namespace hardpack::mission
