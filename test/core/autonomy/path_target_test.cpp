@@ -37,7 +37,9 @@ TrackingInput TargetAt(const CommittedPlan& plan, const Pose2& pose, bool stands
                        Status expected = Status::kOk) {
   const PathPlace place = Project(plan.path, pose, stands, 1000.0f);
   TrackingInput target;
-  EXPECT_EQ(PathTarget(plan, {pose, place, 2.0f, stands}, {}, target), expected);
+  EXPECT_EQ(PathTarget(plan, {.pose = pose, .place = place, .speed_mps = 2.0f, .stands = stands},
+                       {}, target),
+            expected);
   return target;
 }
 
@@ -46,7 +48,8 @@ TEST(PathTarget, SaysHowThePathBendsAndHowFarItGoes) {
   const TrackingInput target = TargetAt(plan, plan.path[40]);
   EXPECT_FALSE(target.reverse);
   EXPECT_FALSE(target.turn);
-  EXPECT_NEAR(target.curvature_per_m, 1.0f / 8.0f, 1e-3f);
+  EXPECT_NEAR(target.turn_curvature_per_m, 1.0f / 8.0f, 1e-3f);
+  EXPECT_NEAR(target.wheel_curvature_per_m, 1.0f / 8.0f, 1e-3f);
   EXPECT_NEAR(target.curvature_rate_per_m2, 0.0f, 1e-2f);
   EXPECT_NEAR(target.left_m, 0.25f * 39.0f, 0.02f);
   EXPECT_NEAR(target.path.theta_rad, 10.0f / 8.0f, 0.01f);
@@ -58,13 +61,39 @@ TEST(PathTarget, GivesAHeadingAndACurvatureThatAreTheVehiclesInReverse) {
   const TrackingInput target = TargetAt(plan, plan.path[40]);
   EXPECT_TRUE(target.reverse);
   // Backwards to the left of the way driven is a turn to the right per metre of heading.
-  EXPECT_NEAR(target.curvature_per_m, -1.0f / 8.0f, 1e-3f);
+  EXPECT_NEAR(target.turn_curvature_per_m, -1.0f / 8.0f, 1e-3f);
   EXPECT_NEAR(WrapAngle(target.path.theta_rad - (10.0f / 8.0f - kPi)), 0.0f, 0.01f);
   // What is aimed at lies behind the vehicle.
   const SinCosPair heading = SinCos(target.path.theta_rad);
   EXPECT_LT(heading.cos * (target.aim.pose.x_m - target.path.x_m) +
                 heading.sin * (target.aim.pose.y_m - target.path.y_m),
             -0.5f);
+}
+
+// A bend that tightens by 0.02 1/m in every metre.
+TEST(PathTarget, LooksAheadForTheTurnAndFurtherForTheWheels) {
+  WorldPath path;
+  float x_m = 0.0f;
+  float y_m = 0.0f;
+  for (int i = 0; i < 60; ++i) {
+    path.Resize(i + 1);
+    path[i] = {x_m, y_m, 0.0f};
+    const float middle_m = 0.25f * (static_cast<float>(i) + 0.5f);
+    x_m += 0.25f * std::cos(0.01f * middle_m * middle_m);
+    y_m += 0.25f * std::sin(0.01f * middle_m * middle_m);
+  }
+  SetHeadingsFromChords(path);
+  const CommittedPlan plan = PlanOf(path);
+  const PathFollower follower = {.pose = path[20],
+                                 .place = Project(path, path[20], false, 1000.0f),
+                                 .speed_mps = 2.0f,
+                                 .turn_ahead_m = 1.0f,
+                                 .wheel_ahead_m = 2.0f};
+  TrackingInput target;
+  ASSERT_EQ(PathTarget(plan, follower, {}, target), Status::kOk);
+  EXPECT_NEAR(target.turn_curvature_per_m, 0.02f * 6.0f, 2e-3f);
+  EXPECT_NEAR(target.wheel_curvature_per_m, 0.02f * 7.0f, 2e-3f);
+  EXPECT_NEAR(target.curvature_rate_per_m2, 0.02f, 2e-3f);
 }
 
 TEST(PathTarget, TellsTheAccelerationOfTheSpeeds) {

@@ -19,8 +19,10 @@ struct Flaws {
   double gyro_bias_radps = 0.0;
   double gyro_noise_radps = 0.002;
   double wheel_noise_radps = 0.02;
-  double wheel_scale = 0.962;  // ground speed over rim speed
-  double baseline_m = 1.87;    // ground speeds' difference over the yaw rate
+  double wheel_scale = 0.962;    // ground speed over rim speed
+  double baseline_m = 1.87;      // ground speeds' difference over the yaw rate
+  double turning_point_m = 0.8;  // at speed, ahead of the middle; 0.7 of it at ...
+  double turning_point_speed_mps = 1.67;
   bool has_ground_speed = true;
   double ground_speed_noise_mps = 0.05;
 };
@@ -38,8 +40,11 @@ class KnownDrive {
   // Half a tick of truth.
   void Move(double v_mps, double w_radps) {
     const double dt_s = static_cast<double>(kHalfTick_ns) * 1e-9;
-    x_m += v_mps * dt_s * std::cos(yaw_rad + w_radps * dt_s / 2.0);
-    y_m += v_mps * dt_s * std::sin(yaw_rad + w_radps * dt_s / 2.0);
+    const double middle_rad = yaw_rad + w_radps * dt_s / 2.0;
+    const double left_mps =
+        -w_radps * flaws.turning_point_m * v_mps / std::hypot(v_mps, flaws.turning_point_speed_mps);
+    x_m += dt_s * (v_mps * std::cos(middle_rad) - left_mps * std::sin(middle_rad));
+    y_m += dt_s * (v_mps * std::sin(middle_rad) + left_mps * std::cos(middle_rad));
     yaw_rad += w_radps * dt_s;
     driven_m += std::fabs(v_mps) * dt_s;
     now_ns += kHalfTick_ns;
