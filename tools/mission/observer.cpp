@@ -52,50 +52,62 @@ void Observer::End(Outcome outcome) {
   result_.outcome = outcome;
 }
 
-void Observer::Watch(const LockStep& run) {
-  const double t_s = run.time_s() - start_s_;
-  result_.time_s = t_s;
-  result_.max_speed_mps =
-      std::max(result_.max_speed_mps, std::fabs(run.vehicle().vehicle().speed_mps()));
-  WatchPlan(run, t_s);
-  WatchMotion(run);
-  WatchContact(run, t_s);
-  WatchMode(run, t_s);
-  Sample(run, t_s);
+// Contact counts after another end too, on the way to rest.
+void Observer::EndBy(Outcome contact, double t_s, const std::string& text) {
+  const bool touched = result_.outcome == Outcome::kContact || result_.outcome == Outcome::kPerson;
+  if (ended_ && touched) return;
+  Note(t_s, text);
+  ended_ = true;
+  result_.outcome = contact;
 }
 
-void Observer::WatchContact(const LockStep& run, double t_s) {
-  const sim::Pose& pose = run.vehicle().vehicle().pose();
-  const double speed_mps = std::fabs(run.vehicle().vehicle().speed_mps());
+void Observer::WatchRest(const Moment& now) {
+  WatchContact(now, now.time_s - start_s_);
+}
+
+void Observer::Watch(const Moment& now) {
+  const double t_s = now.time_s - start_s_;
+  result_.time_s = t_s;
+  result_.max_speed_mps =
+      std::max(result_.max_speed_mps, std::fabs(now.vehicle->vehicle().speed_mps()));
+  WatchPlan(now, t_s);
+  WatchMotion(now);
+  WatchContact(now, t_s);
+  WatchMode(now, t_s);
+  Sample(now, t_s);
+}
+
+void Observer::WatchContact(const Moment& now, double t_s) {
+  const sim::Pose& pose = now.vehicle->vehicle().pose();
+  const double speed_mps = std::fabs(now.vehicle->vehicle().speed_mps());
   const world::Contact contact =
-      world::ContactOf(run.world(), pose.x_m, pose.y_m, pose.theta_rad, run.time_s());
+      world::ContactOf(now.vehicle->world(), pose.x_m, pose.y_m, pose.theta_rad, now.time_s);
   result_.clearance_m = std::min(result_.clearance_m, std::max(0.0, contact.hard_m));
   if (contact.hard_m < 0.0 || contact.in_ditch || contact.too_steep()) {
-    if (!ended_) {
-      Note(t_s, contact.in_ditch ? "in a ditch" : contact.hard_m < 0.0 ? "touched" : "too steep");
-    }
-    End(Outcome::kContact);
+    EndBy(Outcome::kContact, t_s,
+          contact.in_ditch       ? "in a ditch"
+          : contact.hard_m < 0.0 ? "touched"
+                                 : "too steep");
   }
   if (speed_mps <= kPersonSpeed_mps) return;
   result_.person_clearance_m =
       std::min(result_.person_clearance_m, std::max(0.0, contact.person_m));
   if (contact.person_m < 0.0) {
-    if (!ended_) Note(t_s, "touched a person at " + std::to_string(speed_mps) + " m/s");
-    End(Outcome::kPerson);
+    EndBy(Outcome::kPerson, t_s, "touched a person at " + std::to_string(speed_mps) + " m/s");
   }
 }
 
 // A path is held against where the vehicle is in truth; it lies where the odometry was when it was
 // committed.
-void Observer::WatchPlan(const LockStep& run, double t_s) {
-  const CommittedPlan& plan = run.loop().replanner().committed();
-  if (plan.number == plan_) return;
-  if (plan_ != 0 && plan.number != 0) ++result_.replans;
-  plan_ = plan.number;
+void Observer::WatchPlan(const Moment& now, double t_s) {
+  if (now.plan == plan_) return;
+  if (plan_ != 0 && now.plan != 0) ++result_.replans;
+  plan_ = now.plan;
   path_.clear();
-  if (plan.number == 0) return;
-  const WorldFromOdom frame(run.vehicle().vehicle().pose(), run.loop().odometry().pose());
-  for (const Pose2& pose : plan.path) path_.push_back(frame.ToWorld({pose.x_m, pose.y_m}));
+  if (now.plan == 0 || now.committed == nullptr) return;
+  const WorldFromOdom frame(now.vehicle->vehicle().pose(), now.odometry);
+  for (const Pose2& pose : now.committed->path)
+    path_.push_back(frame.ToWorld({pose.x_m, pose.y_m}));
   if (trace_ != nullptr) trace_->plans.push_back({t_s, path_});
 }
 
@@ -109,8 +121,8 @@ double Observer::CrossTrack_m(const sim::Pose& pose) const {
   return least_m;
 }
 
-void Observer::WatchMotion(const LockStep& run) {
-  const double speed_mps = run.vehicle().vehicle().speed_mps();
+void Observer::WatchMotion(const Moment& now) {
+  const double speed_mps = now.vehicle->vehicle().speed_mps();
   speeds_mps_.push_back(speed_mps);
   if (speeds_mps_.size() > 2 * kJerkTicks) {
     constexpr double kStep_s = static_cast<double>(kJerkTicks) * 0.01;
@@ -121,29 +133,28 @@ void Observer::WatchMotion(const LockStep& run) {
     ++jerks_;
     speeds_mps_.pop_front();
   }
-  if (path_.size() < 2 || run.loop().permission().mode != Mode::kDriving) return;
-  cross_track_m_ = CrossTrack_m(run.vehicle().vehicle().pose());
+  if (path_.size() < 2 || now.mode != Mode::kDriving) return;
+  cross_track_m_ = CrossTrack_m(now.vehicle->vehicle().pose());
   if (std::fabs(speed_mps) > 0.1) result_.cross_track_m.Add(cross_track_m_);
 }
 
-void Observer::WatchMode(const LockStep& run, double t_s) {
-  const Permission& permission = run.loop().permission();
-  const std::string reason = ReasonName(permission.reason);
-  if (permission.mode != mode_ || reason != said_) {
-    Note(t_s, ModeName(permission.mode) + (reason == "none" ? "" : ": " + reason));
+void Observer::WatchMode(const Moment& now, double t_s) {
+  const std::string reason = ReasonName(now.reason);
+  if (now.mode != mode_ || reason != said_) {
+    Note(t_s, ModeName(now.mode) + (reason == "none" ? "" : ": " + reason));
     said_ = reason;
     said_since_s_ = t_s;
   }
-  mode_ = permission.mode;
+  mode_ = now.mode;
   if (reason != "none") result_.reason = reason;
-  const bool stands = std::fabs(run.vehicle().vehicle().speed_mps()) < kRest_mps &&
-                      std::fabs(run.vehicle().vehicle().yaw_rate_radps()) < kRest_mps;
+  const bool stands = std::fabs(now.vehicle->vehicle().speed_mps()) < kRest_mps &&
+                      std::fabs(now.vehicle->vehicle().yaw_rate_radps()) < kRest_mps;
   if (stands && !stands_ && drove_) ++result_.stops;
   if (stands != stands_) stands_since_s_ = t_s;
   stands_ = stands;
   drove_ = drove_ || !stands;
   if (mode_ == Mode::kFault || mode_ == Mode::kEmergencyStop) End(Outcome::kFault);
-  if (drove_ && stands && mode_ == Mode::kArmed && run.loop().goals() == 0) {
+  if (drove_ && stands && mode_ == Mode::kArmed && now.goals == 0) {
     End(Outcome::kReached);
   }
   if (!stands) return;
@@ -155,20 +166,18 @@ void Observer::WatchMode(const LockStep& run, double t_s) {
   }
 }
 
-void Observer::Sample(const LockStep& run, double t_s) {
+void Observer::Sample(const Moment& now, double t_s) {
   if (trace_ == nullptr || t_s < next_sample_s_) return;
   next_sample_s_ = t_s + kSample_s - 1.0e-6;
-  const sim::SimVehicle& vehicle = run.vehicle().vehicle();
-  const TrackingOutput& commanded = run.loop().tracking();
+  const sim::SimVehicle& vehicle = now.vehicle->vehicle();
   trace_->samples.push_back({t_s, vehicle.pose().x_m, vehicle.pose().y_m, vehicle.pose().theta_rad,
-                             vehicle.speed_mps(), commanded.speed_mps, vehicle.yaw_rate_radps(),
-                             commanded.yaw_rate_radps, cross_track_m_,
-                             run.loop().reaction().Radius_m(0.5f)});
+                             vehicle.speed_mps(), now.planned_mps, vehicle.yaw_rate_radps(),
+                             now.commanded_yaw_radps, cross_track_m_, now.reaction_m});
 }
 
-void Observer::Finish(const LockStep& run) {
+void Observer::Finish(uint64_t decision_hash) {
   if (jerks_ > 0) result_.jerk_rms_mps3 = std::sqrt(jerk2_sum_ / static_cast<double>(jerks_));
-  result_.decision_hash = run.loop().decision_hash();
+  result_.decision_hash = decision_hash;
 }
 
 }  // namespace hardpack::mission

@@ -1,27 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <vector>
 
+#include "core/autonomy/committed_plan.h"
+#include "core/base/pose.h"
+#include "core/safety/supervisor.h"
 #include "tools/experiment/run_result.h"
 #include "tools/mission/frame.h"
-#include "tools/mission/lock_step.h"
 #include "tools/mission/mission.h"
+#include "tools/sim/scripted_vehicle.h"
 
-// Watches a mission from outside, once a tick: contact, clearance, how far the vehicle is from the
+// Watches a mission from outside, each 10 ms: contact, clearance, how far the vehicle is from the
 // path that it follows, how it came to a stop. Nothing of it goes back to the vehicle.
 
 namespace hardpack::mission {
 
+// What there is to be seen at one moment: the vehicle and its world as they are in truth, what the
+// onboard program says of itself to everybody (its status), and what only who looks into it sees.
+struct Moment {
+  double time_s = 0.0;  // since the vehicle was switched on
+  const sim::ScriptedVehicle* vehicle = nullptr;
+  // The status; of a program over the wire it may be some time old.
+  Mode mode = Mode::kStandby;
+  StopReason reason = StopReason::kNone;
+  uint32_t goals = 0;
+  uint32_t plan = 0;         // number of the committed path; 0: there is none
+  double planned_mps = 0.0;  // what is commanded
+  double commanded_yaw_radps = 0.0;
+  double reaction_m = 0.0;  // the median so far
+  // From inside; over the wire there is neither, and no cross-track error.
+  const CommittedPlan* committed = nullptr;
+  StampedPose odometry;
+};
+
 class Observer {
  public:
-  // `trace` may be null. start_s: the lock step's time at which the goal was accepted.
+  // `trace` may be null. start_s: the moment's time at which the goal was accepted.
   Observer(experiment::RunResult& result, MissionTrace* trace, double start_s)
       : result_(result), trace_(trace), start_s_(start_s) {}
 
-  void Watch(const LockStep& run);
-  void Finish(const LockStep& run);
+  void Watch(const Moment& now);
+  // After the end: contact on the way to rest still makes it one.
+  void WatchRest(const Moment& now);
+  void Finish(uint64_t decision_hash);
 
   // It stands, and has said the same reason for so long.
   static constexpr double kSaid_s = 5.0;
@@ -33,14 +57,15 @@ class Observer {
   bool ended() const { return ended_; }
 
  private:
-  void WatchContact(const LockStep& run, double t_s);
-  void WatchPlan(const LockStep& run, double t_s);
-  void WatchMode(const LockStep& run, double t_s);
-  void WatchMotion(const LockStep& run);
-  void Sample(const LockStep& run, double t_s);
+  void WatchContact(const Moment& now, double t_s);
+  void WatchPlan(const Moment& now, double t_s);
+  void WatchMode(const Moment& now, double t_s);
+  void WatchMotion(const Moment& now);
+  void Sample(const Moment& now, double t_s);
   double CrossTrack_m(const sim::Pose& pose) const;
   void Note(double t_s, const std::string& text);
   void End(experiment::Outcome outcome);
+  void EndBy(experiment::Outcome contact, double t_s, const std::string& text);
 
   experiment::RunResult& result_;
   MissionTrace* trace_;
