@@ -52,7 +52,7 @@ ReadOutcome WriteConfiguration(const WireMissionSettings& settings,
     configuration.label_source.address = loopback;
     configuration.label_source.port = settings.label_port;
   }
-  configuration.can.interface = settings.wire.can;
+  if (!settings.wire.can.empty()) configuration.can.interface = settings.wire.can;
   configuration.control.socket = settings.control;
   // On a desk nobody may have the right to larger socket buffers, or space for many logs.
   configuration.lidar.require_receive_buffer = false;
