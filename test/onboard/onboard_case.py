@@ -385,7 +385,9 @@ class OnboardCase(unittest.TestCase):
 
     def assert_rest_within(self, event_s, most_s):
         took_s = self.rest_after(event_s)
-        print(f"{self.id()}: at rest {took_s:.2f} s after the event", file=sys.stderr)
+        fastest_mps = max(abs(one["v"]) for one in self.vehicle.samples(event_s))
+        print(f"{self.id()}: at rest {took_s:.2f} s after the event, limit {most_s:.2f} s, from "
+              f"{fastest_mps:.1f} m/s at most", file=sys.stderr)
         self.assertLess(took_s, most_s, "time until the wheels were at rest")
         self.assertFalse(self.vehicle.events("collision"))
 
