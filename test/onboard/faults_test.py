@@ -110,9 +110,10 @@ class AtSpeed(OnboardCase):
         self.end_hardpackd()
 
     def frozen_s(self, event_s):
-        """It goes on at the speed that is reported until the ramp before the goal changes the real
-        one; frozen is what does not change in a whole window of FROZEN_S in which the ground speed
-        does by 1 m/s: the next but one at the latest. Then it is an odometry that is old."""
+        """At the latest: it goes on at the speed that is reported until the ramp before the goal
+        changes the real one; frozen is what does not change in a whole window of FROZEN_S in which
+        the ground speed does by 1 m/s, the next but one; then the odometry is old. A drive that is
+        told to brake and reports that it does not is noticed earlier."""
         self.rest_after(event_s)
         first = self.vehicle.samples(event_s)[0]
         to_ramp_s = (GOAL_M - first["x"]) / first["v"]

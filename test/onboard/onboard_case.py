@@ -359,6 +359,8 @@ class OnboardCase(unittest.TestCase):
         """How long after the event the wheels have come to rest for good."""
         def at_rest():
             samples = self.vehicle.samples(event_s)
+            if not samples:
+                return False
             tail = [one for one in samples if one["t"] > samples[-1]["t"] - 0.3]
             return (samples[-1]["t"] - event_s > 0.5 and len(tail) > 3
                     and all(abs(one["v"]) < REST_MPS for one in tail))
