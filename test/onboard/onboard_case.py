@@ -355,7 +355,7 @@ class OnboardCase(unittest.TestCase):
 
     # --- judging ----------------------------------------------------------------------------------
 
-    def rest_after(self, event_s):
+    def rest_after(self, event_s, patience_s=PATIENCE_S):
         """How long after the event the wheels have come to rest for good."""
         def at_rest():
             samples = self.vehicle.samples(event_s)
@@ -365,7 +365,7 @@ class OnboardCase(unittest.TestCase):
             return (samples[-1]["t"] - event_s > 0.5 and len(tail) > 3
                     and all(abs(one["v"]) < REST_MPS for one in tail))
 
-        wait_until(at_rest, "wheels at rest")
+        wait_until(at_rest, "wheels at rest", patience_s)
         moving = [one["t"] for one in self.vehicle.samples(event_s) if abs(one["v"]) >= REST_MPS]
         return (moving[-1] - event_s) if moving else 0.0
 
