@@ -26,6 +26,8 @@ CAN = "vcan0"
 NODES = {"left": 2, "right": 3}
 PATIENCE_S = 30.0  # for what is no matter of time
 REST_MPS = 0.03
+DEAD_TIME_S = 0.15  # of the simulated drives (tools/sim/wheel_motor.h)
+LAG_S = 0.48
 
 # Written to by many small writes while the vehicle drives: in memory, not on a disk.
 SCRATCH = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
@@ -66,6 +68,11 @@ def read_ahead():
 
 
 read_ahead()
+
+
+def wall(front_m, size_m=6.0):
+    """A scripted vehicle's arguments: a wall across the x axis, that near."""
+    return ["--at", f"0 box {front_m + size_m / 2} 0 {size_m} 2"]
 
 
 def toml(tables):
@@ -126,30 +133,15 @@ class Program:
                        for path in self.paths)
 
 
-class Vehicle(Program):
-    """A scripted_vehicle; `do` makes one of its script's events happen now."""
+class Traced(Program):
+    """A simulated vehicle that tells in a file of JSON lines what happens to it."""
 
-    def __init__(self, folder, *arguments):
+    def __init__(self, folder, name, command, **options):
         self.trace_path = folder / "trace.jsonl"
-        self.metadata = folder / "lidar.json"
-        super().__init__(folder, "scripted_vehicle",
-                         [*AHEAD_OF_ALL, SCRIPTED_VEHICLE, *VEHICLE, "--trace", self.trace_path, "--metadata",
-                          self.metadata, "--interactive", *arguments], stdin=subprocess.PIPE)
         self.lines = []
         self.offset = 0
-        wait_until(lambda: "ready" in self.out or not self.runs(), "a ready vehicle")
-        if not self.runs():
-            raise AssertionError(self.told())
-
-    def do(self, event):
-        """The vehicle's time at which it happened."""
-        before = len(self.events("script"))
-        self.process.stdin.write((event + "\n").encode())
-        self.process.stdin.flush()
-        wait_until(lambda: len(self.events("script")) > before or not self.runs(), event)
-        if not self.runs():
-            raise AssertionError(self.told())
-        return self.events("script")[-1]["t"]
+        super().__init__(folder, name, [*AHEAD_OF_ALL, *command, "--trace", self.trace_path],
+                         **options)
 
     def trace(self):
         """Everything traced so far."""
@@ -170,6 +162,29 @@ class Vehicle(Program):
     def now(self):
         """Its last sample."""
         return wait_until(self.samples, "a sample of the vehicle")[-1]
+
+
+class Vehicle(Traced):
+    """A scripted_vehicle; `do` makes one of its script's events happen now."""
+
+    def __init__(self, folder, *arguments):
+        self.metadata = folder / "lidar.json"
+        super().__init__(folder, "scripted_vehicle",
+                         [SCRIPTED_VEHICLE, *VEHICLE, "--metadata", self.metadata,
+                          "--interactive", *arguments], stdin=subprocess.PIPE)
+        wait_until(lambda: "ready" in self.out or not self.runs(), "a ready vehicle")
+        if not self.runs():
+            raise AssertionError(self.told())
+
+    def do(self, event):
+        """The vehicle's time at which it happened."""
+        before = len(self.events("script"))
+        self.process.stdin.write((event + "\n").encode())
+        self.process.stdin.flush()
+        wait_until(lambda: len(self.events("script")) > before or not self.runs(), event)
+        if not self.runs():
+            raise AssertionError(self.told())
+        return self.events("script")[-1]["t"]
 
     def summary(self):
         self.end()
@@ -340,15 +355,17 @@ class OnboardCase(unittest.TestCase):
 
     # --- judging ----------------------------------------------------------------------------------
 
-    def rest_after(self, event_s):
+    def rest_after(self, event_s, patience_s=PATIENCE_S):
         """How long after the event the wheels have come to rest for good."""
         def at_rest():
             samples = self.vehicle.samples(event_s)
+            if not samples:
+                return False
             tail = [one for one in samples if one["t"] > samples[-1]["t"] - 0.3]
             return (samples[-1]["t"] - event_s > 0.5 and len(tail) > 3
                     and all(abs(one["v"]) < REST_MPS for one in tail))
 
-        wait_until(at_rest, "wheels at rest")
+        wait_until(at_rest, "wheels at rest", patience_s)
         moving = [one["t"] for one in self.vehicle.samples(event_s) if abs(one["v"]) >= REST_MPS]
         return (moving[-1] - event_s) if moving else 0.0
 
@@ -366,11 +383,13 @@ class OnboardCase(unittest.TestCase):
         to stop: their dead time and first-order lag (tools/sim/wheel_motor.h), and 0.1 s."""
         self.rest_after(event_s)
         fastest_mps = max(abs(one["v"]) for one in self.vehicle.samples(event_s))
-        return 0.15 + 0.48 * math.log(max(fastest_mps / REST_MPS, 1.0)) + 0.1
+        return DEAD_TIME_S + LAG_S * math.log(max(fastest_mps / REST_MPS, 1.0)) + 0.1
 
     def assert_rest_within(self, event_s, most_s):
         took_s = self.rest_after(event_s)
-        print(f"{self.id()}: at rest {took_s:.2f} s after the event", file=sys.stderr)
+        fastest_mps = max(abs(one["v"]) for one in self.vehicle.samples(event_s))
+        print(f"{self.id()}: at rest {took_s:.2f} s after the event, limit {most_s:.2f} s, from "
+              f"{fastest_mps:.1f} m/s at most", file=sys.stderr)
         self.assertLess(took_s, most_s, "time until the wheels were at rest")
         self.assertFalse(self.vehicle.events("collision"))
 

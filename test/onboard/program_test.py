@@ -9,7 +9,7 @@ import subprocess
 import unittest
 
 import onboard_case
-from onboard_case import HARDPACK, HARDPACKD, OnboardCase, wait_until
+from onboard_case import HARDPACK, HARDPACKD, OnboardCase, wall, wait_until
 
 FULL_SPEED_RADPS = 17.5
 NOBODY = 65534
@@ -17,11 +17,11 @@ RPDO_TIMEOUT_S = 0.2  # the drives' own
 
 
 class Ends(OnboardCase):
-    """While it drives."""
+    """While it drives, with a wall ahead: who does not stop drives into it."""
 
     def setUp(self):
-        self.start("--world", "open")
-        self.drive_off(speed_mps=1.5)
+        self.start("--world", "open", *wall(25.0))
+        self.drive_off(speed_mps=2.0)
 
     def test_by_sigterm_in_order(self):
         since_s = self.vehicle.now["t"]
@@ -42,6 +42,7 @@ class Ends(OnboardCase):
         before = [abs(one["v"]) for one in samples if one["t"] < min(off)]
         self.assertLess(before[-1], 0.15)
         self.assertFalse(self.vehicle.events("emcy"))
+        self.assertFalse(self.vehicle.events("collision"))
         self.assertFalse(self.socket.exists())
 
     def test_by_sigkill_and_the_drives_stop_by_themselves(self):

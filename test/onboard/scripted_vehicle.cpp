@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A vehicle on real sockets, in real time: drives on a SocketCAN interface, a lidar and an INS by
 // UDP, with a script of what goes wrong (tools/sim/script.h). Writes what happened as JSON lines.
-#include <poll.h>
-#include <unistd.h>
-
-#include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <iostream>
@@ -14,11 +10,9 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
-#include "nlohmann/json.hpp"
-#include "test/onboard/line_reader.h"
-#include "test/onboard/scripted_vehicle_sockets.h"
 #include "tools/sim/script.h"
 #include "tools/sim/scripted_vehicle.h"
+#include "tools/wire/real_time.h"
 #include "tools/world/named_worlds.h"
 
 namespace hardpack::sim {
@@ -30,51 +24,41 @@ void RequestStop(int /*signal*/) {
 }
 
 struct Options {
-  std::string can;
-  std::string lidar_from = "127.0.0.1:17502";
-  std::string lidar_to = "127.0.0.1:7502";
-  std::string ins_from = "127.0.0.1:17600";
-  std::string ins_to = "127.0.0.1:7600";
-  std::string foreign_address = "127.0.0.2";
+  wire::Settings wire;
   double seconds = 0.0;
   std::string script;
   std::vector<std::string> at;
-  std::string trace;
   std::string metadata;
   std::string world = "lane";
   uint32_t world_seed = 1;
-  std::string labels_from = "127.0.0.1:17503";
-  std::string labels_to;
   std::string profile = "legacy";
   std::string login;
-  bool interactive = false;
-  int turn_ms = 1;
   ScriptedVehicleSettings settings;
 };
 
 void AddOptions(CLI::App& app, Options& options) {
-  app.add_option("--can", options.can, "SocketCAN interface; without it no drives are heard");
-  app.add_option("--lidar-from", options.lidar_from, "ADDRESS:PORT that the lidar sends from");
-  app.add_option("--lidar-to", options.lidar_to, "and to; empty: it sends nothing");
-  app.add_option("--ins-from", options.ins_from, "ADDRESS:PORT that the INS sends from");
-  app.add_option("--ins-to", options.ins_to, "and to; empty: it sends nothing");
-  app.add_option("--labels-from", options.labels_from,
+  app.add_option("--can", options.wire.can, "SocketCAN interface; without it no drives are heard");
+  app.add_option("--lidar-from", options.wire.lidar_from, "ADDRESS:PORT that the lidar sends from");
+  app.add_option("--lidar-to", options.wire.lidar_to, "and to; empty: it sends nothing");
+  app.add_option("--ins-from", options.wire.ins_from, "ADDRESS:PORT that the INS sends from");
+  app.add_option("--ins-to", options.wire.ins_to, "and to; empty: it sends nothing");
+  app.add_option("--labels-from", options.wire.labels_from,
                  "ADDRESS:PORT that the segmentation computer sends from");
-  app.add_option("--labels-to", options.labels_to, "and to; without it there is none");
-  app.add_option("--foreign-address", options.foreign_address,
+  app.add_option("--labels-to", options.wire.labels_to, "and to; without it there is none");
+  app.add_option("--foreign-address", options.wire.foreign_address,
                  "where lidar-foreign and ins-foreign come from");
   app.add_option("--seconds", options.seconds, "ends after so long; 0: at SIGTERM or quit");
   app.add_option("--script", options.script, "file of events (tools/sim/script.h)");
   app.add_option("--at", options.at, "one event, as \"5.0 drive-silent left on\"; may be repeated")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  app.add_flag("--interactive", options.interactive,
+  app.add_flag("--interactive", options.wire.interactive,
                "events without a time from standard input, each as its line comes");
-  app.add_option("--turn-ms", options.turn_ms,
+  app.add_option("--turn-ms", options.wire.turn_ms,
                  "between two looks at the sockets, not to be woken by each frame; 1: by each. The "
                  "simulation's steps stay 1 ms, and frames count from when they came")
       ->check(CLI::Range(1, 20));
-  app.add_option("--trace", options.trace, "file of JSON lines of what happened");
+  app.add_option("--trace", options.wire.trace, "file of JSON lines of what happened");
   app.add_option("--trace-period", options.settings.trace_period_s, "between two samples [s]");
   app.add_option("--metadata", options.metadata, "file to write the lidar's metadata to");
   std::vector<std::string> worlds = world::WorldNames();
@@ -141,7 +125,7 @@ ReadOutcome Complete(Options& options) {
   right.identity = options.settings.vehicle.right.identity;
   right.sign = options.settings.vehicle.right.sign;
   options.settings.vehicle.right = right;
-  if (!options.labels_to.empty()) options.settings.labels.emplace();
+  if (!options.wire.labels_to.empty()) options.settings.labels.emplace();
   if (options.world == "lane") {
     options.settings.world = LaneWorld();
   } else {
@@ -154,146 +138,16 @@ ReadOutcome Complete(Options& options) {
   return {};
 }
 
-// A sensor's datagrams, from its own address and from the foreign one.
-struct SensorSenders {
-  DatagramSender own;
-  DatagramSender foreign;
-  bool open = false;
-
-  ReadOutcome Open(const std::string& from, const std::string& to,
-                   const std::string& foreign_address) {
-    if (to.empty()) return {};
-    Endpoint source;
-    Endpoint destination;
-    for (const ReadOutcome& outcome : {ParseEndpoint(from, source), ParseEndpoint(to, destination),
-                                       own.Open(source, destination),
-                                       foreign.Open({foreign_address, source.port}, destination)}) {
-      if (!outcome.ok()) return outcome;
-    }
-    open = true;
-    return {};
+// Until it is told to end, or the script's end.
+void Run(wire::RealTime& real_time, ScriptedVehicle& vehicle, double seconds) {
+  const uint64_t start_ns = vehicle.now_ns();
+  const auto length_ns = static_cast<uint64_t>(seconds * 1.0e9);
+  real_time.Begin(vehicle);
+  while (stop_requested == 0 && !vehicle.quit()) {
+    if (length_ns > 0 && vehicle.now_ns() - start_ns >= length_ns) return;
+    real_time.Turn(vehicle);
   }
-};
-
-class RealTime {
- public:
-  ReadOutcome Open(const Options& options) {
-    if (!options.can.empty()) {
-      const ReadOutcome outcome = can_.Open(options.can);
-      if (!outcome.ok()) return outcome;
-    }
-    turn_ns_ = static_cast<uint64_t>(options.turn_ms) * ScriptedVehicle::kStep_ns;
-    if (options.interactive) lines_.Open(STDIN_FILENO);
-    if (!options.trace.empty()) {
-      trace_.open(options.trace);
-      if (!trace_) return {Status::kInvalidArgument, options.trace + ": cannot be written"};
-    }
-    const ReadOutcome lidar =
-        senders_[0].Open(options.lidar_from, options.lidar_to, options.foreign_address);
-    if (!lidar.ok()) return lidar;
-    const ReadOutcome ins =
-        senders_[1].Open(options.ins_from, options.ins_to, options.foreign_address);
-    if (!ins.ok()) return ins;
-    return senders_[2].Open(options.labels_from, options.labels_to, options.foreign_address);
-  }
-
-  void Run(ScriptedVehicle& vehicle, double seconds) {
-    start_ns_ = vehicle.now_ns();
-    if (trace_.is_open()) {
-      trace_ << nlohmann::ordered_json{{"t", 0}, {"event", "start"}, {"monotonic_ns", start_ns_}}
-             << '\n';
-    }
-    const auto length_ns = static_cast<uint64_t>(seconds * 1.0e9);
-    while (stop_requested == 0 && !vehicle.quit()) {
-      const uint64_t now_ns = Now_ns();
-      if (length_ns > 0 && now_ns - start_ns_ >= length_ns) return;
-      NoteLag(vehicle, now_ns);
-      TakeLines(vehicle);
-      Step(vehicle, now_ns);
-      Wait(vehicle.now_ns() + turn_ns_);
-    }
-  }
-
-  std::string Summary(const ScriptedVehicle& vehicle) const {
-    auto summary = nlohmann::ordered_json::parse(vehicle.Summary());
-    summary["can"] = {{"received", can_.received}, {"sent", can_.sent}, {"failed", can_.failed}};
-    const char* const names[] = {"lidar", "ins", "labels"};
-    for (size_t i = 0; i < kSensors; ++i) {
-      summary[names[i]] = {{"sent", senders_[i].own.sent},
-                           {"foreign", senders_[i].foreign.sent},
-                           {"failed", senders_[i].own.failed + senders_[i].foreign.failed}};
-    }
-    summary["worst_lag_ms"] = static_cast<double>(worst_lag_ns_ / 1000) / 1000.0;
-    return summary.dump();
-  }
-
- private:
-  // The shortest time that anybody here waits for somebody else is 100 ms.
-  static constexpr uint64_t kLate_ns = 50'000'000;
-
-  void NoteLag(const ScriptedVehicle& vehicle, uint64_t now_ns) {
-    const uint64_t lag_ns = now_ns - vehicle.now_ns();
-    worst_lag_ns_ = std::max(worst_lag_ns_, lag_ns);
-    if (lag_ns < kLate_ns || !trace_.is_open()) return;
-    const double t_s = static_cast<double>(vehicle.now_ns() - start_ns_) / 1.0e9;
-    trace_ << nlohmann::ordered_json{{"t", t_s}, {"event", "late"}, {"ms", lag_ns / 1'000'000}}
-           << '\n';
-  }
-
-  void TakeLines(ScriptedVehicle& vehicle) {
-    std::string line;
-    while (lines_.Next(line)) {
-      std::vector<ScriptEvent> events;
-      const ReadOutcome outcome = ParseScriptLine("at 0 " + line, events);
-      if (!outcome.ok()) std::cerr << outcome.message << std::endl;
-      for (const ScriptEvent& event : events) {
-        event.act(vehicle);
-        const double t_s = static_cast<double>(vehicle.now_ns() - start_ns_) / 1.0e9;
-        trace_ << nlohmann::ordered_json{{"t", t_s}, {"event", "script"}, {"line", line}} << '\n';
-      }
-    }
-  }
-
-  void Step(ScriptedVehicle& vehicle, uint64_t now_ns) {
-    frames_.clear();
-    if (can_.descriptor() >= 0) can_.Receive(frames_);
-    for (const ReceivedFrame& one : frames_) {
-      vehicle.TakeFrame(one.frame, std::clamp(one.time_ns, vehicle.now_ns(), now_ns));
-    }
-    Outgoing out;
-    vehicle.Advance(now_ns, out);
-    if (can_.descriptor() >= 0) {
-      for (const CanFrame& frame : out.frames) can_.Send(frame);
-      for (const BusError& error : out.bus_errors) can_.Send(error);
-    }
-    for (const SensorDatagram& datagram : out.datagrams) {
-      SensorSenders& senders = senders_[static_cast<size_t>(datagram.sensor)];
-      if (senders.open) (datagram.foreign ? senders.foreign : senders.own).Send(datagram.bytes);
-    }
-    if (trace_.is_open()) {
-      for (const std::string& line : out.trace) trace_ << line << '\n';
-      if (!out.trace.empty()) trace_.flush();  // for who watches it grow
-    }
-  }
-
-  // Until then; in turns of one step until a frame comes, if that is earlier.
-  void Wait(uint64_t until_ns) const {
-    const uint64_t now_ns = Now_ns();
-    const uint64_t left_ns = until_ns > now_ns ? until_ns - now_ns : 0;
-    const timespec left = {0, static_cast<long>(std::min(left_ns, turn_ns_))};
-    pollfd can = {can_.descriptor(), POLLIN, 0};
-    ppoll(&can, turn_ns_ == ScriptedVehicle::kStep_ns ? 1 : 0, &left, nullptr);
-  }
-
-  LineReader lines_;
-  VehicleCan can_;
-  SensorSenders senders_[kSensors];
-  std::ofstream trace_;
-  std::vector<ReceivedFrame> frames_;
-  uint64_t start_ns_ = 0;
-  uint64_t turn_ns_ = ScriptedVehicle::kStep_ns;
-  uint64_t worst_lag_ns_ = 0;
-};
+}
 
 int Fail(const ReadOutcome& outcome) {
   std::cerr << "scripted_vehicle: " << outcome.message << '\n';
@@ -309,14 +163,14 @@ int Main(int argc, char** argv) {
   AddDriveOptions(app, options);
   CLI11_PARSE(app, argc, argv);
   std::vector<ScriptEvent> script;
-  RealTime real_time;
+  wire::RealTime real_time;
   for (const ReadOutcome& outcome :
-       {Complete(options), ReadScript(options, script), real_time.Open(options)}) {
+       {Complete(options), ReadScript(options, script), real_time.Open(options.wire)}) {
     if (!outcome.ok()) return Fail(outcome);
   }
   std::signal(SIGTERM, RequestStop);
   std::signal(SIGINT, RequestStop);
-  ScriptedVehicle vehicle(options.settings, std::move(script), Now_ns());
+  ScriptedVehicle vehicle(options.settings, std::move(script), wire::Now_ns());
   if (!options.metadata.empty()) {
     std::ofstream metadata(options.metadata);
     metadata << vehicle.lidar().MetadataJson();
@@ -325,7 +179,7 @@ int Main(int argc, char** argv) {
     }
   }
   std::cout << "ready" << std::endl;
-  real_time.Run(vehicle, options.seconds);
+  Run(real_time, vehicle, options.seconds);
   std::cout << real_time.Summary(vehicle) << std::endl;
   return 0;
 }

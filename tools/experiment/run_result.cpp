@@ -100,6 +100,7 @@ void Fill(const nlohmann::json& object, RunResult& result) {
   object.at("jerk_rms_mps3").get_to(result.jerk_rms_mps3);
   object.at("replans").get_to(result.replans);
   object.at("stops").get_to(result.stops);
+  object.at("odometry_off_m").get_to(result.odometry_off_m);
   object.at("replayed").get_to(result.replayed);
   Fill(object.at("way"), result.way);
 }
@@ -131,6 +132,7 @@ nlohmann::ordered_json ToJson(const RunResult& result) {
           {"replans", result.replans},
           {"stops", result.stops},
           {"cross_track_m", ToJson(result.cross_track_m)},
+          {"odometry_off_m", result.odometry_off_m},
           {"reaction_s", ToJson(result.reaction_s)},
           {"reaction_m", ToJson(result.reaction_m)},
           {"way", ToJson(result.way)},

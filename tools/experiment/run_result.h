@@ -65,7 +65,10 @@ struct RunResult {
   double jerk_rms_mps3 = 0.0;
   int64_t replans = 0;      // plans that took the place of another
   int64_t stops = 0;        // came to rest before its end
-  Histogram cross_track_m;  // every tick while driving, to the committed path
+  // Every tick while driving: how far the vehicle took itself to be beside the committed path. What
+  // its odometry is off by is not in it.
+  Histogram cross_track_m;
+  double odometry_off_m = 0.0;  // largest drift of the odometry since the goal's acceptance
   // As core/autonomy/reaction_meter.h counts them: each lidar column's time to the first command
   // that it was considered for, and that time times the speed.
   Histogram reaction_s{0.005, 200};

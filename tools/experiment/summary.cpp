@@ -40,6 +40,7 @@ void Add(const RunResult& result, Row& row) {
                                ? result.person_clearance_m
                                : std::min(row.person_clearance_m, result.person_clearance_m);
   row.cross_track_m.Add(result.cross_track_m);
+  row.odometry_off_m = std::max(row.odometry_off_m, result.odometry_off_m);
   row.reaction_s.Add(result.reaction_s);
   row.reaction_m.Add(result.reaction_m);
   Add(result.way, row.runs == 1, row.way);
@@ -196,7 +197,7 @@ std::string WayLine(const Row& row) {
                Number(way.recovery_s, 1), OfAll(way.not_recovered, row),
                OfAll(way.switched_side, row), OfAll(way.replanned_beside, row),
                way.off_middle_m ? Number(*way.off_middle_m, 2) : "-",
-               Number(row.person_clearance_m, 2)});
+               Number(row.person_clearance_m, 2), Number(row.odometry_off_m, 2)});
 }
 
 }  // namespace
@@ -224,6 +225,7 @@ nlohmann::ordered_json ToJson(const Row& row) {
           {"person_clearance_m", Finite(row.person_clearance_m)},
           {"cross_track_p95_m", Finite(row.cross_track_m.Quantile(0.95))},
           {"cross_track_p99_m", Finite(row.cross_track_m.Quantile(0.99))},
+          {"odometry_off_m", row.odometry_off_m},
           {"jerk_rms_mps3", row.mean_jerk_mps3},
           {"replans", row.mean_replans},
           {"reaction_median_m", Finite(row.reaction_m.Quantile(0.5))},
@@ -259,9 +261,10 @@ std::string ToMarkdown(const std::vector<Row>& rows) {
                               "failed seeds"});
   for (const Row& row : rows) text += ResultLine(row);
   text.append("\n");
-  text += Heading({"world", "how", "plan off its base path, least / mean m",
-                   "cross-track largest m", "overshoots", "longest recovery s", "not recovered",
-                   "side switched", "replanned beside", "off the middle m", "to a person m"});
+  text +=
+      Heading({"world", "how", "plan off its base path, least / mean m", "cross-track largest m",
+               "overshoots", "longest recovery s", "not recovered", "side switched",
+               "replanned beside", "off the middle m", "to a person m", "odometry off m"});
   for (const Row& row : rows) text += WayLine(row);
   return text;
 }

@@ -46,6 +46,7 @@ struct Row {
   double clearance_m = 0.0;
   double person_clearance_m = 0.0;
   Histogram cross_track_m;
+  double odometry_off_m = 0.0;
   Histogram reaction_s{0.005, 200};
   Histogram reaction_m{0.02, 250};
   WayRow way;

@@ -2,12 +2,15 @@
 #include "tools/hardpack/sim_command.h"
 
 #include <chrono>
+#include <fstream>
 #include <iostream>
 #include <memory>
+#include <sstream>
 
 #include "tools/hardpack/arguments.h"
 #include "tools/hardpack/command.h"
 #include "tools/hardpack/mission_options.h"
+#include "tools/hardpack/wire_options.h"
 #include "tools/hardpack/world_picture.h"
 #include "tools/mission/mission.h"
 #include "tools/mission/page.h"
@@ -26,6 +29,8 @@ struct SimOptions {
   bool log = true;
   bool replay = false;
   bool json = false;
+  std::string script;
+  WireOptions wire;
   MissionOptions mission;
 };
 
@@ -36,8 +41,9 @@ std::string Seconds(double seconds) {
 }
 
 void WriteOutputs(const SimOptions& options, const MissionSettings& settings,
-                  const RunResult& result, const MissionTrace& trace) {
-  WriteText(options.out + "/run.json", ToJson(result).dump(1) + "\n");
+                  const nlohmann::ordered_json& json, const RunResult& result,
+                  const MissionTrace& trace) {
+  WriteText(options.out + "/run.json", json.dump(1) + "\n");
   Require(DrawWorld(settings.scenario, settings.seed, {}, DrivenOf(trace))
               .WritePng(options.out + "/sim.png"));
   std::string events;
@@ -49,34 +55,59 @@ void WriteOutputs(const SimOptions& options, const MissionSettings& settings,
             mission::PageOf(mission::PageData(settings, result, trace)));
 }
 
-void RunSim(const SimOptions& options) {
+std::string ReadScript(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw CommandFailure(kBadInput, path + ": cannot be read");
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+MissionSettings SettingsOf(const SimOptions& options) {
   MissionSettings settings = SettingsOf(options.mission);
   settings.scenario = ScenarioOf(options.world, settings.seed, options.mission.scenario);
-  if (!options.out.empty()) MakeOutputFolder(options.out);
+  if (!options.script.empty()) settings.script = ReadScript(options.script);
   if (options.log && !options.out.empty()) settings.log = options.out + "/run.pcap";
+  return settings;
+}
+
+void RunSim(const SimOptions& options) {
+  const MissionSettings settings = SettingsOf(options);
+  if (!options.out.empty()) MakeOutputFolder(options.out);
   RunResult result;
   MissionTrace trace;
+  mission::WireReport report;
   const auto begin = std::chrono::steady_clock::now();
-  Require(mission::RunMission(settings, result, &trace));
+  if (options.wire.on) {
+    RunOverWire(options.wire, settings, result, trace, report);
+  } else {
+    Require(mission::RunMission(settings, result, &trace));
+  }
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   std::string difference;
   if (options.replay) {
-    if (settings.log.empty()) throw CommandFailure(kBadInput, "--replay needs --out, and the log");
+    if (settings.log.empty() || options.wire.on) {
+      throw CommandFailure(kBadInput,
+                           "--replay needs --out, and the log, which --wire does not write");
+    }
     Require(mission::ReplaysTheSame(settings.log, result.decision_hash, difference));
     result.replayed = difference.empty();
   }
-  if (!options.out.empty()) WriteOutputs(options, settings, result, trace);
-  if (options.json) std::cout << ToJson(result).dump() << "\n";
+  nlohmann::ordered_json json = ToJson(result);
+  if (options.wire.on) json["wire"] = ToJson(report, settings.lidar_columns);
+  if (!options.out.empty()) WriteOutputs(options, settings, json, result, trace);
+  if (options.json) std::cout << json.dump() << "\n";
   if (!difference.empty()) {
     throw CommandFailure(kWorkFailed, "the log does not replay: " + difference);
   }
+  if (options.wire.on) RequireRealTime(report);
   if (!result.success) {
     throw CommandFailure(kWorkFailed, std::string(experiment::Name(result.outcome)) + " after " +
                                           Seconds(result.time_s) + ", reason " + result.reason);
   }
   if (!options.json) {
     std::cout << "ok: " << experiment::Name(result.outcome) << " after " << Seconds(result.time_s)
-              << ", computed in " << Seconds(took.count()) << "\n";
+              << (options.wire.on ? "" : ", computed in " + Seconds(took.count())) << "\n";
   }
 }
 
@@ -86,13 +117,17 @@ void AddSimCommand(CLI::App& app) {
   CLI::App* sim = app.add_subcommand(
       "sim",
       "Drive one mission in a simulated world: the onboard program's loop and a vehicle in one\n"
-      "process, faster than real time. Exit code 1 when the mission did not end as it should.");
+      "process, faster than real time; with --wire against a hardpackd that runs besides. Exit\n"
+      "code 1 when the mission did not end as it should, or real time was not kept.");
   const auto options = std::make_shared<SimOptions>();
   sim->add_option("--world", options->world,
                   "World or map.yaml, see `hardpack world` (default gap)");
   sim->add_option("--seed", options->mission.mission.seed,
                   "Of world, vehicle and noise (default 1)");
   AddMissionOptions(*sim, options->mission);
+  sim->add_option(
+      "--script", options->script,
+      "File of what goes wrong (tools/sim/script.h), at times from the goal's acceptance");
   sim->add_option("--out", options->out,
                   "Folder for page.html, which shows the mission in a browser, run.json,\n"
                   "events.txt, sim.png and the flight log run.pcap");
@@ -100,7 +135,11 @@ void AddSimCommand(CLI::App& app) {
   sim->add_flag("--replay", options->replay,
                 "Replay the log afterwards: whether every tick was decided the same again");
   sim->add_flag("--json", options->json, "Print run.json as one line on standard output");
-  sim->callback([options] { RunSim(*options); });
+  AddWireOptions(*sim, options->wire);
+  sim->callback([options, sim] {
+    RequireFitting(*sim, options->wire);
+    RunSim(*options);
+  });
 }
 
 }  // namespace hardpack::command

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "tools/mission/frame.h"
-#include "tools/mission/lock_step.h"
 
 namespace hardpack::mission {
 namespace {
@@ -40,11 +39,10 @@ Part KnownPart(const Costmap& map) {
   return part;
 }
 
-MapRecord RecordOf(const LockStep& run, double t_s) {
-  const Costmap& map = run.loop().replanner().planner().costmap();
+MapRecord RecordOf(const VehicleLoop& loop, const sim::Pose& pose, double t_s) {
+  const Costmap& map = loop.replanner().planner().costmap();
   const Part part = KnownPart(map);
-  const sim::Pose& pose = run.vehicle().vehicle().pose();
-  const StampedPose& odom = run.loop().odometry().pose();
+  const StampedPose& odom = loop.odometry().pose();
   const Vec2 corner = {
       static_cast<float>(map.window.origin.x + part.left) * kCellSize_m,
       static_cast<float>(map.window.origin.y + part.low) * kCellSize_m,
@@ -68,13 +66,14 @@ MapRecord RecordOf(const LockStep& run, double t_s) {
 
 }  // namespace
 
-void MapRecorder::Watch(const LockStep& run, double t_s, std::vector<MapRecord>& maps) {
+void MapRecorder::Watch(const VehicleLoop& loop, const sim::Pose& pose, double t_s,
+                        std::vector<MapRecord>& maps) {
   // Between two rounds the map is whole: that of the plan that was judged last.
-  const uint64_t plans = run.loop().counters().plans;
-  const bool is_whole = plans != plans_ && !run.loop().replanner().busy();
+  const uint64_t plans = loop.counters().plans;
+  const bool is_whole = plans != plans_ && !loop.replanner().busy();
   plans_ = plans;
   if (!is_whole || t_s < next_s_) return;
-  maps.push_back(RecordOf(run, t_s));
+  maps.push_back(RecordOf(loop, pose, t_s));
   if (maps.size() > kMost) {
     size_t kept = 0;
     for (size_t i = 0; i < maps.size(); i += 2) maps[kept++] = std::move(maps[i]);

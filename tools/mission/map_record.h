@@ -5,11 +5,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "hal/vehicle_loop/vehicle_loop.h"
+#include "tools/sim/pose.h"
+
 // What the vehicle's costmap was at a few times of a mission, for pictures.
 
 namespace hardpack::mission {
-
-class LockStep;
 
 enum class MapCell : uint8_t { kUnknown, kFree, kCostly, kLethal, kSoft, kHard, kPerson };
 inline constexpr int kMapCellKinds = 7;
@@ -32,7 +33,8 @@ class MapRecorder {
   static constexpr double kShortest_s = 0.5;
 
   // Once a tick.
-  void Watch(const LockStep& run, double t_s, std::vector<MapRecord>& maps);
+  void Watch(const VehicleLoop& loop, const sim::Pose& pose, double t_s,
+             std::vector<MapRecord>& maps);
 
  private:
   uint64_t plans_ = 0;

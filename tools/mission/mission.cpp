@@ -40,38 +40,75 @@ ReadOutcome ChooseMethods(const MissionSettings& settings, Configuration& config
   return {};
 }
 
-LockStepSettings SettingsOf(const MissionSettings& settings) {
-  LockStepSettings run;
-  run.configuration = settings.configuration;
-  run.log = settings.log;
-  run.vehicle.world = settings.scenario.world;
-  run.vehicle.vehicle.start = {settings.scenario.start.position.x_m,
-                               settings.scenario.start.position.y_m,
-                               settings.scenario.start.yaw_rad};
-  run.vehicle.labels = settings.labels;
-  run.vehicle.vehicle.model =
+}  // namespace
+
+ReadOutcome DescribeMission(const MissionSettings& settings, sim::ScriptedVehicleSettings& vehicle,
+                            Configuration& configuration) {
+  configuration = settings.configuration;
+  const ReadOutcome outcome = ChooseMethods(settings, configuration);
+  if (!outcome.ok()) return outcome;
+  vehicle = {};
+  vehicle.world = settings.scenario.world;
+  vehicle.vehicle.start = {settings.scenario.start.position.x_m,
+                           settings.scenario.start.position.y_m, settings.scenario.start.yaw_rad};
+  vehicle.labels = settings.labels;
+  vehicle.vehicle.model =
       settings.spread ? sim::Draw(settings.vehicle, settings.seed) : settings.vehicle.typical;
   // Of its kind, as anybody who drives one has measured.
-  run.configuration.planner.vehicle.max_wheel_speed_radps =
+  configuration.planner.vehicle.max_wheel_speed_radps =
       static_cast<float>(settings.vehicle.typical.wheel_limit_radps);
   const auto seed = static_cast<uint32_t>(settings.seed);
-  run.vehicle.lidar = sim::NoisyLidar();
-  run.vehicle.lidar.columns = settings.lidar_columns;
-  run.vehicle.lidar.seed = seed;
-  run.vehicle.ins.errors = sim::Vn300Errors();
-  run.vehicle.ins.seed = seed;
-  run.vehicle.seed = seed;
-  if (run.vehicle.labels) {
-    run.vehicle.labels->seed = seed;
-    run.configuration.perception.mapping.use_labels = 1;
+  vehicle.lidar = sim::NoisyLidar();
+  vehicle.lidar.columns = settings.lidar_columns;
+  vehicle.lidar.seed = seed;
+  vehicle.ins.errors = sim::Vn300Errors();
+  vehicle.ins.seed = seed;
+  vehicle.seed = seed;
+  if (vehicle.labels) {
+    vehicle.labels->seed = seed;
+    configuration.perception.mapping.use_labels = 1;
   }
-  return run;
+  return {};
 }
+
+RunResult ResultOf(const MissionSettings& settings) {
+  RunResult result;
+  result.world = settings.scenario.name;
+  result.planner = settings.planner;
+  result.tracker = settings.tracker;
+  result.vehicle = settings.vehicle_name;
+  result.labels = LabelsName(settings.labels);
+  result.max_speed_set_mps = double{settings.configuration.planner.speed.max_speed_mps};
+  result.settings = DigestOf(settings);
+  result.seed = settings.seed;
+  result.reason = "none";
+  result.clearance_m = world::Contact::kFar_m;
+  result.person_clearance_m = world::Contact::kFar_m;
+  return result;
+}
+
+namespace {
 
 control::OperatorCommand Command(control::Kind kind) {
   control::OperatorCommand command;
   command.kind = kind;
   return command;
+}
+
+Moment MomentOf(const LockStep& run) {
+  const VehicleLoop& loop = run.loop();
+  Moment now;
+  now.time_s = run.time_s();
+  now.vehicle = &run.vehicle();
+  now.mode = loop.permission().mode;
+  now.reason = loop.permission().reason;
+  now.goals = static_cast<uint32_t>(loop.goals());
+  now.commanded_mps = loop.tracking().speed_mps;
+  now.commanded_yaw_radps = loop.tracking().yaw_rate_radps;
+  now.reaction_m = loop.reaction().Radius_m(0.5f);
+  now.plan = loop.replanner().committed().number;
+  now.loop = &loop;
+  return now;
 }
 
 // The bins of a meter into a histogram with the same ones.
@@ -143,28 +180,18 @@ Outcome WantedOutcome(const std::string& world) {
 }
 
 ReadOutcome RunMission(const MissionSettings& settings, RunResult& result, MissionTrace* trace) {
-  MissionSettings chosen = settings;
-  ReadOutcome outcome = ChooseMethods(settings, chosen.configuration);
+  LockStepSettings lock_step;
+  lock_step.log = settings.log;
+  ReadOutcome outcome = DescribeMission(settings, lock_step.vehicle, lock_step.configuration);
   if (!outcome.ok()) return outcome;
   std::vector<sim::ScriptEvent> script;
   outcome = sim::ParseScript(settings.script, "script", script);
   if (!outcome.ok()) return outcome;
   LockStep run;
-  outcome = run.Start(SettingsOf(chosen));
+  outcome = run.Start(lock_step);
   if (!outcome.ok()) return outcome;
 
-  result = RunResult();
-  result.world = settings.scenario.name;
-  result.planner = settings.planner;
-  result.tracker = settings.tracker;
-  result.vehicle = settings.vehicle_name;
-  result.labels = LabelsName(settings.labels);
-  result.max_speed_set_mps = double{settings.configuration.planner.speed.max_speed_mps};
-  result.settings = DigestOf(settings);
-  result.seed = settings.seed;
-  result.reason = "none";
-  result.clearance_m = world::Contact::kFar_m;
-  result.person_clearance_m = world::Contact::kFar_m;
+  result = ResultOf(settings);
   const std::string refused = Begin(run, settings.scenario.goal);
   if (!refused.empty()) {
     result.outcome = Outcome::kFault;
@@ -177,12 +204,12 @@ ReadOutcome RunMission(const MissionSettings& settings, RunResult& result, Missi
   while (!observer.ended() && run.time_s() - start_s < settings.limit_s) {
     for (; next_event < script.size() && script[next_event].at_s <= run.time_s() - start_s;
          ++next_event) {
-      script[next_event].act(run.vehicle());
+      run.vehicle().Act(script[next_event]);
     }
     if (!IsUsable(run.Tick())) return Bad("a tick was refused");
-    observer.Watch(run);
+    observer.Watch(MomentOf(run));
   }
-  observer.Finish(run);
+  observer.Finish(run.loop().decision_hash());
   AddBins(run.loop().reaction().time_bins(), result.reaction_s);
   AddBins(run.loop().reaction().radius_bins(), result.reaction_m);
   result.driven_m = run.vehicle().vehicle().driven_m();

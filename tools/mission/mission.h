@@ -10,6 +10,7 @@
 #include "port_linux/read_outcome.h"
 #include "tools/experiment/run_result.h"
 #include "tools/mission/map_record.h"
+#include "tools/sim/scripted_vehicle.h"
 #include "tools/sim/sim_labels.h"
 #include "tools/sim/vehicle_model_params.h"
 #include "tools/world/named_worlds.h"
@@ -85,6 +86,14 @@ struct MissionTrace {
 // null. The map of the last tick is left in `map` where it is wanted.
 ReadOutcome RunMission(const MissionSettings& settings, experiment::RunResult& result,
                        MissionTrace* trace);
+
+// What there is to drive, and the configuration of who drives it: `settings` with its names
+// resolved and its seed drawn. kInvalidArgument: a method that there is not.
+ReadOutcome DescribeMission(const MissionSettings& settings, sim::ScriptedVehicleSettings& vehicle,
+                            Configuration& configuration);
+
+// A result in which nothing has happened yet.
+experiment::RunResult ResultOf(const MissionSettings& settings);
 
 // Replays the log of a run that was written: true when every tick was decided the same, else what
 // was not in `difference`.

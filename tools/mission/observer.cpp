@@ -19,9 +19,14 @@ constexpr double kSample_s = 0.05;
 // step of one tick.
 constexpr size_t kJerkTicks = 5;
 
-world::Point2 Here(const LockStep& run) {
-  const sim::Pose& pose = run.vehicle().vehicle().pose();
+world::Point2 Here(const Moment& now) {
+  const sim::Pose& pose = now.vehicle->vehicle().pose();
   return {pose.x_m, pose.y_m};
+}
+
+// Precondition: it is known.
+WorldFromOdom FrameOf(const Moment& now) {
+  return {now.vehicle->vehicle().pose(), now.loop->odometry().pose()};
 }
 
 // Of the committed plan where the vehicle is; 0 without one.
@@ -52,60 +57,88 @@ void Observer::End(Outcome outcome) {
   result_.outcome = outcome;
 }
 
-void Observer::Watch(const LockStep& run) {
-  const double t_s = run.time_s() - start_s_;
-  result_.time_s = t_s;
-  result_.max_speed_mps =
-      std::max(result_.max_speed_mps, std::fabs(run.vehicle().vehicle().speed_mps()));
-  WatchPlan(run, t_s);
-  WatchMotion(run, t_s);
-  WatchContact(run, t_s);
-  WatchMode(run, t_s);
-  Sample(run, t_s);
+// Contact counts after another end too, on the way to rest.
+void Observer::EndBy(Outcome contact, double t_s, const std::string& text) {
+  const bool touched = result_.outcome == Outcome::kContact || result_.outcome == Outcome::kPerson;
+  if (ended_ && touched) return;
+  Note(t_s, text);
+  ended_ = true;
+  result_.outcome = contact;
 }
 
-void Observer::WatchContact(const LockStep& run, double t_s) {
-  const sim::Pose& pose = run.vehicle().vehicle().pose();
-  const double speed_mps = std::fabs(run.vehicle().vehicle().speed_mps());
+void Observer::WatchRest(const Moment& now) {
+  WatchContact(now, now.time_s - start_s_);
+}
+
+void Observer::Watch(const Moment& now) {
+  const double t_s = now.time_s - start_s_;
+  result_.time_s = t_s;
+  result_.max_speed_mps =
+      std::max(result_.max_speed_mps, std::fabs(now.vehicle->vehicle().speed_mps()));
+  WatchPlan(now, t_s);
+  WatchMotion(now, t_s);
+  WatchContact(now, t_s);
+  WatchMode(now, t_s);
+  Sample(now, t_s);
+}
+
+void Observer::WatchContact(const Moment& now, double t_s) {
+  const sim::Pose& pose = now.vehicle->vehicle().pose();
+  const double speed_mps = std::fabs(now.vehicle->vehicle().speed_mps());
   const world::Contact contact =
-      world::ContactOf(run.world(), pose.x_m, pose.y_m, pose.theta_rad, run.time_s());
+      world::ContactOf(now.vehicle->world(), pose.x_m, pose.y_m, pose.theta_rad, now.time_s);
   clearance_m_ = std::max(0.0, contact.hard_m);
   result_.clearance_m = std::min(result_.clearance_m, clearance_m_);
   if (contact.hard_m < 0.0 || contact.in_ditch || contact.too_steep()) {
-    if (!ended_) {
-      Note(t_s, contact.in_ditch ? "in a ditch" : contact.hard_m < 0.0 ? "touched" : "too steep");
-    }
-    End(Outcome::kContact);
+    EndBy(Outcome::kContact, t_s,
+          contact.in_ditch       ? "in a ditch"
+          : contact.hard_m < 0.0 ? "touched"
+                                 : "too steep");
   }
   if (speed_mps <= kPersonSpeed_mps) return;
   result_.person_clearance_m =
       std::min(result_.person_clearance_m, std::max(0.0, contact.person_m));
   if (contact.person_m < 0.0) {
-    if (!ended_) Note(t_s, "touched a person at " + std::to_string(speed_mps) + " m/s");
-    End(Outcome::kPerson);
+    EndBy(Outcome::kPerson, t_s, "touched a person at " + std::to_string(speed_mps) + " m/s");
   }
 }
 
-// A path is held against where the vehicle is in truth; it lies where the odometry was when it was
-// committed.
-void Observer::WatchPlan(const LockStep& run, double t_s) {
-  const CommittedPlan& plan = run.loop().replanner().committed();
-  if (plan.number == plan_) return;
-  const bool is_replan = plan_ != 0 && plan.number != 0;
+// A path is held against where the vehicle takes itself to be: what that is off by is the
+// odometry's (WatchOdometry).
+void Observer::WatchPlan(const Moment& now, double t_s) {
+  if (now.plan == plan_) return;
+  const bool is_replan = plan_ != 0 && now.plan != 0;
   if (is_replan) ++result_.replans;
-  plan_ = plan.number;
+  plan_ = now.plan;
   path_.clear();
-  if (plan.number == 0) return;
-  const WorldFromOdom frame(run.vehicle().vehicle().pose(), run.loop().odometry().pose());
-  for (const Pose2& pose : plan.path) path_.push_back(frame.ToWorld({pose.x_m, pose.y_m}));
+  if (now.plan == 0 || now.loop == nullptr) return;
+  const Replanner& replanner = now.loop->replanner();
+  const WorldFromOdom frame = FrameOf(now);
+  std::vector<world::Point2> in_world;
+  for (const Pose2& pose : replanner.committed().path) {
+    path_.push_back({double{pose.x_m}, double{pose.y_m}});
+    in_world.push_back(frame.ToWorld({pose.x_m, pose.y_m}));
+  }
   result_.way.off_base_m =
-      std::max(result_.way.off_base_m, OffBase_m(run.loop().replanner().planner().result()));
-  way_.Committed(path_, Here(run), is_replan);
-  if (trace_ != nullptr) trace_->plans.push_back({t_s, path_});
+      std::max(result_.way.off_base_m, OffBase_m(replanner.planner().result()));
+  way_.Committed(in_world, Here(now), is_replan);
+  if (trace_ != nullptr) trace_->plans.push_back({t_s, std::move(in_world)});
 }
 
-void Observer::WatchMotion(const LockStep& run, double t_s) {
-  const double speed_mps = run.vehicle().vehicle().speed_mps();
+// How far the odometry has drifted since the goal was accepted.
+void Observer::WatchOdometry(const Moment& now) {
+  if (now.loop == nullptr) return;
+  if (!first_) first_ = FrameOf(now);
+  const auto& odom = now.loop->odometry().pose().position;
+  const world::Point2 taken =
+      first_->ToWorld({static_cast<float>(odom.x_m), static_cast<float>(odom.y_m)});
+  const world::Point2 here = Here(now);
+  result_.odometry_off_m =
+      std::max(result_.odometry_off_m, std::hypot(taken.x_m - here.x_m, taken.y_m - here.y_m));
+}
+
+void Observer::WatchMotion(const Moment& now, double t_s) {
+  const double speed_mps = now.vehicle->vehicle().speed_mps();
   speeds_mps_.push_back(speed_mps);
   if (speeds_mps_.size() > 2 * kJerkTicks) {
     constexpr double kStep_s = static_cast<double>(kJerkTicks) * 0.01;
@@ -116,75 +149,82 @@ void Observer::WatchMotion(const LockStep& run, double t_s) {
     ++jerks_;
     speeds_mps_.pop_front();
   }
-  way_.Moved(Here(run));
-  if (path_.size() < 2 || run.loop().permission().mode != Mode::kDriving) return;
-  cross_track_m_ = DistanceToPath_m(Here(run), path_);
+  way_.Moved(Here(now));
+  WatchOdometry(now);
+  if (path_.size() < 2 || now.mode != Mode::kDriving) return;
+  const auto& odom = now.loop->odometry().pose().position;
+  cross_track_m_ = CrossTrack_m({double{odom.x_m}, double{odom.y_m}}, path_);
   if (std::fabs(speed_mps) <= 0.1) return;
   result_.cross_track_m.Add(cross_track_m_);
   way_.Followed(t_s, cross_track_m_);
 }
 
-void Observer::WatchMode(const LockStep& run, double t_s) {
-  const Permission& permission = run.loop().permission();
-  const std::string reason = ReasonName(permission.reason);
-  if (permission.mode != mode_ || reason != said_) {
-    Note(t_s, ModeName(permission.mode) + (reason == "none" ? "" : ": " + reason));
+void Observer::WatchMode(const Moment& now, double t_s) {
+  const std::string reason = ReasonName(now.reason);
+  if (now.mode != mode_ || reason != said_) {
+    Note(t_s, ModeName(now.mode) + (reason == "none" ? "" : ": " + reason));
     said_ = reason;
     said_since_s_ = t_s;
   }
-  mode_ = permission.mode;
+  mode_ = now.mode;
   if (reason != "none") result_.reason = reason;
-  const bool stands = std::fabs(run.vehicle().vehicle().speed_mps()) < kRest_mps &&
-                      std::fabs(run.vehicle().vehicle().yaw_rate_radps()) < kRest_mps;
+  const bool stands = std::fabs(now.vehicle->vehicle().speed_mps()) < kRest_mps &&
+                      std::fabs(now.vehicle->vehicle().yaw_rate_radps()) < kRest_mps;
   if (stands && !stands_ && drove_) ++result_.stops;
   if (stands != stands_) stands_since_s_ = t_s;
   stands_ = stands;
   drove_ = drove_ || !stands;
   if (mode_ == Mode::kFault || mode_ == Mode::kEmergencyStop) End(Outcome::kFault);
-  if (drove_ && stands && mode_ == Mode::kArmed && run.loop().goals() == 0) {
+  if (drove_ && stands && mode_ == Mode::kArmed && now.goals == 0) {
     End(Outcome::kReached);
   }
   if (!stands) return;
   const double stood_s = t_s - stands_since_s_;
-  if (said_ != "none" && stood_s > kSaid_s && t_s - said_since_s_ > kSaid_s) {
+  if (said_ != "none" && stood_s > patience_s_ && t_s - said_since_s_ > patience_s_) {
     End(Outcome::kSaid);
-  } else if (stood_s > kStuck_s) {
+  } else if (stood_s > kStuck_s + patience_s_) {
     End(Outcome::kStuck);
   }
 }
 
-void Observer::Sample(const LockStep& run, double t_s) {
+void Observer::SampleInside(const VehicleLoop& loop, MissionTrace::Sample& sample) {
+  sample.planned_mps = PlannedSpeed_mps(loop.replanner());
+  sample.commanded_curvature_per_m = loop.tracking().curvature_per_m;
+  reaction_.Add(loop.reaction().radius_bins());
+  sample.reaction_median_m = reaction_.Radius_m(0.5);
+  sample.reaction_p99_m = reaction_.Radius_m(0.99);
+}
+
+void Observer::Sample(const Moment& now, double t_s) {
   if (trace_ == nullptr) return;
-  maps_.Watch(run, t_s, trace_->maps);
+  if (now.loop != nullptr) {
+    maps_.Watch(*now.loop, now.vehicle->vehicle().pose(), t_s, trace_->maps);
+  }
   if (t_s < next_sample_s_) return;
   next_sample_s_ = t_s + kSample_s - 1.0e-6;
-  const sim::SimVehicle& vehicle = run.vehicle().vehicle();
-  const TrackingOutput& commanded = run.loop().tracking();
+  const sim::SimVehicle& vehicle = now.vehicle->vehicle();
   MissionTrace::Sample sample;
   sample.t_s = t_s;
   sample.x_m = vehicle.pose().x_m;
   sample.y_m = vehicle.pose().y_m;
   sample.yaw_rad = vehicle.pose().theta_rad;
   sample.speed_mps = vehicle.speed_mps();
-  sample.commanded_mps = commanded.speed_mps;
-  sample.planned_mps = PlannedSpeed_mps(run.loop().replanner());
+  sample.commanded_mps = now.commanded_mps;
   sample.yaw_rate_radps = vehicle.yaw_rate_radps();
-  sample.commanded_yaw_radps = commanded.yaw_rate_radps;
-  sample.commanded_curvature_per_m = commanded.curvature_per_m;
+  sample.commanded_yaw_radps = now.commanded_yaw_radps;
   sample.cross_track_m = cross_track_m_;
   sample.clearance_m = clearance_m_;
-  reaction_.Add(run.loop().reaction().radius_bins());
-  sample.reaction_median_m = reaction_.Radius_m(0.5);
-  sample.reaction_p99_m = reaction_.Radius_m(0.99);
-  for (const world::Person& person : run.world().people()) {
-    sample.people.push_back(person.At(run.time_s()));
+  sample.reaction_median_m = now.reaction_m;
+  if (now.loop != nullptr) SampleInside(*now.loop, sample);
+  for (const world::Person& person : now.vehicle->world().people()) {
+    sample.people.push_back(person.At(now.time_s));
   }
   trace_->samples.push_back(std::move(sample));
 }
 
-void Observer::Finish(const LockStep& run) {
+void Observer::Finish(uint64_t decision_hash) {
   if (jerks_ > 0) result_.jerk_rms_mps3 = std::sqrt(jerk2_sum_ / static_cast<double>(jerks_));
-  result_.decision_hash = run.loop().decision_hash();
+  result_.decision_hash = decision_hash;
 }
 
 }  // namespace hardpack::mission

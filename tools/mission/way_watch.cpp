@@ -9,13 +9,19 @@ namespace {
 
 using world::Point2;
 
+// The part of a line that counts, from 0 at its first point to 1 at its last.
+struct Range {
+  double begin = 0.0;
+  double end = 1.0;
+};
+
 // Of a point to a chord.
-double ToChord_m(Point2 p, Point2 from, Point2 to) {
+double ToChord_m(Point2 p, Point2 from, Point2 to, Range range = {}) {
   const double dx = to.x_m - from.x_m;
   const double dy = to.y_m - from.y_m;
   const double length2 = dx * dx + dy * dy;
   const double along = (p.x_m - from.x_m) * dx + (p.y_m - from.y_m) * dy;
-  const double share = length2 > 0.0 ? std::clamp(along / length2, 0.0, 1.0) : 0.0;
+  const double share = length2 > 0.0 ? std::clamp(along / length2, range.begin, range.end) : 0.0;
   const double off_x = p.x_m - from.x_m - share * dx;
   const double off_y = p.y_m - from.y_m - share * dy;
   return std::sqrt(off_x * off_x + off_y * off_y);
@@ -33,6 +39,15 @@ double DistanceToPath_m(Point2 point, std::span<const Point2> path) {
   double least_m = INFINITY;
   for (size_t i = 0; i + 1 < path.size(); ++i) {
     least_m = std::min(least_m, ToChord_m(point, path[i], path[i + 1]));
+  }
+  return least_m;
+}
+
+double CrossTrack_m(Point2 point, std::span<const Point2> path) {
+  double least_m = INFINITY;
+  for (size_t i = 0; i + 1 < path.size(); ++i) {
+    const Range range = {i == 0 ? -INFINITY : 0.0, i + 2 == path.size() ? INFINITY : 1.0};
+    least_m = std::min(least_m, ToChord_m(point, path[i], path[i + 1], range));
   }
   return least_m;
 }

@@ -17,6 +17,9 @@ namespace hardpack::mission {
 // Of a point to a path: the distance to its nearest chord; infinite where there is none.
 double DistanceToPath_m(world::Point2 point, std::span<const world::Point2> path);
 
+// How far beside it: the same, but the path goes on straight behind its ends.
+double CrossTrack_m(world::Point2 point, std::span<const world::Point2> path);
+
 // The largest distance of a point of the plan's path from its base path [m]; 0 without one of both.
 double OffBase_m(const Plan& plan);
 

@@ -201,6 +201,31 @@ MaybeAction Loss(const Words& words, Sensor sensor) {
   };
 }
 
+MaybeAction Delay(const Words& words, Sensor sensor) {
+  const auto delay_ms = Bounded<uint16_t>(words[0]);
+  if (!delay_ms) return std::nullopt;
+  return [sensor, delay_s = 0.001 * *delay_ms](ScriptedVehicle& scripted) {
+    scripted.faults(sensor).delay_s = delay_s;
+  };
+}
+
+MaybeAction Reorder(const Words& words, Sensor sensor) {
+  const auto count = Bounded<uint8_t>(words[0]);
+  if (!count) return std::nullopt;
+  return [sensor, count = *count](ScriptedVehicle& scripted) {
+    scripted.faults(sensor).reordered = count;
+  };
+}
+
+MaybeAction LidarClock(const Words& words) {
+  constexpr int64_t kMost_ms = 1'000'000;
+  const auto jump_ms = Integer(words[0]);
+  if (!jump_ms || std::abs(*jump_ms) > kMost_ms) return std::nullopt;
+  return [jump_ns = *jump_ms * 1'000'000](ScriptedVehicle& scripted) {
+    scripted.lidar().JumpClock(jump_ns);
+  };
+}
+
 MaybeAction InsCut(const Words& words) {
   const auto bytes = Bounded<uint16_t>(words[0]);
   if (!bytes) return std::nullopt;
@@ -293,7 +318,12 @@ void AddSensorCommands(std::map<std::string, Command>& commands) {
     commands[name + "-garbage"] = fault(&SensorFaults::garbage);
     commands[name + "-loss"] = {
         1, 1, [sensor = sensor](const Words& words) { return Loss(words, sensor); }};
+    commands[name + "-delay"] = {
+        1, 1, [sensor = sensor](const Words& words) { return Delay(words, sensor); }};
+    commands[name + "-reorder"] = {
+        1, 1, [sensor = sensor](const Words& words) { return Reorder(words, sensor); }};
   }
+  commands["lidar-clock"] = {1, 1, LidarClock};
   commands["ins-cut"] = {1, 1, InsCut};
   commands["ins-mode"] = {1, 1, InsMode};
   commands["ins-jump"] = {2, 2, [](const Words& words) {

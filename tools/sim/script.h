@@ -35,12 +35,15 @@
 //   can-frame ID#HEX [PERIOD_S COUNT]       of a node that should not be there
 //   bus-error bus-off|passive|warning       as the controller would report it
 //   lidar SWITCH, ins SWITCH                off: silent; of the labels too: labels SWITCH,
-//                                           labels-foreign, -duplicate, -garbage, -loss
+//                                           labels-foreign, -duplicate, -garbage, -loss ...
 //   lidar-foreign SWITCH, ins-foreign SWITCH       from another address instead
 //   lidar-duplicate SWITCH, ins-duplicate SWITCH   everything twice
 //   lidar-garbage SWITCH, ins-garbage SWITCH       random bytes besides
 //   lidar-loss PERMILLE, ins-loss PERMILLE
+//   lidar-delay MS, ins-delay MS                   later by so much
+//   lidar-reorder N, ins-reorder N                 N at a time, in an order drawn; 0: no longer
 //   lidar-restart                its clock, its frame count and its init id begin anew
+//   lidar-clock MS               its clock jumps ahead by so much; negative: back
 //   ins-cut BYTES                datagrams of 1 .. BYTES bytes; 0: one a message
 //   ins-mode MODE                InsStatus, 0 .. 3
 //   ins-jump NORTH EAST          its positions are so many metres off, from now on

@@ -81,10 +81,7 @@ void ScriptedVehicle::StepTo(uint64_t now_ns) {
 void ScriptedVehicle::Step() {
   now_ns_ += kStep_ns;
   while (next_event_ < script_.size() && script_[next_event_].at_s <= Since_s()) {
-    const ScriptEvent& event = script_[next_event_++];
-    pending_.trace.push_back(
-        Json{{"t", Rounded(Since_s())}, {"event", "script"}, {"line", event.text}}.dump());
-    event.act(*this);
+    Act(script_[next_event_++]);
   }
   SendForeignFrames();
   vehicle_.Advance(now_ns_, pending_.frames);
@@ -93,6 +90,12 @@ void ScriptedVehicle::Step() {
   for (const Side side : kBothSides) TraceChanges(side);
   TraceCollision();
   if (sample_ns_ > 0 && now_ns_ >= next_sample_ns_) TraceSample();
+}
+
+void ScriptedVehicle::Act(const ScriptEvent& event) {
+  pending_.trace.push_back(
+      Json{{"t", Rounded(Since_s())}, {"event", "script"}, {"line", event.text}}.dump());
+  event.act(*this);
 }
 
 void ScriptedVehicle::AdvanceSensors() {
@@ -142,8 +145,36 @@ void ScriptedVehicle::Deliver(Sensor sensor, std::vector<std::vector<uint8_t>>& 
         faults.loss_permille > 0 && static_cast<int>(random_() % 1000u) < faults.loss_permille;
     if (lost) continue;
     ++datagrams_[static_cast<size_t>(sensor)];
-    if (faults.duplicated) pending_.datagrams.push_back({sensor, faults.foreign, bytes});
-    pending_.datagrams.push_back({sensor, faults.foreign, std::move(bytes)});
+    if (faults.duplicated) Carry(sensor, {sensor, faults.foreign, bytes});
+    Carry(sensor, {sensor, faults.foreign, std::move(bytes)});
+  }
+  Arrive(sensor);
+}
+
+// On its way to whom it is sent to: late, or among others that it changes places with.
+void ScriptedVehicle::Carry(Sensor sensor, SensorDatagram datagram) {
+  const auto index = static_cast<size_t>(sensor);
+  const SensorFaults& faults = sensor_faults_[index];
+  const auto delay_ns = static_cast<uint64_t>(std::llround(faults.delay_s * 1.0e9));
+  std::deque<UnderWay>& under_way = under_way_[index];
+  const auto send = [&](SensorDatagram& one) {
+    const uint64_t before_ns = under_way.empty() ? 0 : under_way.back().arrives_ns;
+    under_way.push_back({std::max(now_ns_ + delay_ns, before_ns), std::move(one)});
+  };
+  std::vector<SensorDatagram>& together = together_[index];
+  together.push_back(std::move(datagram));
+  if (static_cast<int>(together.size()) < faults.reordered) return;
+  while (!together.empty()) {
+    const auto drawn = faults.reordered > 1 ? random_() % together.size() : 0;
+    send(together[drawn]);
+    together.erase(together.begin() + static_cast<std::ptrdiff_t>(drawn));
+  }
+}
+
+void ScriptedVehicle::Arrive(Sensor sensor) {
+  std::deque<UnderWay>& under_way = under_way_[static_cast<size_t>(sensor)];
+  for (; !under_way.empty() && under_way.front().arrives_ns <= now_ns_; under_way.pop_front()) {
+    pending_.datagrams.push_back(std::move(under_way.front().datagram));
   }
 }
 

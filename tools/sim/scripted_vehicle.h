@@ -18,8 +18,7 @@
 
 // A whole vehicle on the far side of the wires: two drives, a lidar, an INS and maybe a
 // segmentation computer in a world, with faults that come at set times. In lock step with a
-// caller's time: the same calls give the same bytes. test/onboard/scripted_vehicle.cpp runs it
-// against real sockets.
+// caller's time: the same calls give the same bytes. tools/wire runs it on real sockets.
 
 namespace hardpack::sim {
 
@@ -51,6 +50,8 @@ struct SensorFaults {
   bool duplicated = false;  // everything comes twice
   bool garbage = false;     // random bytes besides each datagram, from the right address
   int loss_permille = 0;    // of its datagrams
+  double delay_s = 0.0;     // each comes so much later; none overtakes another by it
+  int reordered = 0;  // so many at a time come together, in an order drawn at random; 0, 1: none
 };
 
 class ScriptedVehicle;
@@ -82,6 +83,8 @@ class ScriptedVehicle {
 
   // A frame that somebody else sent. Time does not run backwards.
   void TakeFrame(const CanFrame& frame, uint64_t now_ns);
+  // Makes an event of a script happen now, and traces it.
+  void Act(const ScriptEvent& event);
   // Appends what was sent until now_ns: CAN and datagrams each in their order.
   void Advance(uint64_t now_ns, Outgoing& out);
 
@@ -111,6 +114,10 @@ class ScriptedVehicle {
     uint64_t period_ns;
     int left;
   };
+  struct UnderWay {
+    uint64_t arrives_ns;
+    SensorDatagram datagram;
+  };
   struct Seen {  // of a drive, so that changes are traced
     NmtState nmt = NmtState::kInitialising;
     PowerState power = PowerState::kNotReady;
@@ -122,6 +129,8 @@ class ScriptedVehicle {
   void Step();
   void SendForeignFrames();
   void Deliver(Sensor sensor, std::vector<std::vector<uint8_t>>& datagrams);
+  void Carry(Sensor sensor, SensorDatagram datagram);
+  void Arrive(Sensor sensor);
   std::vector<uint8_t> Garbage();
   void AdvanceSensors();
   void TraceChanges(Side side);
@@ -137,6 +146,8 @@ class ScriptedVehicle {
   std::optional<SimLabels> labels_;
   world::World world_;
   SensorFaults sensor_faults_[kSensors];
+  std::deque<UnderWay> under_way_[kSensors];        // delayed
+  std::vector<SensorDatagram> together_[kSensors];  // to be reordered
   std::deque<ForeignFrame> foreign_frames_;
   std::mt19937 random_;
   uint64_t start_ns_;

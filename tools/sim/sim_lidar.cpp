@@ -102,6 +102,11 @@ void SimLidar::Restart(uint64_t now_ns) {
   packet_.clear();
 }
 
+void SimLidar::JumpClock(int64_t jump_ns) {
+  // Unsigned, as the stamps are: a jump to before their zero wraps around as theirs would.
+  settings_.clock_start_ns += static_cast<uint64_t>(jump_ns);
+}
+
 // Of the beam's passing, since the start.
 uint64_t SimLidar::ColumnTime_ns(uint64_t column) const {
   const auto per_s = static_cast<uint64_t>(settings_.columns * settings_.revolutions_per_s);

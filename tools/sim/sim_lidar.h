@@ -85,6 +85,8 @@ class SimLidar {
 
   // As after a loss of power: its clock and its frame count begin anew, with another init id.
   void Restart(uint64_t now_ns);
+  // Its clock goes on from another time, and everything else as before.
+  void JumpClock(int64_t jump_ns);
 
   std::string MetadataJson() const;
   const LidarSettings& settings() const { return settings_; }

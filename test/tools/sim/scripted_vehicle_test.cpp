@@ -65,6 +65,9 @@ TEST(Script, SaysWhereALineIsWrong) {
                            "at 1 world moon",
                            "at 1 world gap x",
                            "at 1 ins-jump 1",
+                           "at 1 lidar-delay -5",
+                           "at 1 lidar-reorder 256",
+                           "at 1 lidar-clock 1000001",
                            "at"}) {
     std::vector<ScriptEvent> script;
     const ReadOutcome outcome =
@@ -112,11 +115,14 @@ TEST(Script, KnowsEveryCommandThatItsPageNames) {
     at 1 ins-jump 3.5 -2
     at 1 ins-drift 0.1 0
     at 1 labels off
+    at 1 lidar-delay 200
+    at 1 ins-reorder 4
+    at 1 lidar-clock -500
     at 1 world gap 3
     at 1 world open
     at 1 quit
   )");
-  EXPECT_EQ(script.size(), 38u);
+  EXPECT_EQ(script.size(), 41u);
   EXPECT_EQ(script[0].text, "at 0.5 drive-silent left on");
   ScriptedVehicle vehicle(Small(), script, kStart_ns);
   RunFor(vehicle, 1.2);
@@ -159,6 +165,63 @@ TEST(ScriptedVehicle, SpoilsItsDatagramsAsTold) {
   for (const SensorDatagram& datagram : run("lidar-foreign on").datagrams) {
     EXPECT_EQ(datagram.foreign, datagram.sensor == Sensor::kLidar);
   }
+}
+
+std::vector<std::vector<uint8_t>> BytesOf(const Outgoing& out, Sensor sensor) {
+  std::vector<std::vector<uint8_t>> bytes;
+  for (const SensorDatagram& one : out.datagrams) {
+    if (one.sensor == sensor) bytes.push_back(one.bytes);
+  }
+  return bytes;
+}
+
+TEST(ScriptedVehicle, DelaysItsDatagramsInTheirOrder) {
+  ScriptedVehicle usual(Small(), {}, kStart_ns);
+  ScriptedVehicle delayed(Small(), Script("at 0 lidar-delay 200\nat 0.5 lidar-delay 0"), kStart_ns);
+  const auto all = BytesOf(RunFor(usual, 1.0), Sensor::kLidar);
+  EXPECT_EQ(Count(RunFor(delayed, 0.2), Sensor::kLidar), 0u);
+  const auto late = BytesOf(RunFor(delayed, 0.3), Sensor::kLidar);
+  EXPECT_NEAR(static_cast<double>(late.size()), 0.3 * 320.0, 1.0);
+  // What was under way comes before what is not delayed any more.
+  auto rest = late;
+  for (auto& bytes : BytesOf(RunFor(delayed, 0.5), Sensor::kLidar)) rest.push_back(bytes);
+  EXPECT_EQ(rest, all);
+}
+
+TEST(ScriptedVehicle, ReordersItsDatagramsAndLosesNone) {
+  ScriptedVehicle usual(Small(), {}, kStart_ns);
+  ScriptedVehicle mixed(Small(), Script("at 0 ins-reorder 4\nat 0.8 ins-reorder 0"), kStart_ns);
+  auto in_order = BytesOf(RunFor(usual, 1.0), Sensor::kIns);
+  auto drawn = BytesOf(RunFor(mixed, 1.0), Sensor::kIns);
+  EXPECT_NE(drawn, in_order);
+  // Nothing gets further than its group.
+  for (size_t i = 0; i < 40; ++i) {
+    const auto at = std::find(in_order.begin(), in_order.end(), drawn[i]) - in_order.begin();
+    EXPECT_EQ(static_cast<size_t>(at) / 4, i / 4) << i;
+  }
+  std::sort(in_order.begin(), in_order.end());
+  std::sort(drawn.begin(), drawn.end());
+  EXPECT_EQ(drawn, in_order);
+}
+
+TEST(ScriptedVehicle, HasALidarWhoseClockJumps) {
+  const auto stamp_ns = [](const std::vector<uint8_t>& legacy) {
+    uint64_t stamp = 0;
+    for (int byte = 7; byte >= 0; --byte) stamp = stamp << 8 | legacy[static_cast<size_t>(byte)];
+    return static_cast<int64_t>(stamp);
+  };
+  ScriptedVehicle usual(Small(), {}, kStart_ns);
+  ScriptedVehicle jumped(Small(), Script("at 0.1 lidar-clock -300\nat 0.5 lidar-clock 1000"),
+                         kStart_ns);
+  const auto before = BytesOf(RunFor(usual, 1.0), Sensor::kLidar);
+  const auto after = BytesOf(RunFor(jumped, 1.0), Sensor::kLidar);
+  ASSERT_EQ(before.size(), after.size());
+  const auto ahead_ms = [&](size_t i) {
+    return (stamp_ns(after[i]) - stamp_ns(before[i])) / 1'000'000;
+  };
+  EXPECT_EQ(ahead_ms(10), 0);
+  EXPECT_EQ(ahead_ms(100), -300);
+  EXPECT_EQ(ahead_ms(300), 700);
 }
 
 TEST(ScriptedVehicle, NamesWhatItsLidarSees) {

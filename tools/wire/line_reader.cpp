@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "test/onboard/line_reader.h"
+#include "tools/wire/line_reader.h"
 
 #include <fcntl.h>
 #include <unistd.h>
 
-namespace hardpack::sim {
+namespace hardpack::wire {
 
 void LineReader::Open(int descriptor) {
   descriptor_ = descriptor;
@@ -25,4 +25,4 @@ bool LineReader::Next(std::string& line) {
   return true;
 }
 
-}  // namespace hardpack::sim
+}  // namespace hardpack::wire

@@ -10,10 +10,10 @@
 #include "port_linux/read_outcome.h"
 #include "tools/sim/scripted_vehicle.h"
 
-// Sockets for the scripted vehicle, a few lines of their own: a mistake in port_linux is not to
-// meet its mirror image here.
+// Sockets for a simulated vehicle, a few lines of their own: a mistake in port_linux is not to meet
+// its mirror image here.
 
-namespace hardpack::sim {
+namespace hardpack::wire {
 
 class FileDescriptor {
  public:
@@ -49,7 +49,7 @@ class VehicleCan {
   // Everything that came; error frames and what is no classic frame are left out.
   void Receive(std::vector<ReceivedFrame>& frames);
   void Send(const CanFrame& frame);
-  void Send(const BusError& error);
+  void Send(const sim::BusError& error);
 
   uint64_t received = 0;
   uint64_t sent = 0;
@@ -81,4 +81,4 @@ class DatagramSender {
   FileDescriptor socket_;
 };
 
-}  // namespace hardpack::sim
+}  // namespace hardpack::wire

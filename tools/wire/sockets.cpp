@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "test/onboard/scripted_vehicle_sockets.h"
+#include "tools/wire/sockets.h"
 
 #include <arpa/inet.h>
 #include <linux/can.h>
@@ -16,7 +16,7 @@
 #include <ctime>
 #include <utility>
 
-namespace hardpack::sim {
+namespace hardpack::wire {
 namespace {
 
 ReadOutcome Failure(const std::string& what) {
@@ -120,7 +120,7 @@ void VehicleCan::Send(const CanFrame& frame) {
   Write(&raw, sizeof(raw));
 }
 
-void VehicleCan::Send(const BusError& error) {
+void VehicleCan::Send(const sim::BusError& error) {
   can_frame raw = {};
   raw.can_id = CAN_ERR_FLAG | error.error_class;
   raw.can_dlc = CAN_MAX_DLEN;
@@ -182,4 +182,4 @@ void DatagramSender::Send(std::span<const uint8_t> bytes) {
   }
 }
 
-}  // namespace hardpack::sim
+}  // namespace hardpack::wire

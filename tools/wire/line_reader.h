@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace hardpack::sim {
+namespace hardpack::wire {
 
 // Lines that come one after another from a descriptor which is not to be waited for.
 class LineReader {
@@ -19,4 +19,4 @@ class LineReader {
   std::string read_;
 };
 
-}  // namespace hardpack::sim
+}  // namespace hardpack::wire
