@@ -63,8 +63,8 @@ struct RunResult {
   double clearance_m = 0.0;         // smallest, to anything hard; 0: touched
   double person_clearance_m = 0.0;  // smallest, to a person while moving faster than 0.3 m/s
   double jerk_rms_mps3 = 0.0;
-  int64_t replans = 0;      // plans that took the place of another
-  int64_t stops = 0;        // came to rest before its end
+  int64_t replans = 0;  // plans that took the place of another
+  int64_t stops = 0;    // came to rest before its end
   // Every tick while driving: how far the vehicle took itself to be beside the committed path. What
   // its odometry is off by is not in it.
   Histogram cross_track_m;
