@@ -134,6 +134,7 @@ nlohmann::ordered_json ToJson(const RunResult& result) {
           {"cross_track_m", ToJson(result.cross_track_m)},
           {"odometry_off_m", result.odometry_off_m},
           {"reaction_s", ToJson(result.reaction_s)},
+          {"reaction_fast_s", ToJson(result.reaction_fast_s)},
           {"reaction_m", ToJson(result.reaction_m)},
           {"way", ToJson(result.way)},
           {"decision_hash", HashText(result.decision_hash)},
@@ -150,6 +151,7 @@ ReadOutcome FromJson(const nlohmann::json& object, RunResult& result) {
     result.outcome = static_cast<Outcome>(found - std::begin(kNames));
     if (!FromJson(object.at("cross_track_m"), result.cross_track_m) ||
         !FromJson(object.at("reaction_s"), result.reaction_s) ||
+        !FromJson(object.at("reaction_fast_s"), result.reaction_fast_s) ||
         !FromJson(object.at("reaction_m"), result.reaction_m)) {
       return Bad("a histogram has other bins");
     }

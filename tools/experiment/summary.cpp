@@ -42,6 +42,7 @@ void Add(const RunResult& result, Row& row) {
   row.cross_track_m.Add(result.cross_track_m);
   row.odometry_off_m = std::max(row.odometry_off_m, result.odometry_off_m);
   row.reaction_s.Add(result.reaction_s);
+  row.reaction_fast_s.Add(result.reaction_fast_s);
   row.reaction_m.Add(result.reaction_m);
   Add(result.way, row.runs == 1, row.way);
   if (!result.success) {
@@ -235,6 +236,7 @@ nlohmann::ordered_json ToJson(const Row& row) {
           {"reaction_at_5_mps_median_m", Finite(row.ReactionAt_m(kReactionSpeed_mps, 0.5))},
           {"reaction_at_5_mps_p99_m", Finite(row.ReactionAt_m(kReactionSpeed_mps, 0.99))},
           {"reaction_columns", row.reaction_s.count()},
+          {"reaction_fast_columns", row.reaction_fast_s.count()},
           {"way", ToJson(row.way)}};
 }
 

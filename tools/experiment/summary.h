@@ -48,15 +48,16 @@ struct Row {
   Histogram cross_track_m;
   double odometry_off_m = 0.0;
   Histogram reaction_s{0.005, 200};
+  Histogram reaction_fast_s{0.005, 200};
   Histogram reaction_m{0.02, 250};
   WayRow way;
 
   double success_share() const {
     return runs > 0 ? static_cast<double>(successes) / static_cast<double>(runs) : 0.0;
   }
-  // What reaction_s means at a speed.
+  // What reaction_fast_s means at a speed.
   double ReactionAt_m(double speed_mps, double share) const {
-    return speed_mps * reaction_s.Quantile(share);
+    return speed_mps * reaction_fast_s.Quantile(share);
   }
 };
 

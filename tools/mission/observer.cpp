@@ -137,6 +137,19 @@ void Observer::WatchOdometry(const Moment& now) {
       std::max(result_.odometry_off_m, std::hypot(taken.x_m - here.x_m, taken.y_m - here.y_m));
 }
 
+void Observer::WatchReaction(const Moment& now) {
+  if (now.loop == nullptr) return;
+  const auto bins = now.loop->reaction().time_bins();
+  const bool is_fast = now.vehicle->vehicle().speed_mps() >= kFast_mps;
+  reactions_.resize(bins.size());
+  experiment::Histogram& fast = result_.reaction_fast_s;
+  for (size_t i = 0; i < bins.size(); ++i) {
+    const uint32_t more = bins[i] - reactions_[i];
+    if (is_fast && more > 0) fast.Add((static_cast<double>(i) + 0.5) * fast.width(), more);
+    reactions_[i] = bins[i];
+  }
+}
+
 void Observer::WatchMotion(const Moment& now, double t_s) {
   const double speed_mps = now.vehicle->vehicle().speed_mps();
   speeds_mps_.push_back(speed_mps);
@@ -151,6 +164,7 @@ void Observer::WatchMotion(const Moment& now, double t_s) {
   }
   way_.Moved(Here(now));
   WatchOdometry(now);
+  WatchReaction(now);
   if (path_.size() < 2 || now.mode != Mode::kDriving) return;
   const auto& odom = now.loop->odometry().pose().position;
   cross_track_m_ = CrossTrack_m({double{odom.x_m}, double{odom.y_m}}, path_);
@@ -175,8 +189,11 @@ void Observer::WatchMode(const Moment& now, double t_s) {
   stands_ = stands;
   drove_ = drove_ || !stands;
   if (mode_ == Mode::kFault || mode_ == Mode::kEmergencyStop) End(Outcome::kFault);
+  // A stop that gives up the goal ends in the same mode.
   if (drove_ && stands && mode_ == Mode::kArmed && now.goals == 0) {
-    End(Outcome::kReached);
+    const world::Point2 here = Here(now);
+    const double off_m = std::hypot(here.x_m - goal_.x_m, here.y_m - goal_.y_m);
+    End(off_m <= kAtGoal_m ? Outcome::kReached : Outcome::kSaid);
   }
   if (!stands) return;
   const double stood_s = t_s - stands_since_s_;

@@ -45,7 +45,11 @@ class Observer {
   // accepted.
   Observer(const world::Scenario& scenario, experiment::RunResult& result, MissionTrace* trace,
            double start_s)
-      : result_(result), trace_(trace), start_s_(start_s), way_(scenario, result.way) {
+      : result_(result),
+        trace_(trace),
+        start_s_(start_s),
+        goal_(scenario.goal),
+        way_(scenario, result.way) {
     if (!scenario.world.people().empty()) patience_s_ = kSaidAmongPeople_s;
   }
 
@@ -54,6 +58,8 @@ class Observer {
   void WatchRest(const Moment& now);
   void Finish(uint64_t decision_hash);
 
+  // So near to the goal, the odometry's drift included, a mission that is over has reached it.
+  static constexpr double kAtGoal_m = 3.0;
   // It stands, and has said the same reason for so long.
   static constexpr double kSaid_s = 5.0;
   // People who stand in the way go on again.
@@ -61,6 +67,7 @@ class Observer {
   // It stands, and says nothing.
   static constexpr double kStuck_s = 20.0;
   static constexpr double kPersonSpeed_mps = 0.3;
+  static constexpr double kFast_mps = 4.0;
 
   // Whether it is known what became of the mission.
   bool ended() const { return ended_; }
@@ -71,6 +78,7 @@ class Observer {
   void WatchMode(const Moment& now, double t_s);
   void WatchMotion(const Moment& now, double t_s);
   void WatchOdometry(const Moment& now);
+  void WatchReaction(const Moment& now);
   void Sample(const Moment& now, double t_s);
   void SampleInside(const VehicleLoop& loop, MissionTrace::Sample& sample);
   void Note(double t_s, const std::string& text);
@@ -80,6 +88,7 @@ class Observer {
   experiment::RunResult& result_;
   MissionTrace* trace_;
   double start_s_;
+  world::Point2 goal_;
   double patience_s_ = kSaid_s;
   WayWatch way_;
   bool ended_ = false;
@@ -99,6 +108,7 @@ class Observer {
   double clearance_m_ = 0.0;
   double next_sample_s_ = 0.0;
   MapRecorder maps_;
+  std::vector<uint32_t> reactions_;  // bins of the reaction meter before this tick
   ReactionWindow reaction_;
 };
 

@@ -37,6 +37,7 @@ RunResult Sample(uint64_t seed = 4) {
   result.cross_track_m.Add(77.0, 2);
   result.odometry_off_m = 0.61;
   result.reaction_s.Add(0.064, 1000);
+  result.reaction_fast_s.Add(0.051, 400);
   result.reaction_m.Add(0.32, 1000);
   result.way = {.off_base_m = 1.5,
                 .cross_track_m = 0.4,
@@ -66,6 +67,7 @@ TEST(RunResult, IsTheSameAfterJson) {
   EXPECT_EQ(back.cross_track_m, sample.cross_track_m);
   EXPECT_EQ(back.odometry_off_m, sample.odometry_off_m);
   EXPECT_EQ(back.reaction_m, sample.reaction_m);
+  EXPECT_EQ(back.reaction_fast_s, sample.reaction_fast_s);
   EXPECT_EQ(back.decision_hash, sample.decision_hash);
   EXPECT_EQ(back.outcome, Outcome::kContact);
 }

@@ -19,18 +19,21 @@ SEEDS = int(os.environ.get("HARDPACK_SEEDS", "5"))
 
 # Of five: successes at least, runs that touched something (a person while moving, an obstacle, a
 # wheel in the ditch) at most. Wanted is (5, 0) everywhere; what is less was measured, and is to be
-# raised with the driving.
+# raised with the driving. People who walk to and fro for ever may hold the vehicle for ever.
 LIMITS = {
     "open": (5, 0),
     "hill": (5, 0),
     "rock_pile": (5, 0),
-    "gap": (4, 0),
-    "corridor": (2, 0),
-    "forest": (2, 0),
-    "crossing": (1, 1),
-    "dead_end": (0, 0),
-    "ditch": (0, 5),
+    "gap": (5, 0),
+    "corridor": (5, 0),
+    "forest": (5, 0),
+    "crossing": (1, 0),
+    "dead_end": (5, 0),
+    "ditch": (4, 1),
 }
+
+# Who is a person is told by a segmentation computer, and by nobody else.
+OPTIONS = {"crossing": ["--labels", "100"]}
 
 
 def run(*arguments, codes=(0,)):
@@ -43,8 +46,9 @@ def run(*arguments, codes=(0,)):
 
 def check(world, out):
     failures = []
+    options = OPTIONS.get(world, [])
     table = json.loads(run("experiment", world, "--runs", SEEDS, "--jobs", 1, "--pictures", "none",
-                           "--json", "--out", out))
+                           "--json", "--out", out, *options))
     row, = table["rows"]
     print((out / "table.md").read_text())
     runs = [json.loads(line) for line in (out / "runs.jsonl").read_text().splitlines()]
@@ -54,7 +58,8 @@ def check(world, out):
         failures.append(f"{row['replayed']} of {SEEDS} logs replay")
     if not all(one["time_s"] > 0 and one["reaction_s"]["bins"] for one in runs):
         failures.append("a run has no time or no reactions")
-    again = json.loads(run("sim", "--world", world, "--seed", 1, "--json", codes=(0, 1)))
+    again = json.loads(run("sim", "--world", world, "--seed", 1, "--json", *options,
+                           codes=(0, 1)))
     if again | {"replayed": True} != runs[0]:
         failures.append("seed 1 is not the same a second time")
     least, most_touches = LIMITS[world]
