@@ -86,7 +86,7 @@ inline constexpr std::array kOdometryTable = {
         "Wheels slip while they gather speed or lose it: the vehicle is between their speed "
         "and what that was about this time ago, ..."),
     HP_ODOMETRY(wheel_lag_share, 0.0f, 2.0f,
-                "... or so much of the way there: half of it is taken off, and is noise besides."),
+                "... or so much of the way there: half of it is taken off, all of it is noise."),
     HP_ODOMETRY(wheel_scale_sigma, 0.001f, 0.3f, "Of ground_per_wheel, to begin with."),
     HP_ODOMETRY(wheel_scale_walk, 1.0e-6f, 0.1f, "How it changes in a second of driving."),
     HP_ODOMETRY(turn_slip_share, 0.01f, 1.0f,

@@ -24,6 +24,7 @@ constexpr float kFrozenSpeed_mps = 1.0f;
 // Rims do not change faster (recorded: 99 of 100 slower, REFERENCES.md, DRIVE): more is a glitch,
 // which the gate is to keep out.
 constexpr float kMaxRimChange_mps2 = 5.1f;
+constexpr float kTakenOff = 0.5f;
 
 float Square(float value) {
   return value * value;
@@ -165,11 +166,12 @@ void Odometry::FollowRims(const WheelFeedback& wheels) {
   rims_ns_ = wheels.time_ns;
 }
 
-// Half of what the wheels may be ahead of the vehicle, having changed by so much: taken off the
-// rims' speed, and its noise.
+// What the wheels may be ahead of the vehicle, having changed by so much, is between nothing (on
+// firm ground) and all of the lag (on the loose ground of the fit): half of it is taken off
+// the rims' speed, and all of it is its noise.
 float Odometry::Gathering(float change_mps) const {
   const float most_mps = kMaxRimChange_mps2 * params_.wheel_lag_s;
-  return 0.5f * params_.wheel_lag_share * Clamp(change_mps, -most_mps, most_mps);
+  return kTakenOff * params_.wheel_lag_share * Clamp(change_mps, -most_mps, most_mps);
 }
 
 // Both numbers of one time: the common speed, then the turn.
@@ -189,8 +191,8 @@ void Odometry::TakeWheels(const WheelFeedback& wheels) {
   common.h[kStateWheelScale] = -state_[kStateSpeed] / (scale * scale);
   common.value = rim_mps - state_[kStateSpeed] / scale;
   common.variance = Square(params_.wheel_sigma_mps) + Square(params_.wheel_slip_share * rim_mps) +
-                    Square(params_.wheel_slip_share * rim_turn_mps_) + Square(ahead_mps) +
-                    Square(params_.speed_walk_mps * late_s);
+                    Square(params_.wheel_slip_share * rim_turn_mps_) +
+                    Square(ahead_mps / kTakenOff) + Square(params_.speed_walk_mps * late_s);
   CorrectGated(common, time_ns, kStateSpeed, wheel_speed_gate_, counters_.wheel_speed_rejected);
   TakeTurn(rim_mps, time_ns);
 }
@@ -207,7 +209,7 @@ void Odometry::TakeTurn(float rim_mps, uint64_t time_ns) {
   turn.value = rim_turn_mps_ - ahead_mps - rate_radps * baseline_m;
   turn.variance = 2.0f * Square(params_.wheel_sigma_mps) +
                   Square(params_.wheel_slip_share * rim_mps) +
-                  Square(params_.turn_slip_share * rim_turn_mps_) + Square(ahead_mps) +
+                  Square(params_.turn_slip_share * rim_turn_mps_) + Square(ahead_mps / kTakenOff) +
                   Square(params_.yaw_rate_walk_radps * baseline_m * Lateness(time_ns));
   if (has_gyro) turn.learns = kStateBaseline;
   CorrectGated(turn, time_ns, has_gyro ? kOdometryStates : kStateYawRate, wheel_turn_gate_,

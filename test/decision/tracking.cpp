@@ -37,37 +37,57 @@ TrackingInput InputAt(const Pose2& pose, int tick) {
   return input;
 }
 
+// Wheels and body that come after what they were told.
+void Roll(const TrackingOutput& output, WheelParts& wheels, Pose2& pose) {
+  const WheelParts told = PartsOf(output.wheels.left_radps, output.wheels.right_radps);
+  wheels.common_radps += 0.018f * (told.common_radps - wheels.common_radps);
+  wheels.differential_radps += 0.012f * (told.differential_radps - wheels.differential_radps);
+  const SinCosPair heading = SinCos(pose.theta_rad);
+  pose.x_m += 0.0029f * wheels.common_radps * heading.cos;
+  pose.y_m += 0.0029f * wheels.common_radps * heading.sin;
+  pose.theta_rad = WrapAngle(pose.theta_rad + 0.0031f * wheels.differential_radps);
+}
+
+WheelFeedback FeedbackOf(const WheelParts& wheels, uint64_t now_ns, bool is_fresh) {
+  return {.valid = is_fresh,
+          .time_ns = now_ns - 6'000'000,
+          .left_radps = wheels.common_radps - wheels.differential_radps,
+          .right_radps = wheels.common_radps + wheels.differential_radps};
+}
+
+Status Steer(int tick, TrackingOutput& output) {
+  const TrackingInput input = InputAt(tracker.predicted().pose, tick);
+  return tick % 1300 < 1200 ? tracker.Follow(input, 0.01f, output)
+                            : tracker.StopAlong(input, 0.01f, output);
+}
+
+BodyMotion BodyOf(const WheelParts& wheels, int tick) {
+  return {.valid = tick % 50 < 40,
+          .speed_mps = 0.29f * wheels.common_radps,
+          .yaw_rate_radps = 0.31f * wheels.differential_radps};
+}
+
+TrackingParams WithMethod(int32_t method) {
+  TrackingParams params;
+  params.method = method;
+  return params;
+}
+
 DecisionHash Along(int32_t method) {
   DecisionHash hash;
   Random random(0x5eed0011u);
-  TrackingParams params;
-  params.method = method;
-  hash.AddU8(static_cast<uint8_t>(tracker.Configure({}, {}, {}, {}, params)));
+  hash.AddU8(static_cast<uint8_t>(tracker.Configure({}, {}, {}, {}, WithMethod(method))));
   Pose2 pose;
   WheelParts wheels;
   TrackingOutput output;
   uint64_t now_ns = 1'000'000'000;
   for (int tick = 0; tick < 3000; ++tick) {
     now_ns += 10'000'000;
-    const WheelParts told = PartsOf(output.wheels.left_radps, output.wheels.right_radps);
-    wheels.common_radps += 0.018f * (told.common_radps - wheels.common_radps);
-    wheels.differential_radps += 0.012f * (told.differential_radps - wheels.differential_radps);
-    const SinCosPair heading = SinCos(pose.theta_rad);
-    pose.x_m += 0.0029f * wheels.common_radps * heading.cos;
-    pose.y_m += 0.0029f * wheels.common_radps * heading.sin;
-    pose.theta_rad = WrapAngle(pose.theta_rad + 0.0031f * wheels.differential_radps);
-    const WheelFeedback feedback = {.valid = random.Next() % 8u != 0u,
-                                    .time_ns = now_ns - 6'000'000,
-                                    .left_radps = wheels.common_radps - wheels.differential_radps,
-                                    .right_radps = wheels.common_radps + wheels.differential_radps};
-    const BodyMotion body = {.valid = tick % 50 < 40,
-                             .speed_mps = 0.29f * wheels.common_radps,
-                             .yaw_rate_radps = 0.31f * wheels.differential_radps};
-    hash.AddU8(static_cast<uint8_t>(tracker.Predict(now_ns, pose, feedback, body)));
-    const TrackingInput input = InputAt(tracker.predicted().pose, tick);
-    const Status status = tick % 1300 < 1200 ? tracker.Follow(input, 0.01f, output)
-                                             : tracker.StopAlong(input, 0.01f, output);
-    hash.AddU8(static_cast<uint8_t>(status));
+    Roll(output, wheels, pose);
+    const bool is_fresh = random.Next() % 8u != 0u;
+    hash.AddU8(static_cast<uint8_t>(
+        tracker.Predict(now_ns, pose, FeedbackOf(wheels, now_ns, is_fresh), BodyOf(wheels, tick))));
+    hash.AddU8(static_cast<uint8_t>(Steer(tick, output)));
     AddState(output, hash);
   }
   return hash;

@@ -36,6 +36,11 @@ inline VehicleConfig ConfigFor(const sim::ScriptedVehicleSettings& settings,
   config.onboard.drive.login_user = left.login_user;
   config.onboard.drive.login_password = left.login_password;
   EXPECT_TRUE(ouster::ParseMetadata(lidar_metadata, "simulated", config.lidar).ok());
+  if (!settings.vehicle.model) {
+    // It turns about its middle, and is never behind its wheels.
+    config.onboard.odometry.turning_point_m = 0.0f;
+    config.onboard.odometry.wheel_lag_share = 0.0f;
+  }
   return config;
 }
 

@@ -58,7 +58,8 @@ TEST(VehicleLoopSafety, SomethingAtOneMetreIsZeroAtOnce) {
   ASSERT_TRUE(drive.Until(0.3, [&] { return drive.loop().corridor().has_obstacle(); }));
   EXPECT_EQ(drive.loop().permission().motion, Motion::kZero);
   EXPECT_FALSE(IsCommandedToMove(drive));
-  ASSERT_TRUE(drive.Until(5.0, [&] { return std::fabs(drive.Speed_mps()) < 0.02; }));
+  ASSERT_TRUE(
+      drive.Until(5.0, [&] { return std::fabs(drive.Speed_mps()) <= Replanner::kStanding_mps; }));
 }
 
 // Beside the way and behind the vehicle nothing brakes.
@@ -296,7 +297,8 @@ TEST(VehicleLoopSafety, StopsForAPersonAndGoesOnWhenTheWayIsFree) {
   ASSERT_TRUE(drive.Until(0.4, [&] { return drive.reason() == StopReason::kPerson; }))
       << static_cast<int>(drive.reason());
   EXPECT_TRUE(drive.loop().corridor().is_person());
-  ASSERT_TRUE(drive.Until(8.0, [&] { return std::fabs(drive.Speed_mps()) < 0.02; }));
+  ASSERT_TRUE(
+      drive.Until(8.0, [&] { return std::fabs(drive.Speed_mps()) <= Replanner::kStanding_mps; }));
   drive.Ticks(300);
   EXPECT_LT(drive.Pose().x_m, x_m - 1.0);
   EXPECT_EQ(drive.reason(), StopReason::kPerson);

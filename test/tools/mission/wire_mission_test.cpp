@@ -94,7 +94,8 @@ TEST(Observer, CountsContactOnTheWayToRest) {
   sim::ScriptedVehicle vehicle(settings, {}, 1'000'000'000);
   RunResult result;
   MissionTrace trace;
-  Observer observer(result, &trace, 0.0);
+  const world::Scenario scenario;
+  Observer observer(scenario, result, &trace, 0.0);
   Moment now;
   now.vehicle = &vehicle;
   now.mode = Mode::kFault;
@@ -123,7 +124,8 @@ TEST(Observer, DoesWithoutTheInsideOfTheLoop) {
   sim::ScriptedVehicle vehicle(settings, {}, 1'000'000'000);
   RunResult result;
   MissionTrace trace;
-  Observer observer(result, &trace, 0.0);
+  const world::Scenario scenario;
+  Observer observer(scenario, result, &trace, 0.0);
   Moment now;
   now.vehicle = &vehicle;
   now.mode = Mode::kDriving;
