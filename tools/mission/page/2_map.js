@@ -244,11 +244,12 @@ function drawLive(i) {
   }
   const way = [];
   for (let k = 0; k <= i && k < count; ++k) way.push([samples.x_m[k], samples.y_m[k]]);
-  // Yellow, as the paper has it; with a rim, or it is not seen on light ground.
-  line(pen, way, '#4d4600', 6.5);
-  line(pen, way, kColours.driven, 4);
   if (now >= 0) line(pen, plans[now].path, '#ffffff', 5.5);
   if (now >= 0) line(pen, plans[now].path, kColours.plan, 3);
+  // On top, as a plan that is kept to lies under it. Yellow, as the paper has it; with a rim, or it
+  // is not seen on light ground.
+  line(pen, way, '#4d4600', 6.5);
+  line(pen, way, kColours.driven, 4);
   disc(pen, scene.start, 5, '#ffffff', kColours.vehicle);
   disc(pen, scene.goal, 8, kColours.goal, '#111');
   disc(pen, scene.goal, 3, '#fff', null);
