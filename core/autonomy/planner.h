@@ -127,8 +127,8 @@ class Planner {
   static constexpr float kMaxShort_m = 1.0f;
   static constexpr int kMaxTransitions = 32;
   static constexpr int kMaxUnits = kMaxTransitions + CostmapBuilder::kUnits +
-                                   ScanRing::kMaxColumns + AstarSearch::kMaxUnits + kMapCells + 1 +
-                                   PathSmoother::kMaxPasses + 2 * Optimizer::kMaxUnits +
+                                   ScanRing::kMaxColumns + AstarSearch::kMaxUnits + 2 * kMapCells +
+                                   1 + PathSmoother::kMaxPasses + 2 * Optimizer::kMaxUnits +
                                    12 * PathCheck::kMaxUnits + SpeedCaps::kMaxUnits;
 
  private:

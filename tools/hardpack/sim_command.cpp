@@ -73,6 +73,10 @@ MissionSettings SettingsOf(const SimOptions& options) {
 
 void RunSim(const SimOptions& options) {
   const MissionSettings settings = SettingsOf(options);
+  if (options.replay && (settings.log.empty() || options.wire.on)) {
+    throw CommandFailure(kBadInput,
+                         "--replay needs --out, and the log, which --wire does not write");
+  }
   if (!options.out.empty()) MakeOutputFolder(options.out);
   RunResult result;
   MissionTrace trace;
@@ -86,10 +90,6 @@ void RunSim(const SimOptions& options) {
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   std::string difference;
   if (options.replay) {
-    if (settings.log.empty() || options.wire.on) {
-      throw CommandFailure(kBadInput,
-                           "--replay needs --out, and the log, which --wire does not write");
-    }
     Require(mission::ReplaysTheSame(settings.log, result.decision_hash, difference));
     result.replayed = difference.empty();
   }
