@@ -119,8 +119,8 @@ inline constexpr std::array kAstarTable = {
              "Cells expanded before the search settles for the best partial path; the default is "
              "every cell of the map (ours)."),
     HP_ASTAR(move_goal_out_of_obstacle, 0.0f, 1.0f,
-             "1: a goal inside a hard obstacle is moved to the nearest free cell; 0: it is refused "
-             "(ours).")};
+             "1: a goal inside a hard obstacle is moved to a free place near it, up to 1 m further "
+             "than the nearest, on the vehicle's side; 0: it is refused (ours).")};
 #undef HP_ASTAR
 
 #define HP_PATH(...) HP_ENTRY("path", PathParams, __VA_ARGS__)

@@ -9,10 +9,11 @@ usage: tools/check.sh [--all] [--deps] [--deps-bench] [--help]
 Installs what is missing (Debian packages, tools/packages.txt), builds the release preset and runs
 its tests, the static checks among them: at most 15 minutes on two cores.
 
-  --all         the slow ones too: Debug, clang and sanitizer builds and their tests, aarch64 and
-                Cortex-M7 under QEMU, the tests labelled slow: at most 60 minutes. It installs what
-                the comparisons of `hardpack bench` need as well (ten seconds), so that what uses
-                other libraries is compiled and tested
+  --all         the slow ones too: clang and sanitizer builds and their tests (the latter with
+                the libraries' own assertions), aarch64 and Cortex-M7 under QEMU, the tests
+                labelled slow: at most 60 minutes. It installs what the comparisons of
+                `hardpack bench` need as well (ten seconds), so that what uses other libraries is
+                compiled and tested
   --deps        only install; with --all, what --all needs as well
   --deps-bench  only install what the comparisons of `hardpack bench` need
   --help        this text
@@ -143,7 +144,6 @@ build_and_test() {
 build_and_test release -LE slow
 step "clang-tidy" tools/check_tidy.sh build/release || true
 if $all; then
-  build_and_test dev -LE slow
   build_and_test release-clang -LE slow
   build_and_test asan -LE slow
   build_and_test aarch64

@@ -7,6 +7,7 @@
 #include "core/base/assert.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
+#include "core/base/saturate.h"
 
 // The search of a bucket queue (R. Dial, "Algorithm 360", CACM 1969) with A*'s f as its key.
 //
@@ -61,6 +62,12 @@ constexpr uint32_t kRoomOfMove = kLargestLabel - kMaxHeuristic - 2 * 4096;
 constexpr uint32_t kLargestF = kMapCells * uint32_t{kMaxEdgeCost} + kMaxHeuristic;
 static_assert(kLargestF / kRoomOfMove + 2 <= AstarSearch::kMaxLabelMoves);
 
+// A cell that was not observed is further than any that was: behind the front of what stands on the
+// goal there seems to be room, and the vehicle would drive around it to look.
+constexpr int32_t kUnseenGoal_cells2 = 1 << 20;
+constexpr int32_t kRowMask = kMapSize_cells - 1;
+static_assert(kUnseenGoal_cells2 > 2 * kMapSize_cells * kMapSize_cells);
+
 // Precondition: not 0. In halves, as for 64 bits a 32-bit processor calls its compiler's library.
 uint32_t LowestBit(uint64_t bits) {
   const uint32_t low = static_cast<uint32_t>(bits);
@@ -104,6 +111,7 @@ Status AstarSearch::Begin(const Costmap& map, const AstarParams& params, Vec2 st
   max_expansions_ = params.max_expansions;
   row_ = 0;
   nearest_distance2_cells2_ = INT32_MAX;
+  goal_limit_cells2_ = INT32_MAX;
   const bool must_clear = least_label_ < kLabelsOfQuery;
   ceiling_ = must_clear ? kLargestLabel : least_label_;
   base_ = ceiling_ - kLabelsOfQuery;
@@ -150,25 +158,17 @@ int AstarSearch::ClearNodes(int units) {
   return units;
 }
 
+// Twice over the map: how near to the goal a free cell is, then which of those that are about as
+// near is best to drive to.
 int AstarSearch::MoveGoal(const Costmap& map, int units) {
-  const int32_t goal_x = static_cast<int32_t>(goal_ & kColumnMask);
-  const int32_t goal_y = static_cast<int32_t>(goal_ >> kRowShift);
-  HP_LOOP_BOUND(kMapSize_cells)
-  while (units > 0 && row_ < kMapSize_cells) {
-    const int32_t dy = row_ - goal_y;
-    HP_LOOP_BOUND(kMapSize_cells)
-    for (int32_t x = 0; x < kMapSize_cells; ++x) {
-      const int index = row_ * kMapSize_cells + x;
-      const int32_t distance2_cells2 = (x - goal_x) * (x - goal_x) + dy * dy;
-      if (!map.Lethal(index) && distance2_cells2 < nearest_distance2_cells2_) {
-        nearest_distance2_cells2_ = distance2_cells2;
-        nearest_goal_ = static_cast<uint32_t>(index);
-      }
-    }
+  HP_LOOP_BOUND(2 * kMapSize_cells)
+  while (units > 0 && row_ < 2 * kMapSize_cells) {
+    if (row_ == kMapSize_cells) LimitGoal();
+    ScanForGoal(map, row_ & kRowMask, row_ < kMapSize_cells ? goal_ : start_);
     ++row_;
     --units;
   }
-  if (row_ < kMapSize_cells) return units;
+  if (row_ < 2 * kMapSize_cells) return units;
   if (nearest_distance2_cells2_ == INT32_MAX) {
     Finish(Status::kStartEnclosed);  // every cell is lethal, the start too
     return units;
@@ -179,6 +179,34 @@ int AstarSearch::MoveGoal(const Costmap& map, int units) {
   phase_ = Phase::kSearch;
   StartSearch();
   return units;
+}
+
+void AstarSearch::LimitGoal() {
+  const bool is_unseen = nearest_distance2_cells2_ >= kUnseenGoal_cells2;
+  const int32_t distance2_cells2 = nearest_distance2_cells2_ & (kUnseenGoal_cells2 - 1);
+  const float reach_cells = Sqrt(static_cast<float>(distance2_cells2)) + kGoalReach_cells;
+  goal_limit_cells2_ =
+      FloorToInt(reach_cells * reach_cells) + (is_unseen ? kUnseenGoal_cells2 : 0);
+  nearest_distance2_cells2_ = INT32_MAX;
+}
+
+// One row for the free cell nearest to `from`, of those within the limit of the goal.
+void AstarSearch::ScanForGoal(const Costmap& map, int32_t row, uint32_t from) {
+  const int32_t goal_x = static_cast<int32_t>(goal_ & kColumnMask);
+  const int32_t goal_dy = row - static_cast<int32_t>(goal_ >> kRowShift);
+  const int32_t from_x = static_cast<int32_t>(from & kColumnMask);
+  const int32_t from_dy = row - static_cast<int32_t>(from >> kRowShift);
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int32_t x = 0; x < kMapSize_cells; ++x) {
+    const int index = row * kMapSize_cells + x;
+    const int32_t unseen = (map.flags[index] & Costmap::kObserved) != 0 ? 0 : kUnseenGoal_cells2;
+    const int32_t to_goal2 = (x - goal_x) * (x - goal_x) + goal_dy * goal_dy + unseen;
+    const int32_t distance2 = (x - from_x) * (x - from_x) + from_dy * from_dy + unseen;
+    if (map.Lethal(index) || to_goal2 > goal_limit_cells2_) continue;
+    if (distance2 >= nearest_distance2_cells2_) continue;
+    nearest_distance2_cells2_ = distance2;
+    nearest_goal_ = static_cast<uint32_t>(index);
+  }
 }
 
 int AstarSearch::Search(const Costmap& map, int units) {

@@ -60,20 +60,25 @@ class AstarSearch {
  public:
   // The node array is relabelled at most so often in a query: see Step.
   static constexpr int kMaxLabelMoves = 33;
+  static constexpr float kGoalReach_cells = 5.0f;
   // No query takes more units than this.
-  static constexpr int kMaxUnits = (2 + kMaxLabelMoves) * kMapSize_cells + 2 * kMapCells;
+  static constexpr int kMaxUnits = (3 + kMaxLabelMoves) * kMapSize_cells + 2 * kMapCells;
 
   // Positions in the odom frame. kNotFinite, kParameterOutOfRange (max_expansions outside 1 to
   // kMapCells, move_goal_out_of_obstacle neither 0 nor 1), kStartOutsideMap, kGoalInObstacle end
   // the search at once, tested in this order (result().status says the same); otherwise kOk. A goal
-  // off the map becomes the nearest cell of the map, and is judged there. Cost: constant.
+  // off the map becomes the nearest cell of the map, and is judged there. A lethal goal becomes the
+  // free cell that is nearest to the start (ties: the lowest index) of those no more than
+  // kGoalReach_cells further from it than the nearest free one: a place that stays the same while
+  // the obstacle's edge is seen better, and that is not at that edge. Cells that were observed go
+  // before all others. Cost: constant.
   Status Begin(const Costmap& map, const AstarParams& params, Vec2 start_odom, Vec2 goal_odom);
 
   // A unit is one row of the node array cleared (512 of them in the first query and in every 127th
-  // after it), one row scanned for the free cell nearest to the goal (512, only for a goal in an
-  // obstacle; ties: the lowest index), one expansion, one row of the node array relabelled (512
-  // when cost so far plus heuristic passes 2^18 - 2^13 and after each 3.3e7 more; the query after
-  // that clears), or one cell of the path traced back. Costs above kMaxCost_q8 count as that.
+  // after it), one row scanned for a free cell to drive to instead of the goal (1024, only for a
+  // goal in an obstacle), one expansion, one row of the node array relabelled (512 when cost so far
+  // plus heuristic passes 2^18 - 2^13 and after each 3.3e7 more; the query after that clears), or
+  // one cell of the path traced back. Costs above kMaxCost_q8 count as that.
   Progress Step(const Costmap& map, int units);
 
   // Outcomes: kOk; kGoalOutsideMap; kGoalMoved; kStartInObstacle (a path, left along falling
@@ -99,6 +104,8 @@ class AstarSearch {
 
   int ClearNodes(int units);
   int MoveGoal(const Costmap& map, int units);
+  void LimitGoal();
+  void ScanForGoal(const Costmap& map, int32_t row, uint32_t from);
   int Search(const Costmap& map, int units);
   int MoveLabels(int units);
   int Trace(int units);
@@ -142,6 +149,7 @@ class AstarSearch {
   uint32_t least_label_ = 0;              // that there is; 0: the next query has to clear
   int32_t row_ = 0;                       // next row of kClear, kMoveGoal or kMoveLabels
   int32_t nearest_distance2_cells2_ = 0;  // of the best goal seen so far
+  int32_t goal_limit_cells2_ = 0;         // squared, of the goal that is asked for
   uint32_t nearest_goal_ = 0;
   uint32_t best_ = 0;  // the end of a partial path, as seen so far, ...
   uint32_t best_heuristic_ = 0;

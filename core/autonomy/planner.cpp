@@ -180,7 +180,7 @@ void Planner::BeginSearch() {
 }
 
 void Planner::StepSearch(int units) {
-  if (search_.Step(costmap(), units) == Progress::kBusy) return;
+  if (search_.Step(costmap(), kSearchUnits * units) == Progress::kBusy) return;
   plan_.search = search_.result();
   plan_.base_status = plan_.search.status;
   if (!IsUsable(plan_.base_status)) return Fail(plan_.base_status);

@@ -109,11 +109,12 @@ class Planner {
   Status BeginOnMap(const PlanRequest& request);
 
   // The same kind of Step as of Begin: the others assert it. At most `units`
-  // units of the stages' (see there; of pending columns a slot of the ring). They are handed on in
-  // portions of kPortion_units; what a stage leaves of its last portion is lost. Between stages a
-  // unit may also join, assemble or begin, which costs a few passes over the path. kMaxUnits steps
-  // of one unit end any plan. Any split of the units gives the same plan while the mapper stays as
-  // it is. Results: those of the stages, and kPivotBlocked.
+  // units of the stages' (see there; of pending columns a slot of the ring, of the search
+  // kSearchUnits of its own, which are that much shorter than a row of the costmap). They are
+  // handed on in portions of kPortion_units; what a stage leaves of its last portion is lost.
+  // Between stages a unit may also join, assemble or begin, which costs a few passes over the path.
+  // kMaxUnits steps of one unit end any plan. Any split of the units gives the same plan while the
+  // mapper stays as it is. Results: those of the stages, and kPivotBlocked.
   Progress Step(const Mapper& mapper, int units);
   Progress Step(const HeightGrid& heights, int units);
   Progress StepCells(int units);
@@ -124,6 +125,9 @@ class Planner {
   CostmapBuilder& costmap_builder() { return builder_; }
 
   static constexpr int kPortion_units = 64;
+  // A tick that closes cells is then no longer than one that builds the costmap (about 400
+  // instructions a cell against 7,000 a row, test/instructions/counts.txt).
+  static constexpr int kSearchUnits = 8;
   static constexpr float kMaxShort_m = 1.0f;
   static constexpr int kMaxTransitions = 32;
   static constexpr int kMaxUnits = kMaxTransitions + CostmapBuilder::kUnits +

@@ -79,33 +79,45 @@ TEST_F(AstarOutcome, GoalOutsideMapSearchesForTheNearestCell) {
   EXPECT_EQ(FaultOfPath(*map, *search_), "");
 }
 
-TEST_F(AstarOutcome, GoalMovedToTheNearestFreeCell) {
-  Sketch sketch = Draw({
-      "......",
-      ".###..",
-      ".####.",
-      ".####.",
-      "S.....",
-  });
-  sketch.goal = {102, 102};
-  const AstarResult& result = SolveSketch(sketch);
+TEST_F(AstarOutcome, GoalIsMovedToTheVehiclesSide) {
+  auto map = UniformMap(false);
+  for (int y = 196; y <= 204; ++y) {
+    for (int x = 196; x <= 204; ++x) SetLethal(*map, map->window.Index({x, y}));
+  }
+  // Free cells are 5 off on each side; one that is up to 5 further will do.
+  const AstarResult& result = Solve(*search_, *map, {150, 200}, {200, 200});
   EXPECT_EQ(result.status, Status::kGoalMoved);
   EXPECT_TRUE(result.goal_moved);
-  // (102, 100), (100, 102) and (102, 104) are equally near: the one of lowest index.
-  EXPECT_EQ(result.goal, (Cell{102, 100}));
+  EXPECT_EQ(result.goal, (Cell{190, 200}));
+  EXPECT_EQ(Solve(*search_, *map, {200, 250}, {200, 200}).goal, (Cell{200, 210}));
+  // Where the vehicle stands is near enough.
+  EXPECT_EQ(Solve(*search_, *map, {193, 200}, {200, 200}).goal, (Cell{193, 200}));
 }
 
 TEST_F(AstarOutcome, GoalIsMovedByEuclideanDistance) {
-  //   .####      one cell of either kind: (2, 2) off along the diagonal, and 3 off straight:
-  //   #####      8 squared cells against 9, although the straight one comes first in the search
-  //   ##G#.      for the lowest index.
+  // One cell is 2, 2 off along the diagonal, which is less than 3; one 8 off straight, which is 5
+  // further than 3 and more than 5 further than the diagonal.
   auto map = UniformMap(true);
-  map->flags[map->window.Index({200, 197})] = 0;
+  map->flags[map->window.Index({200, 192})] = 0;
   map->flags[map->window.Index({202, 202})] = 0;
-  Solve(*search_, *map, {200, 197}, {200, 200});
+  Solve(*search_, *map, {200, 192}, {200, 200});
   EXPECT_EQ(search_->result().goal, (Cell{202, 202}));
   EXPECT_EQ(search_->result().status, Status::kNoPath);
   EXPECT_TRUE(search_->result().goal_moved);
+  map->flags[map->window.Index({202, 202})] = Costmap::kLethal;
+  map->flags[map->window.Index({200, 203})] = 0;
+  Solve(*search_, *map, {200, 192}, {200, 200});
+  EXPECT_EQ(search_->result().goal, (Cell{200, 192}));
+}
+
+TEST_F(AstarOutcome, GoalIsMovedToWhatWasObserved) {
+  // What is behind the front of a box was not: the cell in front is 3 off, the one inside 1.
+  auto map = UniformMap(true);
+  map->flags[map->window.Index({201, 200})] = 0;
+  map->flags[map->window.Index({197, 200})] = Costmap::kObserved;
+  Solve(*search_, *map, {197, 200}, {200, 200});
+  EXPECT_EQ(search_->result().goal, (Cell{197, 200}));
+  EXPECT_EQ(search_->result().status, Status::kGoalMoved);
 }
 
 TEST_F(AstarOutcome, GoalOffTheMapIsMovedWhenItsNearestCellIsLethal) {
@@ -114,7 +126,7 @@ TEST_F(AstarOutcome, GoalOffTheMapIsMovedWhenItsNearestCellIsLethal) {
   const AstarResult& result = Solve(*search_, *map, {500, 500}, {600, 700});
   EXPECT_EQ(result.status, Status::kGoalMoved);
   EXPECT_TRUE(result.goal_outside_map);
-  EXPECT_EQ(result.goal, (Cell{511, 510}));
+  EXPECT_EQ(result.goal, (Cell{507, 507}));
 }
 
 TEST_F(AstarOutcome, GoalInObstacleIsRefusedWhenTheParameterSaysSo) {

@@ -144,7 +144,7 @@ TEST_F(AstarPath, KeepsCountOfDearCostsToAGoalThatWasMoved) {
   // Both the search for a free goal and the move of the labels go through the map row by row.
   const auto map = Comb(1);
   for (uint16_t& cost_q8 : map->cost_q8) cost_q8 = kMaxCost_q8;
-  const AstarResult& result = Solve(*search_, *map, {0, 0}, {41, 200});
+  const AstarResult& result = Solve(*search_, *map, {0, 0}, {47, 200});
   ASSERT_EQ(result.status, Status::kGoalMoved);
   EXPECT_EQ(FaultOfPath(*map, *search_), "");
   ReferenceSearch reference(*map);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <memory>
 #include <random>
@@ -86,27 +87,37 @@ std::unique_ptr<Costmap> LethalMap() {
   return map;
 }
 
-// The free cell nearest to the goal, of equals the one of lowest index; (-1, -1) if there is none.
-Cell NearestFree(const Costmap& map, const RandomProblem& problem) {
+// The free cell nearest to `from` of those within the squared limit of the goal, of equals the one
+// of lowest index; (-1, -1) if there is none.
+Cell NearestFree(const Costmap& map, const RandomProblem& problem, Cell from, double limit2) {
   Cell best{-1, -1};
   int best_distance2 = INT32_MAX;
+  const auto squared = [](Cell a, Cell b) {
+    return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
+  };
   for (int y = problem.bottom; y < problem.bottom + problem.height; ++y) {
     for (int x = problem.left; x < problem.left + problem.width; ++x) {
       if (map.Lethal(y * kMapSize_cells + x)) continue;
-      const int distance2 =
-          (x - problem.goal.x) * (x - problem.goal.x) + (y - problem.goal.y) * (y - problem.goal.y);
-      if (distance2 >= best_distance2) continue;
-      best_distance2 = distance2;
-      best = {x, y};
+      const Cell cell{x, y};
+      if (squared(cell, problem.goal) > limit2 || squared(cell, from) >= best_distance2) continue;
+      best_distance2 = squared(cell, from);
+      best = cell;
     }
   }
   return best;
 }
 
+Cell GoalToReach(const Costmap& map, const RandomProblem& problem) {
+  const Cell nearest = NearestFree(map, problem, problem.goal, INFINITY);
+  if (nearest == problem.goal || nearest.x < 0) return nearest;
+  const double reach = std::hypot(nearest.x - problem.goal.x, nearest.y - problem.goal.y) + 5.0;
+  return NearestFree(map, problem, problem.start, reach * reach);
+}
+
 void ExpectSameAsReference(const Costmap& map, const RandomProblem& problem,
                            ReferenceSearch& reference, const AstarSearch& search) {
   const AstarResult& result = search.result();
-  const Cell goal = NearestFree(map, problem);
+  const Cell goal = GoalToReach(map, problem);
   reference.Solve(problem.start.x, problem.start.y);
   EXPECT_EQ(result.start_in_obstacle, MapRules(map).Lethal(problem.start.x, problem.start.y));
   EXPECT_EQ(result.goal_moved, goal != problem.goal);
