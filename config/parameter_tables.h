@@ -210,6 +210,9 @@ inline constexpr std::array kSpeedTable = {
     HP_SPEED(max_unseen_m, 0.0f, 100.0f,
              "A longer stretch along the path whose ground was not observed ends the observed "
              "ground, before which the vehicle can always stop (ours)."),
+    HP_SPEED(unseen_margin_m, 0.0f, 5.0f,
+             "Between the vehicle's front at rest and the end of the observed ground, whose last "
+             "part may be the slope into a ditch; it may turn on the spot there (ours)."),
     HP_SPEED(narrow_room_m, 0.0f, 1.0f,
              "Where there is less room than this between one of the footprint's discs and a hard "
              "cell, half a cell's diagonal off, min_speed_mps is the limit: what tracking may be "

@@ -94,6 +94,7 @@ struct SpeedParams {
   float person_margin_m = 0.5f;
   float person_creep_mps = 0.2f;  // past a person who is near but leaves room; 0: none
   float max_unseen_m = 0.6f;      // stretch of ground along the path that may be unobserved
+  float unseen_margin_m = 0.6f;   // between the vehicle at rest and ground that was not observed
   float narrow_room_m = 0.15f;    // with less beside the footprint's discs: at min_speed_mps
 };
 

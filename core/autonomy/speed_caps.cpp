@@ -57,6 +57,7 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
   chord_ = 0;
   observed_m_ = kFar_m;
   max_unseen_m_ = params.max_unseen_m;
+  ahead_m_ = 0.5f * vehicle.length_m + params.unseen_margin_m;
   const float room_m = vehicle.footprint_disc_radius_m + kHalfCellDiagonal_m + params.narrow_room_m;
   room2_cells2_ = Squared(room_m * kCellsPerMeter);
   narrow_ = false;
@@ -79,7 +80,7 @@ Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
       SearchRow(map, path);
       ++row_;
     } else {
-      const float free_m = observed_m_ - 0.5f * vehicle.length_m - along_m_[point_];
+      const float free_m = observed_m_ - ahead_m_ - along_m_[point_];
       Lower(point_, ReactionSpeedCap(params, free_m), CapCause::kUnseenGround);
       if (HasLittleRoom(map, vehicle, path[point_])) {
         narrow_ = true;
@@ -98,13 +99,14 @@ void SpeedCaps::Lower(int point, float cap_mps, CapCause cause) {
   cause_[point] = cause;
 }
 
-// The chord behind a point; behind the last one straight on, as far as the vehicle's front reaches.
+// The chord behind a point; behind the last one straight on, as far as the ground has to be
+// observed before the vehicle's front.
 void SpeedCaps::LookAlong(const Costmap& map, const VehicleParams& vehicle, const WorldPath& path,
                           int point) {
   if (observed_m_ < kFar_m) return;  // it ends before
   const Pose2& from = path[point];
   const bool is_last = point + 1 == points_;
-  const float length_m = is_last ? 0.5f * vehicle.length_m : along_m_[point + 1] - along_m_[point];
+  const float length_m = is_last ? ahead_m_ : along_m_[point + 1] - along_m_[point];
   if (!HasLength(length_m)) return;
   const SinCosPair heading = SinCos(from.theta_rad);
   Vec2 direction = {heading.cos, heading.sin};

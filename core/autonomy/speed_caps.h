@@ -17,14 +17,14 @@
 // speed where there is little room; and the caps for the people beside it. It does not look for
 // obstacles on the path: the check has.
 //
-//        |<- free ->|<- half the length ->|
-//   o====o==========+=====================#? ? ? ? ?o      # the end of the observed ground
+//        |<- free ->|<- half the length, unseen_margin_m ->|
+//   o====o==========+=====================================#? ? ? ?o   # end of the observed ground
 //
 // The observed ground ends where on one of three tracks, the path's own and kTrack of the width to
 // either side, no cell has been observed (Costmap::kObserved) for more than max_unseen_m. Shorter
 // stretches are what the lidar's ring spacing and the directions' spacing leave open. It is looked
-// for up to half the vehicle's length beyond the path's end. A path begins where the vehicle is, so
-// that its first point counts as observed.
+// for as far beyond the path's end as is kept free before it: half the vehicle's length and
+// unseen_margin_m. A path begins where the vehicle is, so that its first point counts as observed.
 //
 // There is little room where a hard cell's centre is nearer to the centre of one of the footprint's
 // discs than its radius, half a cell's diagonal and narrow_room_m: min_speed_mps at most there.
@@ -86,6 +86,7 @@ class SpeedCaps {
   int32_t chord_ = 0;        // next to be looked along; the one behind the last is beyond
   float observed_m_ = 0.0f;  // way to the end of the observed ground
   float max_unseen_m_ = 0.0f;
+  float ahead_m_ = 0.0f;       // of the vehicle's middle, that must be observed
   float room2_cells2_ = 0.0f;  // squared distance of a hard cell that leaves little room
   bool narrow_ = false;
   float seen_m_[kTracks] = {};  // of each track, the way to the last observed cell

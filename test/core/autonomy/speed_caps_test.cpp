@@ -61,7 +61,8 @@ TEST(SpeedCaps, StopsBeforeTheEndOfTheObservedGround) {
   ground.Hide(12.0f, 40.0f);
   EXPECT_NEAR(ground.Caps().observed_m(), 12.0f, 0.11f);
   for (float x_m = 0.0f; x_m < 11.0f; x_m += 0.275f) {
-    const float free_m = std::max(0.0f, 12.0f - 0.5f * ground.vehicle.length_m - x_m);
+    const float kept_m = 0.5f * ground.vehicle.length_m + ground.speed.unseen_margin_m;
+    const float free_m = std::max(0.0f, 12.0f - kept_m - x_m);
     EXPECT_LE(StoppingDistance(ground.speed, ground.CapAt(x_m)), free_m + 0.11f) << x_m;
     EXPECT_GE(StoppingDistance(ground.speed, ground.CapAt(x_m)) + 0.2f,
               std::min(free_m, StoppingDistance(ground.speed, ground.speed.max_speed_mps)))
@@ -136,6 +137,17 @@ TEST(SpeedCaps, LooksWhereTheVehiclesFrontStandsAtThePathsEnd) {
   EXPECT_EQ(ground.CapAt(9.9f), 0.0f);
   EXPECT_NEAR(ground.caps->observed_m(), 9.9f, 0.11f);
   EXPECT_EQ(ground.CauseAt(9.35f), CapCause::kUnseenGround);
+}
+
+TEST(SpeedCaps, KeepsTheMarginAtThePathsEnd) {
+  Ground ground(10.0f);
+  const float kept_m = 0.5f * ground.vehicle.length_m + ground.speed.unseen_margin_m;
+  ground.Hide(10.2f + kept_m, 20.0f);
+  EXPECT_EQ(ground.Caps().observed_m(), SpeedCaps::kFar_m);
+  ground.Hide(9.6f + kept_m, 20.0f);
+  ground.speed.max_unseen_m = 0.0f;
+  EXPECT_NEAR(ground.Caps().observed_m(), 9.6f + kept_m, 0.31f);
+  EXPECT_EQ(ground.CapAt(9.9f), 0.0f);
 }
 
 TEST(SpeedCaps, TheMapsEdgeEndsTheObservedGround) {
