@@ -101,7 +101,7 @@ struct SpeedParams {
 // When the plan that is driven gives way to a new one, and where the new one joins it
 // (core/autonomy/replanner.h).
 struct ReplanParams {
-  float cheaper_share = 0.15f;     // a new plan must cost less by so much of the old one's cost ...
+  float cheaper_share = 0.25f;     // a new plan must cost less by so much of the old one's cost ...
   float cheaper_floor = 1.0f;      // ... and by so much at least
   float max_cross_track_m = 0.5f;  // further off the path: planned from the vehicle's own pose
   float min_latency_s = 0.1f;      // least time that a plan is taken to need

@@ -16,7 +16,8 @@ GOAL_M = 18.0
 FAST_MPS = 2.5
 
 # A box in the way, and a goal behind it: who does not see or steer drives into it.
-BOX = ["--at", "0 box 9 0 1.5 1.5"]
+BOX_M = 9.0
+BOX = ["--at", f"0 box {BOX_M} 0 1.5 1.5"]
 BEHIND_M = 17.0
 
 # Parameters' defaults (docs/parameters.md), but for the odometry's age (onboard_case.py).
@@ -132,16 +133,16 @@ class AtSpeed(OnboardCase):
         self.end_hardpackd()
 
     def test_goal_in_an_obstacle_is_moved_out_of_it(self):
-        # The free place next to it becomes another one as more of the box is seen: it may go on.
         self.start("--world", "open", *BOX)
-        self.drive_off(9.0, 1.0)
+        self.drive_off(BOX_M, 1.0)
         event_s = self.vehicle.now["t"]
-        self.rest_after(event_s, patience_s=60.0)
+        self.status("vehicle", mode="armed")
         self.assert_untouched()
-        report = self.watch.now["vehicle"]
-        print(f"{self.id()}: {self.vehicle.now['t'] - event_s:.1f} s, {report['mode']}, "
-              f"{report['stop_reason']}, at {self.vehicle.now['x']:.2f} {self.vehicle.now['y']:.2f}")
-        self.assertGreater(self.vehicle.now["x"], 4.0)
+        place = self.vehicle.now
+        print(f"{self.id()}: {place['t'] - event_s:.1f} s, at {place['x']:.2f} {place['y']:.2f}")
+        # The nearest free place: half the box, the planning radius (at a corner of the box), and
+        # two cells' diagonals; 1 m more; and what reaching a goal and the odometry may be off.
+        self.assertLess(math.hypot(place["x"] - BOX_M, place["y"]), 0.75 + 0.94 + 0.57 + 1.0 + 0.8)
         self.end_hardpackd()
 
     # --- what does not stop it --------------------------------------------------------------------
