@@ -185,8 +185,7 @@ void AstarSearch::LimitGoal() {
   const bool is_unseen = nearest_distance2_cells2_ >= kUnseenGoal_cells2;
   const int32_t distance2_cells2 = nearest_distance2_cells2_ & (kUnseenGoal_cells2 - 1);
   const float reach_cells = Sqrt(static_cast<float>(distance2_cells2)) + kGoalReach_cells;
-  goal_limit_cells2_ =
-      FloorToInt(reach_cells * reach_cells) + (is_unseen ? kUnseenGoal_cells2 : 0);
+  goal_limit_cells2_ = FloorToInt(reach_cells * reach_cells) + (is_unseen ? kUnseenGoal_cells2 : 0);
   nearest_distance2_cells2_ = INT32_MAX;
 }
 

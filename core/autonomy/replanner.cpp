@@ -107,8 +107,10 @@ void Replanner::Locate(float since_s) {
   const float heading_rad = StateAt(committed_, place_.along_m).pose.theta_rad;
   const bool looks_away =
       Abs(WrapAngle(state_.pose.theta_rad - heading_rad)) > params_.path.max_join_heading_rad;
-  off_path_ = place_.cross_track_m > params_.replan.max_cross_track_m ||
-              (looks_away && !TurnsOnTheSpotAt(path, place_.point));
+  const bool turns = WayTo(path, StandingPoint(path, place_.point)) - place_.along_m <= kAtPoint_m;
+  const float most_m = Stands() && !turns ? kMaxStandingOff_m : params_.replan.max_cross_track_m;
+  off_path_ =
+      place_.cross_track_m > most_m || (looks_away && !TurnsOnTheSpotAt(path, place_.point));
 }
 
 Progress Replanner::Step(const Mapper& mapper, int units) {
@@ -289,8 +291,9 @@ void Replanner::BeginCheck() {
   rest_curvature_per_m_ = CurvatureAt(path, dropped_, committed_.start_curvature_per_m);
   rest_turn_rad_ = TurnAt(path, dropped_, committed_.start_turn_rad);
   late_ = anchored_ && place_.along_m > WayTo(path, anchor_);
-  const Status status =
-      check_.Begin(params_.vehicle, params_.optimizer, rest_, rest_curvature_per_m_);
+  VehicleParams vehicle = params_.vehicle;
+  vehicle.footprint_disc_radius_m = Max(vehicle.footprint_disc_radius_m - kKeptOverlap_m, 0.0f);
+  const Status status = check_.Begin(vehicle, params_.optimizer, rest_, rest_curvature_per_m_);
   if (!IsUsable(status)) return Decide();
   phase_ = Phase::kCheck;
 }

@@ -28,10 +28,14 @@
 //    while the round lasts: min_latency_s, or 1.5 times the longest of the last rounds (their
 //    length in the owner's time, so the same in replay). What it leads to is
 //    kept stretch + new plan. It starts from the predicted pose itself if there is no committed
-//    plan, if the vehicle is more than max_cross_track_m beside it (or turned away from it by more
-//    than max_join_heading_rad), or stands at its end or at a turn on the spot.
+//    plan, if the vehicle is more than max_cross_track_m beside it, or kMaxStandingOff_m where it
+//    stands (or turned away from it by more than max_join_heading_rad), or stands at its end or at
+//    a turn on the spot.
 // 2. The new plan, on the map of this moment.
-// 3. The rest of the committed path, from the vehicle's projection on, is checked on that map.
+// 3. The rest of the committed path, from the vehicle's projection on, is checked on that map. A
+//    hard square may reach kKeptOverlap_m into a disc there: what stands in it is somewhere in the
+//    square, and in a gap that is just wide enough its edge moves by a cell with every build. Each
+//    return itself is held against the corridor meanwhile (core/safety/corridor.h).
 // 4. Where the ends differ, no cost can be compared. So the committed path is carried on: its rest
 //    up to a point B, and a second plan from B to the goal on the same map.
 //    - Its rest is free and ends short of the goal (which is off the map, or further than a path is
@@ -165,6 +169,10 @@ class Replanner {
   const Planner& planner() const { return planner_; }
 
   static constexpr float kStanding_mps = 0.05f;
+  // Off the path while it stands, behind a stop that came at once say: to join it from there it
+  // would have to turn where it was not checked.
+  static constexpr float kMaxStandingOff_m = 0.15f;
+  static constexpr float kKeptOverlap_m = 0.5f * kCellSize_m;
   static constexpr float kSameEnd_m = 0.3f;  // a cell's diagonal
   static constexpr float kTail_m = 5.0f;
   static constexpr float kFarBlock_m = 10.0f;

@@ -136,7 +136,8 @@ class AtSpeed(OnboardCase):
         self.start("--world", "open", *BOX)
         self.drive_off(BOX_M, 1.0)
         event_s = self.vehicle.now["t"]
-        self.status("vehicle", mode="armed")
+        # Until the box has been seen from another side its inside seems to be free.
+        wait_until(lambda: self.watch.now["vehicle"]["mode"] == "armed", "the goal reached", 60.0)
         self.assert_untouched()
         place = self.vehicle.now
         print(f"{self.id()}: {place['t'] - event_s:.1f} s, at {place['x']:.2f} {place['y']:.2f}")

@@ -35,8 +35,9 @@ TEST(VehicleLoopInputs, APauseOfTheTicksWhileDrivingStopsForGood) {
     drive.Ticks(1);
     EXPECT_NE(drive.mode(), Mode::kDriving) << missed;
     EXPECT_EQ(drive.loop().drives().commanded().left_radps, 0.0f);
-    EXPECT_EQ(drive.loop().counters().odometry_gaps, 1u);
     EXPECT_EQ(drive.loop().counters().missed_ticks, static_cast<uint64_t>(missed));
+    // Found by the first wheel speeds that count again, which is once both drives are heard.
+    EXPECT_TRUE(drive.Until(1.0, [&] { return drive.loop().counters().odometry_gaps == 1; }));
     EXPECT_TRUE(drive.Until(5.0, [&] { return std::fabs(drive.Speed_mps()) < 0.02; }));
     drive.Ticks(200);
     EXPECT_EQ(drive.loop().goals(), 0);
