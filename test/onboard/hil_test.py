@@ -24,7 +24,7 @@ COMMAND_TIMEOUT_S = 0.2
 # drive.feedback_timeout_ms and safety.max_odometry_age_s as in onboard_case.py.
 FEEDBACK_TIMEOUT_S = 0.3
 RELAXED = {"feedback_timeout_ms": 300, "max_odometry_age_s": 0.3, "abort_on_allocation": "true",
-           "max_total_mb": 800, "buffer_mb": 16}
+           "max_total_mb": 800, "buffer_mb": 16, "planning_units": 1000}
 
 # CiA 402: what a controlword asks for.
 SHUTDOWN, SWITCH_ON, ENABLE = 0x06, 0x07, 0x0F

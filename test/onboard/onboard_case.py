@@ -43,6 +43,8 @@ DEFAULTS = {
     "log": {"directory": None, "min_free_mb": 0, "max_total_mb": 800, "buffer_mb": 16},
     "control": {"socket": None},
     "process": {"abort_on_allocation": True},
+    # The vehicle, its sensors and this program share the machine's only core.
+    "tick": {"planning_units": 1000},
 }
 VEHICLE = ["--can", CAN, "--gear-ratio", "24", "--left-sign", "1", "--right-sign", "-1",
            "--max-wheel-speed", "17.5",
