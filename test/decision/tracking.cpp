@@ -73,10 +73,17 @@ TrackingParams WithMethod(int32_t method) {
   return params;
 }
 
+// Not on the stack of a function that is held to 512 bytes.
+constexpr VehicleParams kVehicle;
+constexpr SpeedParams kSpeed;
+constexpr OdometryParams kOdometry;
+constexpr DynamicsParams kDynamics;
+
 DecisionHash Along(int32_t method) {
   DecisionHash hash;
   Random random(0x5eed0011u);
-  hash.AddU8(static_cast<uint8_t>(tracker.Configure({}, {}, {}, {}, WithMethod(method))));
+  hash.AddU8(static_cast<uint8_t>(
+      tracker.Configure(kVehicle, kSpeed, kOdometry, kDynamics, WithMethod(method))));
   Pose2 pose;
   WheelParts wheels;
   TrackingOutput output;

@@ -208,7 +208,8 @@ void MakeCrossing(uint64_t seed, Scenario& scenario) {
 }
 
 void MakeDeadEnd(uint64_t seed, Scenario& scenario) {
-  scenario.description = "A yard in a long wall; a screen hides that it has no way out.";
+  scenario.description =
+      "Two yards with walls all around; a screen hides that there is no way out.";
   scenario.goal = {38.0, 0.0};
   Draws draws(seed, 1);
   const double half_width_m = draws.Uniform(4.5, 5.5);
@@ -226,8 +227,16 @@ void MakeDeadEnd(uint64_t seed, Scenario& scenario) {
   add_across(end_m, middle_y_m - half_width_m - 0.15, middle_y_m + half_width_m + 0.15);
   const double screen_m = begin_m + 0.6 * (end_m - begin_m);
   add_across(screen_m, middle_y_m - 2.0, middle_y_m + 2.0);
-  add_across(begin_m, -kWallEnd_m, middle_y_m - half_width_m);
-  add_across(begin_m, middle_y_m + half_width_m, kWallEnd_m);
+  // The yard of the start.
+  constexpr double kBack_m = -15.0;
+  constexpr double kSide_m = 25.0;
+  add_across(begin_m, -kSide_m, middle_y_m - half_width_m);
+  add_across(begin_m, middle_y_m + half_width_m, kSide_m);
+  add_across(kBack_m, -kSide_m, kSide_m);
+  for (const double side : {-1.0, 1.0}) {
+    AddBoxOnGround(scenario.world, {(kBack_m + begin_m) / 2.0, side * kSide_m}, 0.0,
+                   begin_m - kBack_m + 0.3, 0.3, 2.0, kWall);
+  }
 }
 
 void MakeDitch(uint64_t seed, Scenario& scenario) {
