@@ -65,8 +65,8 @@ static_assert(kLargestF / kRoomOfMove + 2 <= AstarSearch::kMaxLabelMoves);
 // A cell that was not observed is further than any that was: behind the front of what stands on the
 // goal there seems to be room, and the vehicle would drive around it to look.
 constexpr int32_t kUnseenGoal_cells2 = 1 << 20;
-constexpr int32_t kRowMask = kMapSize_cells - 1;
 static_assert(kUnseenGoal_cells2 > 2 * kMapSize_cells * kMapSize_cells);
+constexpr int32_t kRowMask = kMapSize_cells - 1;
 
 // Precondition: not 0. In halves, as for 64 bits a 32-bit processor calls its compiler's library.
 uint32_t LowestBit(uint64_t bits) {

@@ -97,6 +97,10 @@ Status Replanner::Update(uint64_t now_ns, const VehicleState& state, const PlanG
   return Status::kOk;
 }
 
+bool Replanner::IsAt(int point) const {
+  return WayTo(committed_.path, point) - place_.along_m <= kAtPoint_m;
+}
+
 // Where the newest state is on the committed path, and whether it is on it at all.
 void Replanner::Locate(float since_s) {
   off_path_ = false;
@@ -107,8 +111,8 @@ void Replanner::Locate(float since_s) {
   const float heading_rad = StateAt(committed_, place_.along_m).pose.theta_rad;
   const bool looks_away =
       Abs(WrapAngle(state_.pose.theta_rad - heading_rad)) > params_.path.max_join_heading_rad;
-  const bool turns = WayTo(path, StandingPoint(path, place_.point)) - place_.along_m <= kAtPoint_m;
-  const float most_m = Stands() && !turns ? kMaxStandingOff_m : params_.replan.max_cross_track_m;
+  const bool stands_off = Stands() && !IsAt(StandingPoint(path, place_.point));
+  const float most_m = stands_off ? kMaxStandingOff_m : params_.replan.max_cross_track_m;
   off_path_ =
       place_.cross_track_m > most_m || (looks_away && !TurnsOnTheSpotAt(path, place_.point));
 }
@@ -224,7 +228,7 @@ void Replanner::ChooseAnchor() {
   }
   const WorldPath& path = committed_.path;
   const int standing = StandingPoint(path, place_.point);
-  if (Stands() && WayTo(path, standing) - place_.along_m <= kAtPoint_m) return;
+  if (Stands() && IsAt(standing)) return;
   anchored_ = true;
   anchor_ = PointBehindStretch(standing);
   PathStart start{path[anchor_], 0.0f, 0.0f};

@@ -209,6 +209,7 @@ class Replanner {
   Progress Run(StepPlanner&& step_planner, int units);
   // core/autonomy/replanner.cpp: the course of a round.
   bool Stands() const { return state_.speed_mps <= kStanding_mps; }
+  bool IsAt(int point) const;  // of the committed path, or behind it
   bool MayBegin();
   void ChooseAnchor();
   int PointBehindStretch(int standing) const;
