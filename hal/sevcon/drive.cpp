@@ -18,7 +18,7 @@ constexpr uint64_t kBlindStop_ns = 5'000'000'000;
 // A fault that has not gone so long after its reset stays.
 constexpr uint64_t kResetTime_ns = 1'000'000'000;
 // A wheel that is carried along may turn against its command for so many times opposite_time_s.
-constexpr float kCarriedTimes = 6.0f;
+constexpr uint64_t kCarriedTimes = 6;
 
 void Push(CanBatch& out, const CanFrame& frame) {
   const Status pushed = out.PushBack(frame);
@@ -222,11 +222,15 @@ void Drive::WatchDirection(uint64_t now_ns, const DriveParams& params, bool carr
   if (opposite_radps_ <= 0.0f ||
       against_radps < opposite_radps_ - kSlower * params.opposite_speed_radps) {
     opposite_radps_ = against_radps;
-    opposite_since_ns_ = now_ns;
+    opposite_ns_ = 0;
+    opposite_seen_ns_ = now_ns;
     return;
   }
-  const float time_s = carried ? kCarriedTimes * params.opposite_time_s : params.opposite_time_s;
-  if (now_ns - opposite_since_ns_ >= Seconds(time_s)) {
+  // Both count together, each by its share: a turn may carry the wheel now and then.
+  const uint64_t passed_ns = now_ns - opposite_seen_ns_;
+  opposite_seen_ns_ = now_ns;
+  opposite_ns_ += carried ? passed_ns : kCarriedTimes * passed_ns;
+  if (opposite_ns_ >= kCarriedTimes * Seconds(params.opposite_time_s)) {
     SetFault(DriveFault::kOppositeMotion);
   }
 }

@@ -98,8 +98,9 @@ class Drive {
   uint64_t heartbeat_ns_ = 0;  // of the last, or since when one is waited for
   uint64_t feedback_ns_ = 0;   // the same
   int32_t sent_rpm_ = 0;
-  uint64_t opposite_since_ns_ = 0;
-  float opposite_radps_ = 0.0f;  // least since then; 0: it does not turn against its command
+  float opposite_radps_ = 0.0f;    // against its command, least of late; 0: it does not turn so
+  uint64_t opposite_ns_ = 0;       // for so long: carried by a turn once, else kCarriedTimes
+  uint64_t opposite_seen_ns_ = 0;  // until when that was counted
   uint8_t supply_row_ = 0;
   uint64_t supply_ns_ = 0;
 };

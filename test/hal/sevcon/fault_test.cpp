@@ -234,6 +234,19 @@ TEST_F(DrivingFault, NoneWhileATurnCarriesAWheel) {
   EXPECT_EQ(bench.FaultOf(Side::kLeft), DriveFault::kOppositeMotion);
 }
 
+// The vehicle slows down in the turn, so that for a moment the wheel is faster than both together
+// are to be.
+TEST_F(DrivingFault, NoneWhileATurnCarriesAWheelButForAMoment) {
+  bench.Run(300, Bench::Wheels(3.0f, 3.0f));
+  bench.left.stuck = true;
+  bench.Run(150, Bench::Wheels(-3.7f, 12.0f));
+  bench.Run(20, Bench::Wheels(-3.7f, 5.0f));
+  bench.Run(20, Bench::Wheels(-3.7f, 12.0f));
+  EXPECT_EQ(bench.FaultOf(Side::kLeft), DriveFault::kNone);
+  bench.Run(20, Bench::Wheels(-3.7f, 5.0f));
+  EXPECT_EQ(bench.FaultOf(Side::kLeft), DriveFault::kOppositeMotion);
+}
+
 // Turns in which nothing carries the wheel: its own motor drives it the wrong way, faster than both
 // sides together are to be; the other side does not pull; or both sides turn wrongly.
 TEST_F(DrivingFault, OppositeMotionInATurn) {
