@@ -320,7 +320,8 @@ void Planner::StepCheck(int units) {
   if (plan_.check_status == Status::kCollision) return TryAgain();
   if (!IsUsable(plan_.check_status)) return Fail(plan_.check_status);
   stage_ = PlanStage::kSpeed;
-  caps_.Begin(costmap().window, params_.speed, params_.vehicle, plan_.path);
+  caps_.Begin(costmap().window, params_.speed, params_.vehicle, plan_.path,
+              request_.start.speed_mps);
 }
 
 bool Planner::MayEndShort() const {

@@ -73,6 +73,7 @@ struct VehicleState {
   // Forward. With lagging drives the speed that it has been told to have then: a plan that starts
   // from the speed it lags at would never let it accelerate.
   float speed_mps = 0.0f;
+  float driven_mps = 0.0f;  // how fast it drives indeed, lags and all
   // Age that what is known of the ground ahead will have when a plan of now is driven. Where that
   // is more than SpeedParams::reaction_time_s it is what speeds are made for.
   float reaction_s = 0.0f;
@@ -112,7 +113,7 @@ struct ReplanOutcome {
   Status plan_status = Status::kNotStarted;  // of the new plan, used or not
   bool anchored = false;                     // the new plan started on the committed path ...
   bool late = false;                         // ... and came too late to be used
-  // Whether the committed plan keeps the vehicle standing where it is, short of its end, and why.
+  // Whether the vehicle is to stand where it is by the committed plan, short of its end, and why.
   bool held = false;
   CapCause held_by = CapCause::kPathEnd;
   float committed_cost = 0.0f;  // as they were compared; 0 where they were not
@@ -168,7 +169,7 @@ class Replanner {
   // Of the plan made last, and its map.
   const Planner& planner() const { return planner_; }
 
-  static constexpr float kStanding_mps = 0.05f;
+  static constexpr float kStanding_mps = SpeedCaps::kStanding_mps;
   // Off the path while it stands, behind a stop that came at once say: to join it from there it
   // would have to turn where it was not checked.
   static constexpr float kMaxStandingOff_m = 0.15f;

@@ -73,10 +73,11 @@ void Replanner::Commit(const PathPlace& place) {
   const float dy_m = end.y_m - plan.goal.position_odom.y_m;
   plan.reaches_goal = !plan.is_stop && dx_m * dx_m + dy_m * dy_m <= kSameEnd_m * kSameEnd_m;
   plan.checked_ns = begun_ns_;
+  const int next = place.point + 1;
+  caps_.StandFrom(next);
   const Status timed = TimeFrom(place);
   round_.decision = candidate_.decision;
   round_.reason = candidate_.reason;
-  const int next = place.point + 1;
   round_.held_by = caps_.cause(next);
   round_.held = caps_.cap_mps()[static_cast<size_t>(next)] <= kStanding_mps &&
                 round_.held_by != CapCause::kPathEnd;

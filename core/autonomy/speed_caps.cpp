@@ -21,7 +21,7 @@ float ReachAhead(const SpeedParams& params, const VehicleParams& vehicle) {
 // And how far aside: beyond, no vehicle that is so far off is reached (PersonSpeedCap's rule).
 float ReachAside(const SpeedParams& params, const VehicleParams& vehicle) {
   const float way_by_m = ReachAhead(params, vehicle) + 0.5f * vehicle.length_m;
-  const float walk_m = params.person_speed_mps * way_by_m / params.min_speed_mps;
+  const float walk_m = params.person_speed_mps * PassingTime(params, way_by_m, 0.0f);
   return Min(
       walk_m + params.person_margin_m + vehicle.footprint_disc_radius_m + kHalfCellDiagonal_m,
       kFar_m);
@@ -34,8 +34,9 @@ float Squared(float value) {
 }  // namespace
 
 void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
-                      const VehicleParams& vehicle, const WorldPath& path) {
+                      const VehicleParams& vehicle, const WorldPath& path, float speed_mps) {
   points_ = path.size();
+  speed_mps_ = speed_mps;
   reach_m_ = ReachAside(params, vehicle);
   Vec2 low = {path[0].x_m, path[0].y_m};
   Vec2 high = low;
@@ -91,6 +92,15 @@ Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
     }
   }
   return point_ < points_ ? Progress::kBusy : Progress::kDone;
+}
+
+void SpeedCaps::StandFrom(int point) {
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = point; k < points_; ++k) {
+    const bool stands_before = k > point && cap_mps_[k - 1] <= 0.0f;
+    if (stands_before) Lower(k, 0.0f, cause_[k - 1]);
+    if (cap_mps_[k] <= kStanding_mps) Lower(k, 0.0f, cause_[k]);
+  }
 }
 
 void SpeedCaps::Lower(int point, float cap_mps, CapCause cause) {
@@ -195,7 +205,8 @@ void SpeedCaps::CapForPersonAt(int point, const SpeedParams& params, const Vehic
   for (int k = 0; k < points_; ++k) {
     const float to_person_m = along_m_[point] - along_m_[k];
     if (to_person_m > ahead_m) continue;
-    Lower(k, PersonSpeedCap(params, vehicle, to_person_m, lateral_m), CapCause::kPerson);
+    Lower(k, PersonSpeedCap(params, vehicle, to_person_m, lateral_m, speed_mps_),
+          CapCause::kPerson);
   }
 }
 

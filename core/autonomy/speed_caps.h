@@ -41,9 +41,11 @@ enum class CapCause : uint8_t {
 
 class SpeedCaps {
  public:
-  // path: as the check has passed it, at least one point. Cost: one pass over its points.
+  // path: as the check has passed it, at least one point. speed_mps: that the vehicle drives at
+  // now; what it takes to pass somebody is judged by it at every point. Cost: one pass over its
+  // points.
   void Begin(const GridWindow& window, const SpeedParams& params, const VehicleParams& vehicle,
-             const WorldPath& path);
+             const WorldPath& path, float speed_mps);
 
   // A unit is one chord looked along for ground that was not observed, one row of the map searched
   // for people (each goes to every point where the path passes it), or one point whose nearest
@@ -51,6 +53,11 @@ class SpeedCaps {
   static constexpr int kMaxUnits = kMapSize_cells + 2 * kMaxPathPoints;
   Progress Step(const Costmap& map, const SpeedParams& params, const VehicleParams& vehicle,
                 const WorldPath& path, int units);
+
+  // Once it is done: behind the first place from `point` on where the vehicle has to stand it is
+  // not driven any further, whatever is allowed there. Before the vehicle has come to rest, nobody
+  // can know when it will go on. Cost: one pass.
+  void StandFrom(int point);
 
   // [n] m/s, valid once Step has returned kDone.
   std::span<const float> cap_mps() const { return {cap_mps_, static_cast<size_t>(points_)}; }
@@ -60,8 +67,9 @@ class SpeedCaps {
   bool narrow() const { return narrow_; }
   // Way along the path to the end of the observed ground; kFar_m if that is not on it.
   float observed_m() const { return observed_m_; }
-  static constexpr float kFar_m = 1.0e3f;  // further than any two points of a map
-  static constexpr float kTrack = 0.4f;    // of the width
+  static constexpr float kFar_m = 1.0e3f;        // further than any two points of a map
+  static constexpr float kTrack = 0.4f;          // of the width
+  static constexpr float kStanding_mps = 0.05f;  // a lower cap is one to stand
 
  private:
   static constexpr int kTracks = 3;
@@ -82,6 +90,7 @@ class SpeedCaps {
   float person2_m2_[kMaxPathPoints] = {};  // squared, to the nearest person filed with the point
   float reach_m_ = 0.0f;                   // people further from the path cap nothing
   CapCause cause_[kMaxPathPoints] = {};
+  float speed_mps_ = 0.0f;
   int32_t points_ = 0;
   int32_t chord_ = 0;        // next to be looked along; the one behind the last is beyond
   float observed_m_ = 0.0f;  // way to the end of the observed ground

@@ -163,7 +163,9 @@ void Supervisor::StepDriving(const SupervisorInput& input) {
   }
   if (!input.has_plan && !input.has_path) zero_ = true;
   if (input.at_rest) zero_ = false;
-  if (input.ahead == WayAhead::kTooNear && !input.at_rest) zero_ = true;
+  const bool is_urgent =
+      input.ahead == WayAhead::kTooNear || (input.has_plan && input.held_by == StopReason::kPerson);
+  if (is_urgent && !input.at_rest) zero_ = true;
   reason_ = Waits(input);
   if ((input.arrived && input.at_rest) || !input.has_goal) {
     Change(Mode::kArmed, StopReason::kNone, input.now_ns);
@@ -195,7 +197,9 @@ Motion Supervisor::MotionOf(const SupervisorInput& input) const {
       return Motion::kHold;
     case Mode::kDriving:
       if (zero_) return Motion::kZero;
-      if (input.has_plan && input.ahead == WayAhead::kClear) return Motion::kFollow;
+      if (input.has_plan && input.ahead == WayAhead::kClear && input.held_by == StopReason::kNone) {
+        return Motion::kFollow;
+      }
       return input.has_path ? Motion::kStopAlong : Motion::kZero;
     case Mode::kSafeStop:
       return input.has_path && !zero_ ? Motion::kStopAlong : Motion::kZero;

@@ -28,7 +28,8 @@
 // path, nothing is followed before the vehicle is at rest: a plan from a state at rest is no plan
 // for one that rolls. A return in the corridor of the path (core/safety/corridor.h) does not leave
 // driving either: the vehicle stops along its path, or with zero speed at once where that is too
-// long, until a plan that was checked since is clear of it.
+// long, until a plan that was checked since is clear of it. Nor does a plan by which it is to stand
+// where it is; for a person it stops with zero speed at once.
 
 namespace hardpack {
 
@@ -101,8 +102,9 @@ struct SupervisorInput {
   // The first return in the corridor of the path.
   WayAhead ahead = WayAhead::kClear;
   bool ahead_is_person = false;
-  // Why there is no plan, as far as it is known, or why the plan keeps the vehicle standing short
-  // of its end: kNone, kNoWay, kUnseenGround, kPerson or kGoalInObstacle.
+  // Why there is no plan, as far as it is known, or why by the plan the vehicle is to stand where
+  // it is, short of its end: kNone, kNoWay, kUnseenGround, kPerson or kGoalInObstacle. It stops
+  // then.
   StopReason held_by = StopReason::kNone;
   // What the vehicle does against its commands, or with them: kNone, kRunaway, kWrongTurn, kStuck
   // or kBadCommand. A fault, once it has torque.

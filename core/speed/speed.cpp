@@ -247,19 +247,29 @@ float ReactionSpeedCap(const SpeedParams& params, float free_m) {
   return Min(kBelowTheInverse * (2.0f * free_m / (delay_s + root_s)), params.max_speed_mps);
 }
 
+float PassingTime(const SpeedParams& params, float way_m, float speed_mps) {
+  const float least_mps = params.min_speed_mps;
+  const float lacks_mps = Clamp(least_mps - speed_mps, 0.0f, least_mps);
+  const float lag_s = params.stopping_dead_time_s + params.stopping_lag_s;
+  const float behind_m =
+      lacks_mps * lag_s + lacks_mps * lacks_mps / (2.0f * params.max_acceleration_mps2);
+  const float starting_s = lacks_mps * (lag_s / least_mps + 1.0f / params.max_acceleration_mps2);
+  return params.reaction_time_s + Max((way_m + behind_m) / least_mps, starting_s);
+}
+
 float PersonSpeedCap(const SpeedParams& params, const VehicleParams& vehicle, float along_m,
-                     float lateral_m) {
+                     float lateral_m, float speed_mps) {
   const float half_length_m = 0.5f * vehicle.length_m;
   const float way_by_m = along_m + half_length_m;
   if (way_by_m <= 0.0f) return params.max_speed_mps;
-  // lateral > v_person t with t = way / v_min, without the division.
   const float aside_m = lateral_m - params.person_margin_m;
-  if (aside_m * params.min_speed_mps > params.person_speed_mps * way_by_m) {
+  if (aside_m > params.person_speed_mps * PassingTime(params, way_by_m, speed_mps)) {
     return params.max_speed_mps;
   }
   const float stop_mps = ReactionSpeedCap(params, along_m - half_length_m - params.person_margin_m);
   const float creep_mps = params.person_creep_mps;
-  const float walk_s = params.reaction_time_s + creep_mps / params.max_deceleration_mps2;
+  const float walk_s =
+      params.reaction_time_s + Max(creep_mps, speed_mps) / params.max_deceleration_mps2;
   const bool may_creep = aside_m > params.person_speed_mps * walk_s;
   return may_creep ? Max(stop_mps, creep_mps) : stop_mps;
 }

@@ -61,19 +61,29 @@ float StoppingDistance(const SpeedParams& params, float speed_mps);
 // is below a micrometre or NaN.
 float ReactionSpeedCap(const SpeedParams& params, float free_m);
 
+// How long it takes to pass somebody, seen from the newest return's stamp: to drive way_m, and to
+// have min_speed_mps, since who walks beside a slower vehicle keeps beside it [s]. For a vehicle
+// that drives at speed_mps now and goes up to min_speed_mps as fast as it can, with s the share of
+// min_speed_mps that it lacks,
+//   t = t_r + max(way / v_min + s (t_d + tau) + s^2 v_min / (2 a_max),
+//                 s (t_d + tau + v_min / a_max)),
+// the first exact where it gets up to that speed within the way, else more than it takes. A vehicle
+// that does so, or is faster, has what is left fall as fast as time goes by.
+float PassingTime(const SpeedParams& params, float way_m, float speed_mps);
+
 // The cap for one person: along_m ahead of the vehicle's middle along the path, lateral_m beside
-// the corridor that the vehicle covers (0 or less: inside it). No cap (max_speed_mps) when the
-// vehicle's tail is past the person, or will be, at min_speed_mps, before the person, walking at
-// person_speed_mps, is within person_margin_m of the corridor; else the speed from which it stops
-// person_margin_m short of the person. "Will be past" is judged at a fixed speed, so that a vehicle
-// which drives at least as fast never has the answer turn against it while it approaches; one that
-// is slower than that is close to standing anyway. Where the person keeps more than person_margin_m
-// and what one walks while the vehicle reacts and brakes from person_creep_mps,
-//   lateral - margin > v_person (t_r + v_creep / a),
+// the corridor that the vehicle covers (0 or less: inside it), for a vehicle that drives at
+// speed_mps now. No cap (max_speed_mps) when the vehicle's tail is past the person, or will be by
+// PassingTime before the person, walking at person_speed_mps, is within person_margin_m of the
+// corridor; else the speed from which it stops person_margin_m short of the person. So a vehicle
+// that has begun to pass does not have the answer turn against it beside the person. Where the
+// person keeps more than person_margin_m and what one walks while the vehicle reacts and brakes
+// from its speed, or from person_creep_mps where that is more,
+//   lateral - margin > v_person (t_r + max(v, v_creep) / a),
 // it is at least person_creep_mps: else one who stands beside the way would block it for ever.
 // Source: docs/algorithm.md section 6 (ours).
 float PersonSpeedCap(const SpeedParams& params, const VehicleParams& vehicle, float along_m,
-                     float lateral_m);
+                     float lateral_m, float speed_mps);
 
 struct SpeedRequest {
   float start_speed_mps = 0.0f;        // magnitude, along the first step

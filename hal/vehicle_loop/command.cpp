@@ -13,6 +13,7 @@ VehicleState VehicleLoop::PredictedState() const {
   VehicleState state;
   state.pose = tracker_.predicted().pose;
   state.speed_mps = tracker_.speed_mps();
+  state.driven_mps = tracker_.predicted().speed_mps;
   state.curvature_per_m = tracker_.curvature_per_m();
   return state;
 }

@@ -171,7 +171,7 @@ StopReason VehicleLoop::HeldBy() const {
   }
   if (!HasPlan()) return no_way_;
   const ReplanOutcome& outcome = replanner_.outcome();
-  if (!outcome.held || tracker_.speed_mps() > Replanner::kStanding_mps) return StopReason::kNone;
+  if (!outcome.held) return StopReason::kNone;
   return outcome.held_by == CapCause::kPerson ? StopReason::kPerson : StopReason::kUnseenGround;
 }
 

@@ -36,7 +36,8 @@ struct WayResult {
   double recovery_s = 0.0;     // longest, from there to less than 0.1 m
   bool recovered = true;       // the last one, too
   // Of what the way leads around (world::Scenario::around): plans that changed the side before it
-  // was passed, and replans while the vehicle was beside it, so that what is behind came into view.
+  // was passed, and replans while the vehicle was beside it or looked past it along its flank, so
+  // that what is behind came into view.
   int64_t side_switches = 0;
   int64_t replans_beside = 0;
   // Largest distance from the middle of a corridor, or of what a pillar leaves of it.

@@ -96,8 +96,10 @@ WayWatch::PassingSide WayWatch::SideOf(std::span<const Point2> path) const {
 
 void WayWatch::Committed(std::span<const Point2> path, Point2 here, bool is_replan) {
   if (!scenario_.around) return;
-  const double along_m = PlaceOf(here).along_m;
-  if (is_replan && std::fabs(along_m) <= scenario_.around->radius_m) ++result_.replans_beside;
+  const auto [along_m, left_m] = PlaceOf(here);
+  const bool is_in_view = std::fabs(along_m) <= scenario_.around->radius_m ||
+                          (along_m < 0.0 && std::fabs(left_m) >= scenario_.around->seen_past_m);
+  if (is_replan && is_in_view) ++result_.replans_beside;
   if (along_m >= 0.0) return;
   const PassingSide side = SideOf(path);
   if (side == PassingSide::kNone) return;

@@ -99,7 +99,7 @@ void MakeRockPile(uint64_t seed, Scenario& scenario) {
   const double core_m = draws.Uniform(3.6, 4.4);
   const Point2 middle = {20.0, draws.Uniform(-1.2, 1.2)};
   AddRockPile(scenario.world, middle, core_m, core_m + 2.0, draws.Uniform(1.9, 2.4), draws);
-  scenario.around = {middle, core_m + 2.0};
+  scenario.around = {middle, core_m + 2.0, core_m};
   for (int i = 0; i < 6; ++i) {
     AddBush(scenario.world, {draws.Uniform(8.0, 36.0), draws.Sign() * draws.Uniform(10.0, 18.0)},
             draws.Uniform(0.6, 1.2), draws.Uniform(0.6, 1.2));

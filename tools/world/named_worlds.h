@@ -20,6 +20,9 @@ namespace hardpack::world {
 struct Landmark {
   Point2 middle;
   double radius_m = 0.0;
+  // From so far aside of its middle one looks past it along its flank; by default it hides what is
+  // behind it until one is beside it.
+  double seen_past_m = 1.0e9;
 };
 
 struct Scenario {

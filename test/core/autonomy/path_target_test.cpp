@@ -70,6 +70,19 @@ TEST(PathTarget, GivesAHeadingAndACurvatureThatAreTheVehiclesInReverse) {
             -0.5f);
 }
 
+//   [>]----------0=====0-----------   the plan stands there; what comes behind does not count
+TEST(PathTarget, EndsWhereThePlanHasTheVehicleStand) {
+  CommittedPlan plan = PlanOf(Arc(false));
+  plan.speed[50] = 0.0f;
+  plan.speed[51] = 0.0f;
+  EXPECT_NEAR(TargetAt(plan, plan.path[40]).left_m, 0.25f * 10.0f, 0.02f);
+  // A vehicle that stands at a point may be found on the chord before it.
+  plan.speed[40] = 0.0f;
+  EXPECT_NEAR(TargetAt(plan, plan.path[40]).left_m, 0.0f, 0.02f);
+  plan.start_along_m = WayTo(plan.path, 40);
+  EXPECT_NEAR(TargetAt(plan, plan.path[40]).left_m, 0.25f * 10.0f, 0.02f);
+}
+
 // A bend that tightens by 0.02 1/m in every metre.
 TEST(PathTarget, LooksAheadForTheTurnAndFurtherForTheWheels) {
   WorldPath path;

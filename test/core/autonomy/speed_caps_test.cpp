@@ -19,6 +19,7 @@ struct Ground {
   SpeedParams speed;
   VehicleParams vehicle;
   WorldPath path;
+  float driven_mps = 2.0f;
   std::unique_ptr<SpeedCaps> caps = std::make_unique<SpeedCaps>();
 
   explicit Ground(float length_m = 30.0f, float step_m = 0.275f) {
@@ -37,7 +38,7 @@ struct Ground {
     }
   }
   const SpeedCaps& Caps(int units = SpeedCaps::kMaxUnits) {
-    caps->Begin(map->window, speed, vehicle, path);
+    caps->Begin(map->window, speed, vehicle, path, driven_mps);
     int steps = 0;
     while (caps->Step(*map, speed, vehicle, path, units) == Progress::kBusy) {
       EXPECT_LT(++steps, SpeedCaps::kMaxUnits);
@@ -197,6 +198,26 @@ TEST(SpeedCaps, CreepsPastAPersonWhoLeavesRoom) {
   ground.Caps();
   EXPECT_EQ(ground.CapAt(7.975f), 0.0f);
   EXPECT_EQ(ground.CauseAt(7.975f), CapCause::kPerson);
+}
+
+//              person
+//   [>]=============|===========   free again behind the person, but not to be driven to
+TEST(SpeedCaps, WhereItHasToStandItIsNotDrivenAnyFurther) {
+  Ground ground;
+  ground.At(9.0f, 0.0f) |= Costmap::kHard | Costmap::kPerson;
+  ground.Caps();
+  const float free_again_m = ground.CapAt(11.0f);
+  ASSERT_GT(free_again_m, 1.0f);
+  const auto stands = static_cast<int>(std::lround(8.25f / 0.275f));
+  ASSERT_EQ(ground.CapAt(8.25f), 0.0f);
+  ground.caps->StandFrom(stands + 20);  // it is behind the person already
+  EXPECT_EQ(ground.CapAt(11.0f), free_again_m);
+  ground.caps->StandFrom(0);
+  EXPECT_GT(ground.CapAt(5.5f), 1.0f);
+  for (float x_m = 8.25f; x_m < 29.8f; x_m += 0.275f) {
+    EXPECT_EQ(ground.CapAt(x_m), 0.0f) << x_m;
+    EXPECT_EQ(ground.CauseAt(x_m), CapCause::kPerson) << x_m;
+  }
 }
 
 TEST(SpeedCaps, StandsForAPersonWhoCouldStepIntoTheWay) {

@@ -182,14 +182,31 @@ TEST(Supervisor, ZeroAtOnceForAReturnTooNearAndStandsBeforeItFollowsAgain) {
   EXPECT_EQ(stopping.Tick().motion, Motion::kZero);
 }
 
+TEST(Supervisor, APlanThatHoldsForAPersonStopsAtOnceAndUntilAtRest) {
+  Vehicle vehicle;
+  vehicle.Drive();
+  vehicle.input.at_rest = false;
+  vehicle.input.held_by = StopReason::kUnseenGround;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kStopAlong);
+  vehicle.input.held_by = StopReason::kPerson;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kZero);
+  EXPECT_EQ(vehicle.permission.mode, Mode::kDriving);
+  vehicle.input.held_by = StopReason::kNone;  // gone by, and the vehicle still rolls
+  EXPECT_EQ(vehicle.Ticks(20).motion, Motion::kZero);
+  vehicle.input.at_rest = true;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kFollow);
+}
+
 TEST(Supervisor, SaysWhyItWaitsAndSinceWhen) {
   Vehicle vehicle;
   vehicle.Drive();
+  vehicle.input.at_rest = true;
   for (const StopReason reason : {StopReason::kNoWay, StopReason::kUnseenGround,
                                   StopReason::kPerson, StopReason::kGoalInObstacle}) {
     vehicle.input.has_plan = reason == StopReason::kUnseenGround;
     vehicle.input.held_by = reason;
     EXPECT_EQ(vehicle.Tick().reason, reason);
+    EXPECT_EQ(vehicle.permission.motion, Motion::kStopAlong);
     const uint64_t since_ns = vehicle.input.now_ns;
     EXPECT_EQ(vehicle.Ticks(50).reason, reason);
     EXPECT_EQ(vehicle.permission.reason_since_ns, since_ns);

@@ -79,7 +79,7 @@ TEST(ReactionSpeedCap, IsZeroWithoutAFreeWay) {
 TEST(PersonSpeedCap, SlowsForAPersonWhoCanReachTheWay) {
   const SpeedParams params;
   const VehicleParams vehicle;
-  const float cap = PersonSpeedCap(params, vehicle, 6.0f, 1.0f);
+  const float cap = PersonSpeedCap(params, vehicle, 6.0f, 1.0f, 3.0f);
   EXPECT_LT(cap, params.max_speed_mps);
   EXPECT_GT(cap, 0.0f);
   EXPECT_LE(StoppingDistance(params, cap), 6.0f - 0.5f * vehicle.length_m - params.person_margin_m);
@@ -88,25 +88,25 @@ TEST(PersonSpeedCap, SlowsForAPersonWhoCanReachTheWay) {
 TEST(PersonSpeedCap, IgnoresAPersonTooFarAsideOrAlreadyPassed) {
   const SpeedParams params;
   const VehicleParams vehicle;
-  EXPECT_EQ(PersonSpeedCap(params, vehicle, 6.0f, 30.0f), params.max_speed_mps);
-  EXPECT_EQ(PersonSpeedCap(params, vehicle, -2.0f, 0.5f), params.max_speed_mps);
-  EXPECT_EQ(PersonSpeedCap(params, vehicle, 40.0f, 0.0f), params.max_speed_mps);
+  EXPECT_EQ(PersonSpeedCap(params, vehicle, 6.0f, 30.0f, 3.0f), params.max_speed_mps);
+  EXPECT_EQ(PersonSpeedCap(params, vehicle, -2.0f, 0.5f, 3.0f), params.max_speed_mps);
+  EXPECT_EQ(PersonSpeedCap(params, vehicle, 40.0f, 0.0f, 3.0f), params.max_speed_mps);
 }
 
 TEST(PersonSpeedCap, StandsForAPersonInTheWayHoweverClose) {
   const SpeedParams params;
   const VehicleParams vehicle;
   for (const float along_m : {-0.7f, 0.0f, 0.5f, 1.2f}) {
-    EXPECT_EQ(PersonSpeedCap(params, vehicle, along_m, 0.0f), 0.0f) << along_m;
+    EXPECT_EQ(PersonSpeedCap(params, vehicle, along_m, 0.0f, 3.0f), 0.0f) << along_m;
   }
 }
 
 // Of 4000 walkers who cross the way of a vehicle that keeps to the cap of each moment, brakes at
 // the limit and sees the walker a reaction time late, the number that is touched: in the way and
 // beside the vehicle while it moves. `told_m` turns the walker's distance into what the cap is
-// told.
-template <typename Told>
-int CountTouchedWalkers(Told told_m) {
+// told; start_mps(0 .. 1) is the speed at which it begins.
+template <typename Told, typename Start>
+int CountTouchedWalkers(Told told_m, Start start_mps) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   const SpeedParams params;
@@ -119,12 +119,13 @@ int CountTouchedWalkers(Told told_m) {
     const double walker_at_m = 5.0 + 25.0 * unit(random);
     double lateral_m = 1.0 + 20.0 * unit(random);
     double position_m = 0.0;
+    double v = 0.0;
     const auto cap = [&] {
       const double seen_m = lateral_m + walker_mps * double{params.reaction_time_s};
       return double{PersonSpeedCap(params, vehicle, static_cast<float>(walker_at_m - position_m),
-                                   static_cast<float>(told_m(seen_m)))};
+                                   static_cast<float>(told_m(seen_m)), static_cast<float>(v))};
     };
-    double v = std::min(2.0 + 3.0 * unit(random), cap());
+    v = std::min(start_mps(unit(random)), cap());
     bool touched = false;
     while (lateral_m > -double{vehicle.width_m}) {
       v = std::max(std::max(0.0, v - double{params.max_deceleration_mps2} * dt),
@@ -140,9 +141,71 @@ int CountTouchedWalkers(Told told_m) {
 }
 
 TEST(PersonSpeedCap, TouchesNoWalkerWhereBrakingForTheCorridorAloneTouchesMany) {
-  EXPECT_EQ(CountTouchedWalkers([](double lateral_m) { return lateral_m; }), 0);
-  EXPECT_GT(CountTouchedWalkers([](double lateral_m) { return lateral_m > 0.5 ? 1e6 : lateral_m; }),
-            40);
+  const auto told = [](double lateral_m) { return lateral_m; };
+  const auto corridor_alone = [](double lateral_m) { return lateral_m > 0.5 ? 1e6 : lateral_m; };
+  const auto fast = [](double share) { return 2.0 + 3.0 * share; };
+  const auto slow = [](double share) { return 2.0 * share; };
+  EXPECT_EQ(CountTouchedWalkers(told, fast), 0);
+  EXPECT_EQ(CountTouchedWalkers(told, slow), 0);
+  EXPECT_GT(CountTouchedWalkers(corridor_alone, fast), 40);
+  EXPECT_GT(CountTouchedWalkers(corridor_alone, slow), 40);
+}
+
+//        person: far enough aside for a vehicle that drives at min_speed_mps, not for one that has
+//   [>]====+====    yet to get there
+TEST(PersonSpeedCap, PassesBeforeAPersonOnlyAsFastAsItDrives) {
+  const SpeedParams params;
+  const VehicleParams vehicle;
+  const float way_m = 1.0f + 0.5f * vehicle.length_m;
+  const float at_speed_m =
+      params.person_margin_m +
+      params.person_speed_mps * PassingTime(params, way_m, params.min_speed_mps);
+  EXPECT_EQ(PersonSpeedCap(params, vehicle, 1.0f, at_speed_m + 0.01f, 2.0f), params.max_speed_mps);
+  EXPECT_LT(PersonSpeedCap(params, vehicle, 1.0f, at_speed_m + 0.01f, 1.9f), 0.3f);
+  EXPECT_LT(PersonSpeedCap(params, vehicle, 1.0f, at_speed_m - 0.01f, 5.0f), 0.3f);
+}
+
+// One who leaves room to creep by leaves it to a vehicle that is as slow already.
+TEST(PersonSpeedCap, CreepsOnlyAsFarAsThePersonCannotComeWhileItBrakes) {
+  const SpeedParams params;
+  const VehicleParams vehicle;
+  for (const float speed_mps : {0.0f, 0.2f, 1.0f}) {
+    const float brakes_s =
+        std::max(speed_mps, params.person_creep_mps) / params.max_deceleration_mps2;
+    const float room_m =
+        params.person_margin_m + params.person_speed_mps * (params.reaction_time_s + brakes_s);
+    EXPECT_EQ(PersonSpeedCap(params, vehicle, 0.5f, room_m + 0.01f, speed_mps),
+              params.person_creep_mps);
+    EXPECT_EQ(PersonSpeedCap(params, vehicle, 0.5f, room_m - 0.01f, speed_mps), 0.0f);
+  }
+}
+
+// Against a vehicle that follows a ramp with dead time and lag, in small steps.
+TEST(PassingTime, IsNotLessThanWhatTheDrivesTake) {
+  const SpeedParams params;
+  for (const double start_mps : {0.0, 0.5, 1.5, 2.0, 4.0}) {
+    for (const double way_m : {0.3, 1.0, 3.0, 10.0}) {
+      const double dt = 1.0e-3;
+      double told_mps = start_mps;
+      double v = start_mps;
+      double driven_m = 0.0;
+      double t = 0.0;
+      for (; driven_m < way_m; t += dt) {
+        driven_m += v * dt;
+        if (t < double{params.stopping_dead_time_s}) continue;
+        told_mps = std::min(std::max(start_mps, double{params.min_speed_mps}),
+                            told_mps + double{params.max_acceleration_mps2} * dt);
+        v += (told_mps - v) * dt / double{params.stopping_lag_s};
+      }
+      const double most_s =
+          double{PassingTime(params, static_cast<float>(way_m), static_cast<float>(start_mps))} -
+          double{params.reaction_time_s};
+      EXPECT_LE(t, most_s + 0.01) << start_mps << " m/s, " << way_m << " m";
+      if (way_m >= 10.0 && start_mps <= 2.0) {
+        EXPECT_GE(t, most_s - 0.02) << start_mps;
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -79,6 +79,20 @@ TEST(WayWatch, CountsReplansBesideTheLandmarkOnly) {
   EXPECT_EQ(result.replans_beside, 2);
 }
 
+TEST(WayWatch, CountsReplansWhereTheVehicleLooksPastTheLandmarkToo) {
+  world::Scenario scenario = WithLandmark();
+  scenario.around->seen_past_m = 2.5;  // from y = 1
+  WayResult result;
+  WayWatch watch(scenario, result);
+  watch.Committed(Around(5.0), {10.0, 3.4}, true);
+  EXPECT_EQ(result.replans_beside, 0);
+  watch.Committed(Around(5.0), {10.0, 3.6}, true);
+  watch.Committed(Around(-5.0), {10.0, -1.6}, true);
+  EXPECT_EQ(result.replans_beside, 2);
+  watch.Committed(Around(5.0), {24.0, 5.0}, true);  // past it
+  EXPECT_EQ(result.replans_beside, 2);
+}
+
 TEST(WayWatch, AnOvershootIsOverWhenItIsSmall) {
   const world::Scenario scenario;
   WayResult result;
