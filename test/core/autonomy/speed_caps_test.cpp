@@ -183,9 +183,10 @@ TEST(SpeedCaps, AnySplitOfTheUnitsGivesTheSame) {
 
 //            P   3 m beside
 //   [>]=========================
-// No stop before the person is possible any more from 0.8 m on: it goes by slowly.
+// No stop before the person is possible any more from 0.8 m on: it goes by slowly, if it is slow.
 TEST(SpeedCaps, CreepsPastAPersonWhoLeavesRoom) {
   Ground ground;
+  ground.driven_mps = 0.5f;
   ground.At(9.0f, 3.0f) |= Costmap::kHard | Costmap::kPerson;
   ground.Caps();
   float least_mps = 1e9f;
@@ -194,6 +195,10 @@ TEST(SpeedCaps, CreepsPastAPersonWhoLeavesRoom) {
   }
   EXPECT_EQ(least_mps, ground.speed.person_creep_mps);
   EXPECT_EQ(ground.CapAt(13.0f), ground.speed.max_speed_mps);
+  ground.driven_mps = 1.5f;
+  ground.Caps();
+  EXPECT_EQ(ground.CapAt(7.975f), 0.0f);
+  ground.driven_mps = 0.5f;
   ground.speed.person_creep_mps = 0.0f;
   ground.Caps();
   EXPECT_EQ(ground.CapAt(7.975f), 0.0f);
