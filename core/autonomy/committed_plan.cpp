@@ -39,6 +39,16 @@ int StandingPoint(const WorldPath& path, int point) {
   return standing;
 }
 
+int RestPoint(const CommittedPlan& plan, int point, int last) {
+  float along_m = WayTo(plan.path, point);
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int rest = point + 1; rest < last; ++rest) {
+    along_m += Length(ChordBehind(plan.path, rest - 1));
+    if (plan.speed[rest] <= 0.0f && along_m > plan.start_along_m) return rest;
+  }
+  return last;
+}
+
 int FirstKept(const WorldPath& path, int point) {
   const bool has_before = point > 0 && !TurnsOnTheSpotAt(path, point);
   return has_before && !TurnsOnTheSpotAt(path, point - 1) ? point - 1 : point;

@@ -65,6 +65,11 @@ bool TurnsOnTheSpotAt(const WorldPath& path, int point);
 // Precondition: 0 <= point < size. Cost: one pass.
 int StandingPoint(const WorldPath& path, int point);
 
+// The first point behind `point`, else `last`, that the plan reaches at rest; where the vehicle was
+// when it was published, and before, is none. Precondition: 0 <= point < last < size. Cost: one
+// pass.
+int RestPoint(const CommittedPlan& plan, int point, int last);
+
 // The first point that is still needed by a vehicle on the chord behind `point`: one more, as a
 // pose may be found a little further back the next time, but none before a turn on the spot.
 int FirstKept(const WorldPath& path, int point);

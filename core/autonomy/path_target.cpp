@@ -28,18 +28,6 @@ int EndOfDirection(const WorldPath& path, int point, bool reverse) {
   return end;
 }
 
-// The first point behind `point`, up to `last`, that the plan reaches at rest; where it begins to
-// drive is none.
-int EndOfDrive(const CommittedPlan& plan, int point, int last) {
-  float along_m = WayTo(plan.path, point);
-  HP_LOOP_BOUND(kMaxPathPoints)
-  for (int end = point + 1; end < last; ++end) {
-    along_m += Abs(PlanarModel::Inverse(plan.path[end - 1], plan.path[end]).dr_m);
-    if (plan.speed[end] <= 0.0f && along_m > plan.start_along_m) return end;
-  }
-  return last;
-}
-
 // A place on the path as a vehicle is to be there.
 PathState StateFor(const CommittedPlan& plan, float along_m, bool reverse) {
   PathState state = StateAt(plan, along_m);
@@ -64,7 +52,7 @@ Status PathTarget(const CommittedPlan& plan, const PathFollower& follower,
   const bool turns_here = TurnsOnTheSpotAt(path, point);
   const bool reverse = !turns_here && IsReversed(path, point);
   const int standing =
-      turns_here ? point : EndOfDrive(plan, point, EndOfDirection(path, point, reverse));
+      turns_here ? point : RestPoint(plan, point, EndOfDirection(path, point, reverse));
   target.reverse = reverse;
   target.left_m = Max(WayTo(path, standing) - along_m, 0.0f);
   if (TurnsOnTheSpotAt(path, standing) && target.left_m <= kAtPoint_m && follower.stands) {
