@@ -113,7 +113,8 @@ struct ReplanOutcome {
   Status plan_status = Status::kNotStarted;  // of the new plan, used or not
   bool anchored = false;                     // the new plan started on the committed path ...
   bool late = false;                         // ... and came too late to be used
-  // Whether the vehicle is to stand where it is by the committed plan, short of its end, and why.
+  // Whether the vehicle is to stand where it is, and why: by the committed plan, short of its end,
+  // or since it drives kTooFast_mps more than a person allows, which no ramp mends in time.
   bool held = false;
   CapCause held_by = CapCause::kPathEnd;
   float committed_cost = 0.0f;  // as they were compared; 0 where they were not
@@ -170,6 +171,7 @@ class Replanner {
   const Planner& planner() const { return planner_; }
 
   static constexpr float kStanding_mps = SpeedCaps::kStanding_mps;
+  static constexpr float kTooFast_mps = 0.3f;
   // Off the path while it stands, behind a stop that came at once say: to join it from there it
   // would have to turn where it was not checked.
   static constexpr float kMaxStandingOff_m = 0.15f;

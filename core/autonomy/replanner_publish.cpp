@@ -78,9 +78,13 @@ void Replanner::Commit(const PathPlace& place) {
   const Status timed = TimeFrom(place);
   round_.decision = candidate_.decision;
   round_.reason = candidate_.reason;
+  const float cap_mps = caps_.cap_mps()[static_cast<size_t>(next)];
   round_.held_by = caps_.cause(next);
-  round_.held = caps_.cap_mps()[static_cast<size_t>(next)] <= kStanding_mps &&
-                round_.held_by != CapCause::kPathEnd;
+  // Faster beside a person than the ramp can mend: it stands sooner than that brings it down.
+  const bool is_too_fast = round_.held_by == CapCause::kPerson && IsUsable(timed) &&
+                           plan.speed[next - first] > cap_mps + kTooFast_mps;
+  round_.held =
+      is_too_fast || (cap_mps <= kStanding_mps && round_.held_by != CapCause::kPathEnd);
   round_.status = plan.is_stop ? StopStatus() : (IsUsable(timed) ? plan.status : timed);
 }
 

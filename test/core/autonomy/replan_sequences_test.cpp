@@ -420,6 +420,26 @@ TEST(ReplanSequence, SlowsOnAKeptPathForAPerson) {
   EXPECT_LT(slowest_near(15.0f), 0.8f * before_mps);
 }
 
+// So near that braking along the path leaves it too fast beside them, it is held; further away the
+// ramp is enough. They leave room to creep, so that standing is nowhere asked for.
+TEST(ReplanSequence, IsHeldForAPersonWhoComesUpTooNear) {
+  for (const bool is_near : {false, true}) {
+    Drive drive({60.1f, 0.1f});
+    drive.Start();
+    while (drive.speed_mps < 4.0f || drive.replanner().busy()) drive.Tick();
+    const int x = FloorToInt(drive.truth.x_m * kCellsPerMeter) + (is_near ? 17 : 75);
+    drive.world.Add(x, 18, x + 1, 19, Costmap::kPerson);
+    const int rounds = drive.rounds;
+    while (drive.rounds == rounds) drive.Tick();
+    EXPECT_EQ(drive.outcome().decision, ReplanDecision::kKept);
+    EXPECT_EQ(drive.outcome().held, is_near);
+    if (is_near) {
+      EXPECT_EQ(drive.outcome().held_by, CapCause::kPerson);
+      EXPECT_GT(drive.committed().speed[drive.committed().speed.size() / 2], 0.5f);
+    }
+  }
+}
+
 // Rocks everywhere, flickering, and noisy poses: it arrives, and touches nothing.
 TEST(ReplanSequence, ArrivesThroughRocks) {
   Drive drive({80.1f, 60.1f});
