@@ -200,12 +200,14 @@ inline constexpr std::array kSpeedTable = {
     HP_SPEED(stopping_lag_s, 0.0f, 5.0f,
              "Lags of the drives, and of the body behind its wheels, together, when stopping "
              "(ours)."),
-    HP_SPEED(person_speed_mps, 0.1f, 10.0f, "How fast a person may walk into the way (ours)."),
+    HP_SPEED(person_speed_mps, 0.1f, 10.0f,
+             "How fast a person may walk into the way or towards the vehicle (ours)."),
     HP_SPEED(person_margin_m, 0.0f, 5.0f,
              "Distance to be kept from a person when stopping (ours)."),
     HP_SPEED(person_creep_mps, 0.0f, 1.0f,
-             "Speed past a person before whom no stop is possible any more, but who cannot reach "
-             "the way within the time that a stop from it takes; 0: the vehicle stands (ours).",
+             "Speed up to a person as far as a stop from it leaves person_margin_m, and past one "
+             "who cannot reach the way within the time that it takes; 0: the vehicle stands "
+             "(ours).",
              &SpeedParams::min_speed_mps),
     HP_SPEED(max_unseen_m, 0.0f, 100.0f,
              "A longer stretch along the path whose ground was not observed ends the observed "

@@ -90,9 +90,9 @@ struct SpeedParams {
   float reaction_time_s = 0.3f;            // from a return's stamp to the first command
   float stopping_dead_time_s = 0.15f;      // of the drives
   float stopping_lag_s = 0.55f;            // first-order lag of the drives and the body behind them
-  float person_speed_mps = 2.0f;           // how fast a person may walk into the way
+  float person_speed_mps = 2.0f;           // how fast a person may walk, into the way as well
   float person_margin_m = 0.5f;
-  float person_creep_mps = 0.2f;  // past a person who is near but leaves room; 0: none
+  float person_creep_mps = 0.2f;  // up to and past a person who is near; 0: none
   float max_unseen_m = 0.6f;      // stretch of ground along the path that may be unobserved
   float unseen_margin_m = 0.6f;   // between the vehicle at rest and ground that was not observed
   float narrow_room_m = 0.15f;    // with less beside the footprint's discs: at min_speed_mps

@@ -83,8 +83,7 @@ void Replanner::Commit(const PathPlace& place) {
   // Faster beside a person than the ramp can mend: it stands sooner than that brings it down.
   const bool is_too_fast = round_.held_by == CapCause::kPerson && IsUsable(timed) &&
                            plan.speed[next - first] > cap_mps + kTooFast_mps;
-  round_.held =
-      is_too_fast || (cap_mps <= kStanding_mps && round_.held_by != CapCause::kPathEnd);
+  round_.held = is_too_fast || (cap_mps <= kStanding_mps && round_.held_by != CapCause::kPathEnd);
   round_.status = plan.is_stop ? StopStatus() : (IsUsable(timed) ? plan.status : timed);
 }
 

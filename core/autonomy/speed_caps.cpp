@@ -12,9 +12,11 @@ constexpr float kFar_m = SpeedCaps::kFar_m;
 constexpr float kSample_m = 0.5f * kCellSize_m;
 constexpr float kHalfCellDiagonal_m = 0.5f * kCellDiagonal_m;
 
-// How far ahead a person can matter: beyond, the vehicle can stop first from any speed.
+// How far ahead a person can matter: beyond, the vehicle can stop first from any speed, however
+// they come (PersonSpeedCap's rule).
 float ReachAhead(const SpeedParams& params, const VehicleParams& vehicle) {
-  return StoppingDistance(params, params.max_speed_mps) + params.person_margin_m +
+  const float walk_m = params.person_speed_mps * StoppingTime(params, params.max_speed_mps);
+  return StoppingDistance(params, params.max_speed_mps) + walk_m + params.person_margin_m +
          0.5f * vehicle.length_m;
 }
 
@@ -124,8 +126,7 @@ void SpeedCaps::LookAlong(const Costmap& map, const VehicleParams& vehicle, cons
     direction = {(path[point + 1].x_m - from.x_m) / length_m,
                  (path[point + 1].y_m - from.y_m) / length_m};
   }
-  const float aside_m = kTrack * vehicle.width_m;
-  const Vec2 aside = {-aside_m * direction.y_m, aside_m * direction.x_m};
+  const Vec2 aside = {-vehicle.width_m * direction.y_m, vehicle.width_m * direction.x_m};
   const int samples = ClampInt(FloorToInt(Min(length_m / kSample_m, 1.0e6f)) + 1, 1, kMaxSamples);
   const float step_m = length_m / static_cast<float>(samples);
   HP_LOOP_BOUND(kMaxSamples)
@@ -139,7 +140,7 @@ void SpeedCaps::LookAlong(const Costmap& map, const VehicleParams& vehicle, cons
 void SpeedCaps::LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m) {
   HP_LOOP_BOUND(kTracks)
   for (int track = 0; track < kTracks; ++track) {
-    const float side = static_cast<float>(track - 1);
+    const float side = kAside[track];
     const Cell cell = CellAt({place.x_m + side * aside.x_m, place.y_m + side * aside.y_m});
     const bool is_seen =
         map.window.Contains(cell) && (map.flags[map.window.Index(cell)] & Costmap::kObserved) != 0;

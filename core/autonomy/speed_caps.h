@@ -20,11 +20,12 @@
 //        |<- free ->|<- half the length, unseen_margin_m ->|
 //   o====o==========+=====================================#? ? ? ?o   # end of the observed ground
 //
-// The observed ground ends where on one of three tracks, the path's own and kTrack of the width to
-// either side, no cell has been observed (Costmap::kObserved) for more than max_unseen_m. Shorter
-// stretches are what the lidar's ring spacing and the directions' spacing leave open. It is looked
-// for as far beyond the path's end as is kept free before it: half the vehicle's length and
-// unseen_margin_m. A path begins where the vehicle is, so that its first point counts as observed.
+// The observed ground ends where on one of five tracks, the path's own and kAside of the width to
+// either side, under the wheels and where they are if the vehicle is beside its path, no cell has
+// been observed (Costmap::kObserved) for more than max_unseen_m. Shorter stretches are what the
+// lidar's ring spacing and the directions' spacing leave open. It is looked for as far beyond the
+// path's end as is kept free before it: half the vehicle's length and unseen_margin_m. A path
+// begins where the vehicle is, so that its first point counts as observed.
 //
 // There is little room where a hard cell's centre is nearer to the centre of one of the footprint's
 // discs than its radius, half a cell's diagonal and narrow_room_m: min_speed_mps at most there.
@@ -68,11 +69,11 @@ class SpeedCaps {
   // Way along the path to the end of the observed ground; kFar_m if that is not on it.
   float observed_m() const { return observed_m_; }
   static constexpr float kFar_m = 1.0e3f;        // further than any two points of a map
-  static constexpr float kTrack = 0.4f;          // of the width
   static constexpr float kStanding_mps = 0.05f;  // a lower cap is one to stand
 
  private:
-  static constexpr int kTracks = 3;
+  static constexpr float kAside[] = {-0.6f, -0.4f, 0.0f, 0.4f, 0.6f};  // of the width
+  static constexpr int kTracks = sizeof(kAside) / sizeof(kAside[0]);
   // Between two points of a path; those of a longer chord lie further apart than half a cell.
   static constexpr int kMaxSamples = 32;
 

@@ -217,6 +217,19 @@ int BrakeFromStart(const ActuatorPath& path, float deceleration_mps2, SpeedProfi
   return k;
 }
 
+// What it takes longer to stop than the ramp does.
+float StoppingDelay(const SpeedParams& params) {
+  return params.reaction_time_s + params.stopping_dead_time_s + params.stopping_lag_s;
+}
+
+// The positive root of v^2 / (2 a) + t v = free, written without the cancellation of
+// a (sqrt(t^2 + 2 free / a) - t).
+float SpeedWithin(const SpeedParams& params, float delay_s, float free_m) {
+  if (!(free_m >= kLeastFreeWay_m)) return 0.0f;
+  const float root_s = Sqrt(delay_s * delay_s + 2.0f * free_m / params.max_deceleration_mps2);
+  return Min(kBelowTheInverse * (2.0f * free_m / (delay_s + root_s)), params.max_speed_mps);
+}
+
 }  // namespace
 
 float CurvatureBetween(float turn_rad, float chord_before_m, float chord_after_m) {
@@ -231,20 +244,17 @@ float CurvatureSpeedLimit(const SpeedParams& params, const VehicleParams& vehicl
 }
 
 float StoppingDistance(const SpeedParams& params, float speed_mps) {
-  const float delay_s =
-      params.reaction_time_s + params.stopping_dead_time_s + params.stopping_lag_s;
-  return speed_mps * delay_s + speed_mps * speed_mps / (2.0f * params.max_deceleration_mps2);
+  return speed_mps * StoppingDelay(params) +
+         speed_mps * speed_mps / (2.0f * params.max_deceleration_mps2);
+}
+
+float StoppingTime(const SpeedParams& params, float speed_mps) {
+  return StoppingDelay(params) + speed_mps / params.max_deceleration_mps2;
 }
 
 float ReactionSpeedCap(const SpeedParams& params, float free_m) {
-  if (!(free_m >= kLeastFreeWay_m)) return 0.0f;
   if (free_m >= StoppingDistance(params, params.max_speed_mps)) return params.max_speed_mps;
-  // The positive root of v^2 / (2 a) + t v = free, written without the cancellation of
-  // a (sqrt(t^2 + 2 free / a) - t).
-  const float delay_s =
-      params.reaction_time_s + params.stopping_dead_time_s + params.stopping_lag_s;
-  const float root_s = Sqrt(delay_s * delay_s + 2.0f * free_m / params.max_deceleration_mps2);
-  return Min(kBelowTheInverse * (2.0f * free_m / (delay_s + root_s)), params.max_speed_mps);
+  return SpeedWithin(params, StoppingDelay(params), free_m);
 }
 
 float PassingTime(const SpeedParams& params, float way_m, float speed_mps) {
@@ -266,12 +276,19 @@ float PersonSpeedCap(const SpeedParams& params, const VehicleParams& vehicle, fl
   if (aside_m > params.person_speed_mps * PassingTime(params, way_by_m, speed_mps)) {
     return params.max_speed_mps;
   }
-  const float stop_mps = ReactionSpeedCap(params, along_m - half_length_m - params.person_margin_m);
+  // s(v) + v_person T(v) = v (t + v_person / a) + v^2 / (2 a) + v_person t.
+  const float delay_s = StoppingDelay(params);
+  const float brakes_mps2 = params.max_deceleration_mps2;
+  const float free_m = along_m - half_length_m - params.person_margin_m;
+  const float walk_mps = params.person_speed_mps;
+  const float before_mps =
+      SpeedWithin(params, delay_s + walk_mps / brakes_mps2, free_m - walk_mps * delay_s);
+  const float beside_mps = aside_m > 0.0f ? brakes_mps2 * (aside_m / walk_mps - delay_s) : 0.0f;
   const float creep_mps = params.person_creep_mps;
-  const float walk_s =
-      params.reaction_time_s + Max(creep_mps, speed_mps) / params.max_deceleration_mps2;
-  const bool may_creep = aside_m > params.person_speed_mps * walk_s;
-  return may_creep ? Max(stop_mps, creep_mps) : stop_mps;
+  const float walk_s = params.reaction_time_s + Max(creep_mps, speed_mps) / brakes_mps2;
+  const bool may_creep = aside_m > walk_mps * walk_s;
+  const float creeps_mps = may_creep ? creep_mps : Min(creep_mps, ReactionSpeedCap(params, free_m));
+  return Clamp(Max(Max(before_mps, beside_mps), creeps_mps), 0.0f, params.max_speed_mps);
 }
 
 Status PlanSpeed(const SpeedParams& params, const VehicleParams& vehicle, const ActuatorPath& path,

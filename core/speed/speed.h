@@ -56,6 +56,10 @@ float CurvatureSpeedLimit(const SpeedParams& params, const VehicleParams& vehicl
 //   s = v (t_r + t_d + tau) + v^2 / (2 a)
 float StoppingDistance(const SpeedParams& params, float speed_mps);
 
+// Time that goes with it [s]: t_r + t_d + tau + v / a, at which the lag leaves at most a tau / e of
+// speed, 0.4 m/s.
+float StoppingTime(const SpeedParams& params, float speed_mps);
+
 // The largest speed, up to max_speed_mps, from which StoppingDistance fits into free_m: its closed
 // inverse, lowered by 2^-20 of itself so that rounding never puts it above (tested). 0 when free_m
 // is below a micrometre or NaN.
@@ -73,14 +77,17 @@ float PassingTime(const SpeedParams& params, float way_m, float speed_mps);
 
 // The cap for one person: along_m ahead of the vehicle's middle along the path, lateral_m beside
 // the corridor that the vehicle covers (0 or less: inside it), for a vehicle that drives at
-// speed_mps now. No cap (max_speed_mps) when the vehicle's tail is past the person, or will be by
-// PassingTime before the person, walking at person_speed_mps, is within person_margin_m of the
-// corridor; else the speed from which it stops person_margin_m short of the person. So a vehicle
-// that has begun to pass does not have the answer turn against it beside the person. Where the
-// person keeps more than person_margin_m and what one walks while the vehicle reacts and brakes
-// from its speed, or from person_creep_mps where that is more,
-//   lateral - margin > v_person (t_r + max(v, v_creep) / a),
+// speed_mps now. With a margin of person_margin_m everywhere, v_p = person_speed_mps and T(v) the
+// StoppingTime, it is no cap (max_speed_mps) when the vehicle's tail is past the person, or will be
+// by PassingTime before the person can be in the corridor; else the largest v from which it stands
+// before they meet, whether the person walks towards the corridor or towards the vehicle:
+//   v_p T(v) <= lateral   or   StoppingDistance(v) + v_p T(v) <= along - length / 2.
+// To creep, at person_creep_mps at most, it is enough that StoppingDistance(v) fits; and where the
+// person keeps more than what one walks while the vehicle reacts and brakes from its speed, or
+// from person_creep_mps where that is more,
+//   lateral > v_p (t_r + max(v, v_creep) / a),
 // it is at least person_creep_mps: else one who stands beside the way would block it for ever.
+// A vehicle that has begun to pass does not have the answer turn against it beside the person.
 // Source: docs/algorithm.md section 6 (ours).
 float PersonSpeedCap(const SpeedParams& params, const VehicleParams& vehicle, float along_m,
                      float lateral_m, float speed_mps);

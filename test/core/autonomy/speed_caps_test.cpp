@@ -118,14 +118,17 @@ TEST(SpeedCaps, DrivesSlowlyWhereThereIsLittleRoom) {
   }
 }
 
-// A ditch under one wheel alone, and one beside both.
+// A ditch under one wheel alone, one that it is beside, and one further off.
 TEST(SpeedCaps, LooksUnderBothWheels) {
   for (const float side : {-1.0f, 1.0f}) {
     Ground under;
     under.Hide(9.8f, 12.0f, side > 0.0f ? 0.4f : -0.8f, side > 0.0f ? 0.8f : -0.4f);
     EXPECT_NEAR(under.Caps().observed_m(), 9.8f, 0.11f);
+    Ground edge;
+    edge.Hide(9.8f, 12.0f, side > 0.0f ? 0.8f : -3.0f, side > 0.0f ? 3.0f : -0.8f);
+    EXPECT_NEAR(edge.Caps().observed_m(), 9.8f, 0.11f);
     Ground beside;
-    beside.Hide(9.8f, 12.0f, side > 0.0f ? 0.8f : -3.0f, side > 0.0f ? 3.0f : -0.8f);
+    beside.Hide(9.8f, 12.0f, side > 0.0f ? 1.0f : -3.0f, side > 0.0f ? 3.0f : -1.0f);
     EXPECT_EQ(beside.Caps().observed_m(), SpeedCaps::kFar_m);
   }
 }
@@ -218,7 +221,8 @@ TEST(SpeedCaps, WhereItHasToStandItIsNotDrivenAnyFurther) {
   ground.caps->StandFrom(stands + 20);  // it is behind the person already
   EXPECT_EQ(ground.CapAt(11.0f), free_again_m);
   ground.caps->StandFrom(0);
-  EXPECT_GT(ground.CapAt(5.5f), 1.0f);
+  EXPECT_GT(ground.CapAt(2.75f), 1.0f);
+  EXPECT_EQ(ground.CapAt(5.5f), ground.speed.person_creep_mps) << "who may come nearer";
   for (float x_m = 8.25f; x_m < 29.8f; x_m += 0.275f) {
     EXPECT_EQ(ground.CapAt(x_m), 0.0f) << x_m;
     EXPECT_EQ(ground.CauseAt(x_m), CapCause::kPerson) << x_m;

@@ -140,6 +140,55 @@ int CountTouchedWalkers(Told told_m, Start start_mps) {
   return touched_walkers;
 }
 
+// The same of walkers who come straight for where the vehicle is, and keep to that line: the number
+// that is touched by a vehicle faster than at which it may creep.
+int CountMetWalkers(double told_speed_mps) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  SpeedParams params;
+  const VehicleParams vehicle;
+  const double half_length_m = 0.5 * double{vehicle.length_m};
+  const double half_width_m = 0.5 * double{vehicle.width_m};
+  const double brakes_mps2 = double{params.max_deceleration_mps2};
+  const double reaction_s = double{params.reaction_time_s};
+  params.person_speed_mps = static_cast<float>(told_speed_mps);
+  const double dt = 0.02;
+  int touched_walkers = 0;
+  for (int scene = 0; scene < 4000; ++scene) {
+    const double walker_mps = 0.7 + 1.3 * unit(random);
+    const double bearing_rad = 0.5 * double{kPi} * unit(random);
+    const double ahead_m = std::cos(bearing_rad);
+    const double aside_m = std::sin(bearing_rad);
+    double along_m = 12.0 * ahead_m;  // of the walker before the vehicle's middle
+    double lateral_m = 12.0 * aside_m;
+    double v = 0.0;
+    const auto cap = [&] {
+      const double seen_along_m = along_m + (v + walker_mps * ahead_m) * reaction_s;
+      const double seen_lateral_m = lateral_m + walker_mps * aside_m * reaction_s - half_width_m;
+      return double{PersonSpeedCap(params, vehicle, static_cast<float>(seen_along_m),
+                                   static_cast<float>(seen_lateral_m), static_cast<float>(v))};
+    };
+    v = std::min(2.0 * unit(random), cap());
+    bool touched = false;
+    while (lateral_m > -2.0 * half_width_m && along_m > -2.0 * half_length_m) {
+      v = std::max(std::max(0.0, v - brakes_mps2 * dt),
+                   std::min(v + double{params.max_acceleration_mps2} * dt, cap()));
+      along_m -= (v + walker_mps * ahead_m) * dt;
+      lateral_m -= walker_mps * aside_m * dt;
+      const bool meets = std::abs(along_m) < half_length_m && std::abs(lateral_m) < half_width_m;
+      if (meets && v > double{params.person_creep_mps} + 0.05) touched = true;
+      if (meets || (v <= 0.0 && walker_mps * dt <= 0.0)) break;
+    }
+    touched_walkers += touched ? 1 : 0;
+  }
+  return touched_walkers;
+}
+
+TEST(PersonSpeedCap, MeetsNobodyWhoWalksTowardsTheVehicle) {
+  EXPECT_EQ(CountMetWalkers(2.0), 0);
+  EXPECT_GT(CountMetWalkers(0.0), 40) << "the walkers were no threat";
+}
+
 TEST(PersonSpeedCap, TouchesNoWalkerWhereBrakingForTheCorridorAloneTouchesMany) {
   const auto told = [](double lateral_m) { return lateral_m; };
   const auto corridor_alone = [](double lateral_m) { return lateral_m > 0.5 ? 1e6 : lateral_m; };
@@ -161,8 +210,14 @@ TEST(PersonSpeedCap, PassesBeforeAPersonOnlyAsFastAsItDrives) {
       params.person_margin_m +
       params.person_speed_mps * PassingTime(params, way_m, params.min_speed_mps);
   EXPECT_EQ(PersonSpeedCap(params, vehicle, 1.0f, at_speed_m + 0.01f, 2.0f), params.max_speed_mps);
-  EXPECT_LT(PersonSpeedCap(params, vehicle, 1.0f, at_speed_m + 0.01f, 1.9f), 0.3f);
-  EXPECT_LT(PersonSpeedCap(params, vehicle, 1.0f, at_speed_m - 0.01f, 5.0f), 0.3f);
+  // Else it stands before they can be in the corridor.
+  const float aside_m = at_speed_m - params.person_margin_m;
+  for (const bool is_slow : {false, true}) {
+    const float room_m = is_slow ? 0.01f : -0.01f;
+    const float cap_mps =
+        PersonSpeedCap(params, vehicle, 1.0f, at_speed_m + room_m, is_slow ? 1.9f : 5.0f);
+    EXPECT_NEAR(params.person_speed_mps * StoppingTime(params, cap_mps), aside_m + room_m, 1.0e-4f);
+  }
 }
 
 // One who leaves room to creep by leaves it to a vehicle that is as slow already.
