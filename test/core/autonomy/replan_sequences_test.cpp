@@ -427,7 +427,7 @@ TEST(ReplanSequence, IsHeldForAPersonWhoComesUpTooNear) {
     Drive drive({60.1f, 0.1f});
     drive.Start();
     while (drive.speed_mps < 4.0f || drive.replanner().busy()) drive.Tick();
-    const int x = FloorToInt(drive.truth.x_m * kCellsPerMeter) + (is_near ? 17 : 75);
+    const int x = FloorToInt(drive.truth.x_m * kCellsPerMeter) + (is_near ? 17 : 90);
     drive.world.Add(x, 18, x + 1, 19, Costmap::kPerson);
     const int rounds = drive.rounds;
     while (drive.rounds == rounds) drive.Tick();
