@@ -114,8 +114,8 @@ void AddRockPile(World& world, Point2 middle, double core_m, double skirt_m, dou
   const int count = static_cast<int>(2.0 * kPi * ring_m / half_m);
   for (int i = 0; i < count; ++i) {
     const Point2 place = place_at(ring_m + draws.Uniform(-0.15, 0.0), 2.0 * kPi * i / count);
-    AddBush(world, place, half_m * draws.Uniform(0.9, 1.1),
-            kSkirtHeight_m * draws.Uniform(0.9, 1.2));
+    const double bush_m = kSkirtHeight_m * draws.Uniform(0.9, 1.2);
+    AddBush(world, place, half_m * draws.Uniform(0.9, 1.1), bush_m);
   }
 }
 

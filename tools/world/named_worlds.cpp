@@ -82,8 +82,7 @@ void MakeGap(uint64_t seed, Scenario& scenario) {
   for (const double x_m : {9.0, 29.0, 34.0}) {
     AddTree(world, {x_m + draws.Uniform(-1.5, 1.5), draws.Uniform(7.0, 14.0)}, 0.2, 1.8);
     AddTree(world, {x_m + draws.Uniform(-1.5, 1.5), draws.Uniform(-14.0, -7.0)}, 0.25, 2.0);
-    AddBush(world, {x_m + draws.Uniform(-3.0, 3.0), draws.Sign() * draws.Uniform(5.0, 9.0)}, 0.8,
-            1.0);
+    AddBush(world, {x_m + draws.Uniform(-3.0, 3.0), draws.UniformOnEitherSide(5.0, 9.0)}, 0.8, 1.0);
   }
 }
 
@@ -101,8 +100,10 @@ void MakeRockPile(uint64_t seed, Scenario& scenario) {
   AddRockPile(scenario.world, middle, core_m, core_m + 2.0, draws.Uniform(1.9, 2.4), draws);
   scenario.around = {middle, core_m + 2.0, core_m};
   for (int i = 0; i < 6; ++i) {
-    AddBush(scenario.world, {draws.Uniform(8.0, 36.0), draws.Sign() * draws.Uniform(10.0, 18.0)},
-            draws.Uniform(0.6, 1.2), draws.Uniform(0.6, 1.2));
+    const double height_m = draws.Uniform(0.6, 1.2);
+    const double radius_m = draws.Uniform(0.6, 1.2);
+    const Point2 place = {draws.Uniform(8.0, 36.0), draws.UniformOnEitherSide(10.0, 18.0)};
+    AddBush(scenario.world, place, radius_m, height_m);
   }
 }
 
@@ -184,7 +185,7 @@ void MakeCrossing(uint64_t seed, Scenario& scenario) {
   for (int i = 0; i < kPeople; ++i) {
     const double x_m = 10.0 + 5.5 * i + draws.Uniform(-2.0, 2.0);
     const double to_x_m = x_m + draws.Uniform(-3.0, 3.0);
-    const double from_y_m = draws.Sign() * draws.Uniform(5.0, 9.0);
+    const double from_y_m = draws.UniformOnEitherSide(5.0, 9.0);
     const double to_y_m = -from_y_m * draws.Uniform(0.8, 1.2);
     const double way_x_m = to_x_m - x_m;
     const double way_y_m = to_y_m - from_y_m;
@@ -202,8 +203,8 @@ void MakeCrossing(uint64_t seed, Scenario& scenario) {
     scenario.world.AddPerson(person);
   }
   for (int i = 0; i < 8; ++i) {
-    AddTree(scenario.world, {draws.Uniform(-5.0, 45.0), draws.Sign() * draws.Uniform(11.0, 16.0)},
-            0.2, 1.6);
+    AddTree(scenario.world, {draws.Uniform(-5.0, 45.0), draws.UniformOnEitherSide(11.0, 16.0)}, 0.2,
+            1.6);
   }
 }
 
@@ -277,7 +278,7 @@ Passage GapOf(uint64_t seed) {
   Draws draws(seed, 2);
   const double side = draws.Sign();
   const double x_m = draws.Uniform(19.0, 22.0);
-  const double middle_y_m = draws.Sign() * draws.Uniform(1.0, 3.5);
+  const double middle_y_m = draws.UniformOnEitherSide(1.0, 3.5);
   return {{x_m, middle_y_m + side * kGapWidth_m / 2.0},
           {x_m, middle_y_m - side * kGapWidth_m / 2.0}};
 }

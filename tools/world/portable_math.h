@@ -78,7 +78,8 @@ constexpr double DrawUniform(uint64_t key, uint64_t index) {
 // 3.47.
 double DrawNormal(uint64_t key, uint64_t index);
 
-// The same, one after another: for what is built once.
+// The same, one after another: for what is built once. No two in arguments or operands of one call
+// or operator: compilers take those in any order (in braces from left to right).
 class Draws {
  public:
   explicit Draws(uint64_t seed, uint64_t part = 0)
@@ -87,6 +88,11 @@ class Draws {
     return low + (high - low) * DrawUniform(key_, next_++);
   }
   double Sign() { return (DrawBits(key_, next_++) & 1u) != 0 ? 1.0 : -1.0; }
+  // From low to high, or from -high to -low.
+  double UniformOnEitherSide(double low, double high) {
+    const double sign = Sign();
+    return sign * Uniform(low, high);
+  }
 
  private:
   uint64_t key_;

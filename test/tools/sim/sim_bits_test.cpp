@@ -62,6 +62,12 @@ TEST(SimBits, AreTheSameOnEveryMachine) {
   EXPECT_EQ(HashOf("forest", 1), 9302842113543023245u);
   EXPECT_EQ(HashOf("gap", 2), 3694951145479844742u);
   EXPECT_EQ(HashOf("crossing", 3), 1946096730223027970u);
+  EXPECT_EQ(HashOf("rock_pile", 1), 12273944175577073590u);
+  EXPECT_EQ(HashOf("hill", 2), 4713211732490903930u);
+  EXPECT_EQ(HashOf("corridor", 3), 18420040026808793177u);
+  EXPECT_EQ(HashOf("dead_end", 1), 9752348642682940224u);
+  EXPECT_EQ(HashOf("ditch", 2), 10829831396801452475u);
+  EXPECT_EQ(HashOf("open", 3), 18044740347768466294u);
 }
 
 TEST(SimBits, DifferBySeed) {
