@@ -12,21 +12,23 @@ constexpr float kFar_m = SpeedCaps::kFar_m;
 constexpr float kSample_m = 0.5f * kCellSize_m;
 constexpr float kHalfCellDiagonal_m = 0.5f * kCellDiagonal_m;
 
+// How far somebody may walk while the vehicle stops from its highest speed.
+float WalkWhileStopping(const SpeedParams& params) {
+  return params.person_speed_mps * StoppingTime(params, params.max_speed_mps);
+}
+
 // How far ahead a person can matter: beyond, the vehicle can stop first from any speed, however
 // they come (PersonSpeedCap's rule).
 float ReachAhead(const SpeedParams& params, const VehicleParams& vehicle) {
-  const float walk_m = params.person_speed_mps * StoppingTime(params, params.max_speed_mps);
-  return StoppingDistance(params, params.max_speed_mps) + walk_m + params.person_margin_m +
-         0.5f * vehicle.length_m;
+  return StoppingDistance(params, params.max_speed_mps) + WalkWhileStopping(params) +
+         params.person_margin_m + 0.5f * vehicle.length_m;
 }
 
-// And how far aside: beyond, no vehicle that is so far off is reached (PersonSpeedCap's rule).
+// And how far aside.
 float ReachAside(const SpeedParams& params, const VehicleParams& vehicle) {
-  const float way_by_m = ReachAhead(params, vehicle) + 0.5f * vehicle.length_m;
-  const float walk_m = params.person_speed_mps * PassingTime(params, way_by_m, 0.0f);
-  return Min(
-      walk_m + params.person_margin_m + vehicle.footprint_disc_radius_m + kHalfCellDiagonal_m,
-      kFar_m);
+  return Min(WalkWhileStopping(params) + params.person_margin_m + vehicle.footprint_disc_radius_m +
+                 kHalfCellDiagonal_m,
+             kFar_m);
 }
 
 float Squared(float value) {
