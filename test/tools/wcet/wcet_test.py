@@ -1,0 +1,452 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The static timing analyser (tools/wcet) on functions whose bound is known by hand, and on every
+kind that it must refuse. Written in assembly, so that what is counted is what stands here; for
+Thumb-2 and for A64.
+
+HARDPACK_SOURCE: the source tree. Cases of a processor whose assembler is not installed are
+skipped.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, os.path.join(os.environ["HARDPACK_SOURCE"], "tools", "wcet"))
+
+try:
+    import bound
+    import image
+except ImportError as error:
+    print(f"skipped: {error}")
+    sys.exit(77)
+
+# A record as HP_LOOP_BOUND writes it (core/base/loop_bound.h), and a function.
+MACROS = """
+.macro record n
+771: .pushsection .note.hardpack.loops,"",%note
+  {word} 771b, \\n
+  .popsection
+.endm
+.macro function name
+  .p2align 2
+  .globl \\name
+  .type \\name, %function
+  {thumb}
+\\name:
+.endm
+.macro done name
+  .size \\name, . - \\name
+.endm
+"""
+
+
+class Processor(unittest.TestCase):
+    prefix = ""
+    flags = ()
+    macros = ""
+
+    @classmethod
+    def setUpClass(cls):
+        if not cls.prefix:
+            raise unittest.SkipTest("what the processors have in common")
+        if shutil.which(cls.prefix + "as") is None:
+            raise unittest.SkipTest(f"there is no {cls.prefix}as")
+        cls.folder = tempfile.mkdtemp()
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder)
+
+    def analysis(self, text, stops=(), **options):
+        """Of the program that the text, the functions of one file, makes."""
+        source, made = os.path.join(self.folder, "a.s"), os.path.join(self.folder, "a")
+        with open(source, "w", encoding="utf-8") as file:
+            file.write(self.macros + text)
+        subprocess.run([self.prefix + "as", *self.flags, source, "-o", made + ".o"], check=True)
+        subprocess.run([self.prefix + "ld", "-Ttext=0x8000", "-e0x8000", made + ".o", "-o", made],
+                       check=True)
+        return bound.Analysis(image.Image(made, stops), **options)
+
+    def expect_refused(self, text, words, name="f"):
+        with self.assertRaises(image.Refused) as caught:
+            self.analysis(text).bound(name)
+        self.assertIn(words, str(caught.exception))
+
+
+class Thumb(Processor):
+    prefix = "arm-none-eabi-"
+    flags = ("-mcpu=cortex-m7", "-mthumb")
+    macros = ".syntax unified\n" + MACROS.format(word=".long", thumb=".thumb_func")
+
+    def test_straight_line(self):
+        self.assertEqual(self.analysis("function f\n movs r0, #1\n adds r0, #2\n bx lr\ndone f\n")
+                         .bound("f"), 3)
+
+    def test_longer_branch(self):
+        # cmp, beq, then either nop nop b (3) or nop (1); bx
+        text = """
+function f
+  cmp r0, #0
+  beq 1f
+  nop
+  nop
+  b 2f
+1: nop
+2: bx lr
+done f
+"""
+        self.assertEqual(self.analysis(text).bound("f"), 2 + 3 + 1)
+
+    def test_loop(self):
+        # movs; 10 times adds, subs, bne; bx. The header runs once more than its back edge.
+        text = """
+function f
+  movs r1, #10
+  record 9
+1: adds r0, #1
+  subs r1, #1
+  bne 1b
+  bx lr
+done f
+"""
+        self.assertEqual(self.analysis(text).bound("f"), 1 + 10 * 3 + 1)
+
+    def test_nested_loops(self):
+        # Outer body: 2 before the inner loop, inner 3, and 2 behind it.
+        text = """
+function f
+  record 4
+1: movs r2, #7
+  nop
+  record 6
+2: adds r0, #1
+  subs r2, #1
+  bne 2b
+  subs r1, #1
+  bne 1b
+  bx lr
+done f
+"""
+        self.assertEqual(self.analysis(text).bound("f"), 5 * (2 + 7 * 3 + 2) + 1)
+
+    def test_loop_tested_at_its_top(self):
+        text = """
+function f
+  record 8
+1: cmp r0, r1
+  bge 2f
+  adds r0, #1
+  b 1b
+2: bx lr
+done f
+"""
+        self.assertEqual(self.analysis(text).bound("f"), 8 * 4 + 2 + 1)
+
+    def test_loop_entered_by_two_ways_has_the_larger_of_their_bounds(self):
+        text = """
+function f
+  cmp r1, #0
+  beq 1f
+  record 5
+  nop
+  b 2f
+1: record 3
+  nop
+2: subs r1, #1
+  bne 2b
+  bx lr
+done f
+"""
+        self.assertEqual(self.analysis(text).bound("f"), 2 + 2 + 6 * 2 + 1)
+
+    def test_inner_loop_at_the_same_instruction(self):
+        # The outer loop's first instruction is the inner's: 2 records, one header.
+        text = """
+function f
+  nop
+  record 4
+  nop
+1: record 6
+2: subs r2, #1
+  bne 2b
+  subs r1, #1
+  bne 1b
+  bx lr
+done f
+"""
+        self.assertGreaterEqual(self.analysis(text).bound("f"), 2 + 5 * (7 * 2 + 2) + 1)
+
+    def test_split_loop_shares_its_record(self):
+        # As a vectorised loop and what it leaves over: one line of the source.
+        text = """
+.file 1 "core/split.cpp"
+function f
+  .loc 1 7
+  record 20
+  nop
+1: subs r1, #4
+  bgt 1b
+2: subs r1, #1
+  bgt 2b
+  bx lr
+done f
+"""
+        # Together 20 back edges, and each loop once without: 22 times two instructions.
+        self.assertEqual(self.analysis(text).bound("f"), 1 + 22 * 2 + 1)
+
+    def test_copying_loop_is_counted(self):
+        # 48 bytes by 16, the end and the pointer both from sp.
+        text = """
+function f
+  sub sp, #96
+  add.w r8, sp, #24
+  add.w sl, sp, #72
+  mov r9, r8
+1: mov lr, r9
+  add.w r9, r9, #16
+  ldmia lr!, {r0, r1, r2, r3}
+  cmp lr, sl
+  str.w r0, [ip, #-16]
+  bne 1b
+  bx lr
+done f
+"""
+        self.assertEqual(self.analysis(text).bound("f"), 4 + 3 * 6 + 1)
+        # Neither where the step does not lead to the end, nor where the end is not known.
+        self.expect_refused(text.replace("sp, #72", "sp, #70"), "has no record")
+        self.expect_refused(text.replace("add.w sl, sp, #72", "ldr.w sl, [sp, #72]"),
+                            "has no record")
+        self.expect_refused(text.replace("str.w r0", "ldr.w sl"), "has no record")
+        self.expect_refused(text.replace("str.w r0, [ip, #-16]", "tst r0, r1"), "has no record")
+        self.expect_refused(text.replace("add.w r9, r9, #16", "add.w r9, r9, r0"), "has no record")
+
+    def test_call_and_tail_call(self):
+        text = """
+function g
+  nop
+  bx lr
+done g
+function h
+  nop
+  nop
+  bx lr
+done h
+function f
+  push {r4, lr}
+  bl g
+  pop {r4, lr}
+  b.w h
+done f
+"""
+        self.assertEqual(self.analysis(text).bound("f"), 4 + 2 + 3)
+
+    def test_conditional_return_and_call_that_does_not_return(self):
+        text = """
+function fails
+  udf #0
+done fails
+function f
+  cmp r0, #0
+  it eq
+  bxeq lr
+  nop
+  bl fails
+done f
+"""
+        self.assertEqual(self.analysis(text, stops=["fails"]).bound("f"), 3 + 2)
+        self.expect_refused(text, "runs on behind its end")
+
+    def test_given(self):
+        text = "function g\n bx r3\ndone g\nfunction f\n push {lr}\n bl g\n pop {pc}\ndone f\n"
+        self.assertEqual(self.analysis(text, given={"g": 100}).bound("f"), 103)
+
+    def test_units(self):
+        text = """
+function f
+  record 3
+1: subs r0, #1
+  bne 1b
+  nop
+  record 100000
+2: adds r0, #1
+  subs r1, #1
+  bne 2b
+  bx lr
+done f
+"""
+        self.assertEqual(self.analysis(text, units={"f": 9}).bound("f"), 4 * 2 + 1 + 10 * 3 + 1)
+        with self.assertRaises(image.Refused):
+            self.analysis(text.replace("100000", "3"), units={"f": 9}).bound("f")
+
+    # What it must refuse.
+
+    def test_refuses_loop_without_record(self):
+        self.expect_refused("function f\n1: subs r0, #1\n bne 1b\n bx lr\ndone f\n",
+                            "has no record")
+
+    def test_refuses_inner_loop_without_record(self):
+        self.expect_refused("""
+function f
+  record 4
+  nop
+1: movs r2, #7
+2: subs r2, #1
+  bne 2b
+  subs r1, #1
+  bne 1b
+  bx lr
+done f
+""", "has no record")
+
+    def test_refuses_loop_with_a_way_around_its_record(self):
+        self.expect_refused("""
+function f
+  cmp r1, #0
+  beq 1f
+  record 5
+  nop
+1: subs r1, #1
+  bne 1b
+  bx lr
+done f
+""", "has no record")
+
+    def test_refuses_two_loops_for_one_record(self):
+        self.expect_refused("""
+.file 1 "core/two.cpp"
+function f
+  .loc 1 7
+  record 20
+  nop
+1: subs r1, #4
+  bgt 1b
+  .loc 1 9
+2: subs r2, #1
+  bgt 2b
+  bx lr
+done f
+""", "shares its record with one of another line")
+
+    def test_refuses_loop_with_two_entries(self):
+        self.expect_refused("""
+function f
+  cmp r0, #0
+  record 5
+  beq 2f
+1: nop
+2: subs r1, #1
+  bne 1b
+  bx lr
+done f
+""", "two entries")
+
+    def test_refuses_indirect_call(self):
+        self.expect_refused("function f\n push {lr}\n blx r3\n pop {pc}\ndone f\n", "indirect")
+
+    def test_refuses_indirect_jump(self):
+        self.expect_refused("function f\n bx r3\ndone f\n", "indirect")
+        self.expect_refused("function f\n mov pc, r3\ndone f\n", "indirect")
+        self.expect_refused("function f\n ldr pc, [r3]\ndone f\n", "indirect")
+
+    def test_refuses_jump_table(self):
+        self.expect_refused("function f\n tbb [pc, r0]\n bx lr\ndone f\n", "jump table")
+
+    def test_refuses_recursion(self):
+        self.expect_refused("""
+function g
+  push {lr}
+  bl f
+  pop {pc}
+done g
+function f
+  push {lr}
+  bl g
+  pop {pc}
+done f
+""", "recursion: f > g > f")
+
+    def test_refuses_call_of_what_is_no_function(self):
+        self.expect_refused("function f\n push {lr}\n bl 1f\n pop {pc}\ndone f\n1: bx lr\n",
+                            "where no function begins")
+
+    def test_refuses_jump_into_the_middle_of_another_function(self):
+        self.expect_refused("""
+function g
+  nop
+1: bx lr
+done g
+function f
+  b 1b
+done f
+""", "where no function begins")
+
+    def test_refuses_what_runs_on_behind_its_end(self):
+        self.expect_refused("function f\n nop\ndone f\nfunction g\n bx lr\ndone g\n",
+                            "runs on behind its end")
+
+    def test_refuses_unknown_name(self):
+        self.expect_refused("function f\n bx lr\ndone f\n", "0 functions are called", name="g")
+
+
+class Command(Processor):
+    """tools/wcet/wcet.py as a process."""
+    prefix = Thumb.prefix
+    flags = Thumb.flags
+    macros = Thumb.macros
+
+    def run_wcet(self, *arguments):
+        command = os.path.join(os.environ["HARDPACK_SOURCE"], "tools", "wcet", "wcet.py")
+        return subprocess.run([sys.executable, command, *arguments], capture_output=True, text=True,
+                              check=False)
+
+    def test_says_bounds_and_reasons(self):
+        self.analysis("function f\n bx lr\ndone f\nfunction g\n bx r3\ndone g\n")
+        made = os.path.join(self.folder, "a")
+        done = self.run_wcet(made, "f")
+        self.assertEqual((done.returncode, done.stdout.split()), (0, ["1", "f"]))
+        done = self.run_wcet(made, "f", "g")
+        self.assertEqual((done.returncode, done.stdout.split()), (1, ["1", "f"]))
+        self.assertIn("wcet: g: g: indirect", done.stderr)
+
+    def test_bad_input(self):
+        self.assertEqual(self.run_wcet("/nowhere", "f").returncode, 2)
+        self.assertEqual(self.run_wcet().returncode, 2)
+        self.assertIn("neither", self.run_wcet(sys.executable, "f").stderr)
+        self.assertEqual(self.run_wcet("--help").returncode, 0)
+
+
+class A64(Processor):
+    prefix = "aarch64-linux-gnu-"
+    macros = MACROS.format(word=".quad", thumb="")
+
+    def test_loop_with_call(self):
+        text = """
+function g
+  cbz x0, 1f
+  nop
+1: ret
+done g
+function f
+  record 4
+1: bl g
+  subs x1, x1, #1
+  b.ne 1b
+  tbz x2, #3, 2f
+  nop
+2: b g
+done f
+"""
+        self.assertEqual(self.analysis(text).bound("f"), 5 * (3 + 3) + 2 + 1 + 3)
+
+    def test_refuses_indirect(self):
+        self.expect_refused("function f\n blr x3\n ret\ndone f\n", "indirect")
+        self.expect_refused("function f\n br x3\ndone f\n", "indirect")
+        self.expect_refused("function f\n ret x3\ndone f\n", "indirect")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)
