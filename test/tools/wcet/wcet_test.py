@@ -264,6 +264,40 @@ done f
         text = "function g\n bx r3\ndone g\nfunction f\n push {lr}\n bl g\n pop {pc}\ndone f\n"
         self.assertEqual(self.analysis(text, given={"g": 100}).bound("f"), 103)
 
+    # One instruction, a loop of two for each byte, and one.
+    MEMSET = """
+function memset
+  add r3, r0, r2
+1: strb r1, [r0], #1
+  cmp r0, r3
+  bne 1b
+  bx lr
+done memset
+"""
+
+    def test_size_is_a_constant_before_the_call(self):
+        for before in ("movs r2, #8", "movs r5, #9\n bl g\n subs r5, #1\n mov r2, r5",
+                       "movw r2, #8\n cmp r0, #0\n bne 1f\n nop\n1:"[:11],
+                       "movs r4, #100\n mov.w r2, #6\n adds r2, #2\n str.w r4, [r3], #4"):
+            text = f"{self.MEMSET}function g\n bx lr\ndone g\n" \
+                   f"function f\n push {{lr}}\n {before}\n bl memset\n pop {{pc}}\ndone f\n"
+            lines = before.count("\n") + 1 + before.count("bl g")
+            # 8 back edges are allowed, of 3 instructions each.
+            self.assertEqual(self.analysis(text).bound("f"), 1 + lines + 1 + 1 + 9 * 3 + 1 + 1)
+
+    def test_refuses_size_that_is_no_constant(self):
+        for before in ("nop", "movs r2, #8\n bl g", "movs r2, #8\n lsls r2, r1",
+                       "movs r2, #8\n it eq\n moveq r2, #9", "movs r2, #8\n ldm r0, {r1, r2}",
+                       "movs r2, #8\n cmp r0, #0\n beq 1f\n adds r2, #1\n1:"):
+            text = f"{self.MEMSET}function g\n bx lr\ndone g\n" \
+                   f"function f\n push {{lr}}\n {before}\n bl memset\n pop {{pc}}\ndone f\n"
+            self.expect_refused(text, "a size that is no constant")
+            self.assertGreater(self.analysis(text, sizes={"f": 8}).bound("f"), 9 * 3)
+
+    def test_tail_call_of_a_sized_function(self):
+        text = self.MEMSET + "function f\n movs r2, #8\n b.w memset\ndone f\n"
+        self.assertEqual(self.analysis(text).bound("f"), 2 + 1 + 9 * 3 + 1)
+
     def test_units(self):
         text = """
 function f
@@ -441,6 +475,24 @@ function f
 done f
 """
         self.assertEqual(self.analysis(text).bound("f"), 5 * (3 + 3) + 2 + 1 + 3)
+
+    def test_size_is_a_constant_before_the_call(self):
+        memset = """
+function memset
+  add x3, x0, x2
+1: strb w1, [x0], #1
+  cmp x0, x3
+  b.ne 1b
+  ret
+done memset
+"""
+        for before, lines in (("mov w2, #8", 1), ("mov x19, #8\n mov x2, x19", 2),
+                              ("mov x2, #0\n movk x2, #8", 2), ("mov x2, xzr\n add x2, x2, #8", 2)):
+            text = f"{memset}function f\n stp x29, x30, [sp, #-16]!\n {before}\n bl memset\n" \
+                   " ldp x29, x30, [sp], #16\n ret\ndone f\n"
+            self.assertEqual(self.analysis(text).bound("f"), 1 + lines + 1 + 1 + 9 * 3 + 1 + 2)
+        self.expect_refused(f"{memset}function f\n ldr x2, [x1]\n b memset\ndone f\n",
+                            "a size that is no constant")
 
     def test_refuses_indirect(self):
         self.expect_refused("function f\n blr x3\n ret\ndone f\n", "indirect")
