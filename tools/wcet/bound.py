@@ -1,31 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """Implicit path enumeration: the most instructions that a function can take.
 
-For each function a linear program: one unknown for every edge of its control-flow graph, how often
-it is gone along; what enters a block leaves it; the loops' back edges are bounded by their records.
-Its greatest sum of instructions, with the bounds of what is called, is a bound: every way through
-the function is a solution of the program, and more solutions make it only larger. The solver
-computes with rounding; its prices are made whole numbers, and what they prove is computed exactly.
+How often each edge of the control-flow graph is gone along is one unknown of a linear program: what
+enters a block leaves it, and the loops' back edges are bounded by their records (loop_bounds.py).
+Every way through the function is a solution; the greatest sum of instructions of any solution, with
+the bounds of what is called, is the bound.
+
+No solver is needed, as the best prices of these bounds are known (the dual of the program): going
+along a back edge costs what the dearest trip round its loop gains, and what allows for n trips, the
+loop's entry or its records, pays n prices back. With them no cycle gains, which is checked, and the
+dearest way from entry to exit is a bound on every solution (weak duality), in whole numbers.
+
 Functions are taken from the leaves of the call graph upwards; recursion is refused.
 """
-
-from dataclasses import dataclass, field
-
-import numpy
-from scipy.optimize import linprog
-from scipy.sparse import csr_matrix
 
 from flow_graph import EXIT, FlowGraph
 from image import Refused
 from loop_bounds import Bound, LoopBounds
 from sized_calls import SizedCalls
-
-
-@dataclass
-class Result:
-    instructions: int
-    graph: FlowGraph = None
-    counts: list = field(default_factory=list)  # of each block, in the worst case found
 
 
 class Analysis:
@@ -42,11 +34,11 @@ class Analysis:
         self.given = {image.named(name).start: n for name, n in (given or {}).items()}
         self.units = {image.named(name).start: n for name, n in (units or {}).items()}
         self.sized = SizedCalls(image, sizes)
-        self.results = {}  # by start, or start and size
+        self.results = {}  # instructions, by start and size
         self._stack = []
 
     def bound(self, name):
-        return self.bound_at(self.image.named(name).start).instructions
+        return self.bound_at(self.image.named(name).start)
 
     def bound_at(self, start, size=None):
         """size: in bytes, of a function of sized_calls.py."""
@@ -57,7 +49,7 @@ class Analysis:
 
     def _analyse(self, start, size):
         if start in self.given:
-            return Result(self.given[start])
+            return self.given[start]
         function = self.image.by_start.get(start)
         if function is None:
             raise Refused(f"{start:#x} is called, where no function begins")
@@ -77,12 +69,12 @@ class Analysis:
                      for block in graph.blocks]
         finally:
             self._stack.pop()
-        return maximize(graph, bounds, costs)
+        return dearest_way(graph, bounds, costs)
 
     def _call(self, graph, block, call):
         instruction, target = call
         size = self.sized.size(graph, block, instruction, target)
-        return self.bound_at(target, size).instructions
+        return self.bound_at(target, size)
 
 
 def limit_units(graph, bounds, units):
@@ -96,105 +88,90 @@ def limit_units(graph, bounds, units):
     found[0].records = [(block, units) for block, _ in found[0].records]
 
 
-class Flow:
-    """The rows of the linear program."""
+def dearest_way(graph, bounds, costs):
+    """The greatest sum of the blocks' costs."""
+    priced = Priced(graph, costs)
+    prices = {}
+    for loop in graph.loops:  # the inner ones first
+        bound = next(b for b in bounds if loop in b.loops)
+        trip = priced.dearest(loop.header, loop.blocks).get(BACK, 0)
+        prices[id(bound)] = max(prices.get(id(bound), 0), trip)
+        if loop is max(bound.loops, key=lambda one: graph.loops.index(one)):
+            priced.apply(bound, prices[id(bound)])
+    everything = set(range(len(graph.blocks)))
+    ways = priced.dearest(0, everything)
+    if EXIT not in ways:
+        raise Refused(f"{graph.function.name}: it never returns")
+    if priced.gains():
+        raise Refused(f"{graph.function.name}: a cycle gains by the prices of its loops")
+    return costs[0] + priced.entry_pays + ways[EXIT]
 
-    def __init__(self, graph):
+
+BACK = -2  # the end of a trip round a loop
+
+
+class Priced:
+    """A graph whose edges cost what the block that they lead to costs, less what is paid back."""
+
+    def __init__(self, graph, costs):
         self.graph = graph
-        self.edges = [(EXIT, 0)]  # the entry
+        self.order = graph.order()
+        self.place = {block: i for i, block in enumerate(self.order)}
+        self.cost = {}  # of edges
         for index, block in enumerate(graph.blocks):
-            for successor in block.successors or [EXIT]:
-                self.edges.append((index, successor))
-        self.into = [[] for _ in graph.blocks]
-        self.out = [[] for _ in graph.blocks]
-        for number, (source, sink) in enumerate(self.edges):
-            if sink != EXIT:
-                self.into[sink].append(number)
-            if source != EXIT:
-                self.out[source].append(number)
-        self.rows = {"equal": [], "most": []}
+            for sink in block.successors or [EXIT]:
+                self.cost[index, sink] = costs[sink] if sink != EXIT else 0
+        self.entry_pays = 0  # what the function's entry pays back
 
-    def edges_into(self, loop, inside):
-        """The edges to the header of a loop: its back edges, or those that enter it."""
-        return [e for e in self.into[loop.header] if (self.edges[e][0] in loop.blocks) == inside]
+    def apply(self, bound, price):
+        """The price of the back edges of the bound's loops, and who pays it back: the records where
+        several loops share them, else the loop's entry."""
+        for loop in bound.loops:
+            for latch in set(loop.latches):
+                self.cost[latch, loop.header] -= price
+        if len(bound.entered) > 1 and bound.records:
+            for block, n in bound.records:
+                self._pay(block, n * price, within=None)
+        else:
+            for loop in bound.entered:
+                self._pay(loop.header, bound.n * price, within=loop.blocks)
 
-    def add(self, kind, terms, value):
-        row = {}
-        for number, factor in terms:
-            row[number] = row.get(number, 0) + factor
-        self.rows[kind].append((row, value))
+    def _pay(self, block, amount, within):
+        if block == 0:
+            self.entry_pays += amount
+        for source in set(self.graph.predecessors[block]):
+            if within is None or source not in within:
+                self.cost[source, block] += amount
 
-    def matrix(self, kind):
-        rows, columns, values = [], [], []
-        for place, (row, _) in enumerate(self.rows[kind]):
-            for number, factor in row.items():
-                rows.append(place)
-                columns.append(number)
-                values.append(factor)
-        shape = (len(self.rows[kind]), len(self.edges))
-        return csr_matrix((values, (rows, columns)), shape=shape), [v for _, v in self.rows[kind]]
+    def dearest(self, start, blocks):
+        """{block, EXIT or BACK: cost of the dearest way there from behind `start`}, along edges
+        that lead forwards, and back to `start`. Inner loops do not gain."""
+        ways = {start: 0}
+        for block in self.order[self.place[start]:]:
+            if block not in ways or block not in blocks:
+                continue
+            for sink in self.graph.blocks[block].successors or [EXIT]:
+                value = ways[block] + self.cost[block, sink]
+                key = sink
+                if sink == start:
+                    key = BACK
+                elif sink != EXIT and self.place[sink] <= self.place[block]:
+                    continue
+                if key not in ways or value > ways[key]:
+                    ways[key] = value
+        return ways
 
-
-def maximize(graph, bounds, costs):
-    flow = Flow(graph)
-    flow.add("equal", [(0, 1)], 1)
-    for index in range(len(graph.blocks)):
-        flow.add("equal", [(e, 1) for e in flow.into[index]] + [(e, -1) for e in flow.out[index]],
-                 0)
-    for bound in bounds:
-        back = [(e, 1) for loop in bound.loops for e in flow.edges_into(loop, inside=True)]
-        entries = [(e, -bound.n) for loop in bound.entered
-                   for e in flow.edges_into(loop, inside=False)]
-        flow.add("most", back + entries, 0)
-        if bound.records:
-            passed = [(e, -n) for block, n in bound.records for e in flow.into[block]]
-            flow.add("most", back + passed, 0)
-    cost = numpy.zeros(len(flow.edges))
-    for number, (_, sink) in enumerate(flow.edges):
-        if sink != EXIT:
-            cost[number] = -costs[sink]
-    equal, is_equal = flow.matrix("equal")
-    most, at_most = flow.matrix("most")
-    solution = linprog(cost, A_ub=most if at_most else None, b_ub=at_most or None, A_eq=equal,
-                       b_eq=is_equal, method="highs")
-    if solution.status != 0:
-        raise Refused(f"{graph.function.name}: the linear program has no bound "
-                      f"({solution.message})")
-    prices = [round(-p) for p in solution.ineqlin.marginals] if at_most else []
-    instructions = certified(flow, costs, prices)
-    if instructions is None:  # a price between two whole numbers
-        instructions = certified(flow, costs, [p + 1 for p in prices])
-    if instructions is None:
-        raise Refused(f"{graph.function.name}: the linear program's bound cannot be certified")
-    counts = [sum(solution.x[e] for e in flow.into[i]) for i in range(len(graph.blocks))]
-    return Result(instructions, graph, counts)
-
-
-def certified(flow, costs, prices):
-    """A bound in whole numbers that needs no trust in the solver: with any prices >= 0 for going
-    along a back edge, paid back by the entries that allow for it, no way through the function costs
-    less than it does, so that the dearest way is a bound (weak duality). None where a cycle still
-    gains: then there is no dearest way."""
-    weights = [costs[sink] if sink != EXIT else 0 for _, sink in flow.edges]
-    for price, (row, _) in zip(prices, flow.rows["most"]):
-        for number, factor in row.items():
-            weights[number] -= price * factor
-    blocks = range(len(flow.graph.blocks))
-    order = flow.graph.order()
-    dearest = [None for _ in blocks]
-    dearest[0] = weights[0]
-    for _ in range(len(order) + 1):
-        changed = False
-        for block in order:
-            for number in flow.out[block] if dearest[block] is not None else ():
-                sink = flow.edges[number][1]
-                value = dearest[block] + weights[number]
-                if sink != EXIT and (dearest[sink] is None or value > dearest[sink]):
-                    dearest[sink] = value
-                    changed = True
-        if not changed:
-            ends = [dearest[source] + weights[number]
-                    for number, (source, sink) in enumerate(flow.edges)
-                    if sink == EXIT and source != EXIT]
-            return max(ends) if ends else None
-    return None
+    def gains(self):
+        """Whether any cycle does: whether ways still grow dearer after as many rounds as blocks."""
+        ways = {0: 0}
+        for _ in range(len(self.order) + 1):
+            changed = False
+            for block in self.order:
+                for sink in self.graph.blocks[block].successors if block in ways else ():
+                    value = ways[block] + self.cost[block, sink]
+                    if sink != EXIT and (sink not in ways or value > ways[sink]):
+                        ways[sink] = value
+                        changed = True
+            if not changed:
+                return False
+        return True

@@ -17,12 +17,8 @@ import unittest
 
 sys.path.insert(0, os.path.join(os.environ["HARDPACK_SOURCE"], "tools", "wcet"))
 
-try:
-    import bound
-    import image
-except ImportError as error:
-    print(f"skipped: {error}")
-    sys.exit(77)
+import bound  # noqa: E402
+import image  # noqa: E402
 
 # A record as HP_LOOP_BOUND writes it (core/base/loop_bound.h), and a function.
 MACROS = """
@@ -421,6 +417,10 @@ done f
     def test_refuses_what_runs_on_behind_its_end(self):
         self.expect_refused("function f\n nop\ndone f\nfunction g\n bx lr\ndone g\n",
                             "runs on behind its end")
+
+    def test_refuses_what_never_returns(self):
+        self.expect_refused("function f\n nop\n record 5\n1: nop\n b 1b\ndone f\n",
+                            "never returns")
 
     def test_refuses_unknown_name(self):
         self.expect_refused("function f\n bx lr\ndone f\n", "0 functions are called", name="g")
