@@ -29,7 +29,7 @@ LIMITS = {
     "forest": (5, 0),
     "crossing": (1, 0),
     "dead_end": (5, 0),
-    "ditch": (4, 1),
+    "ditch": (5, 0),
 }
 
 # Who is a person is told by a segmentation computer, and by nobody else.
