@@ -23,7 +23,17 @@ namespace {
 
 constexpr uint32_t kStackPaint = 0x57ac57acu;
 
-enum SemihostingCall : int { kWrite0 = 0x04, kExitExtended = 0x20 };
+enum SemihostingCall : int {
+  kOpen = 0x01,
+  kWrite0 = 0x04,
+  kRead = 0x06,
+  kGetCommandLine = 0x15,
+  kExitExtended = 0x20
+};
+
+uint32_t AddressOf(const void* place) {
+  return reinterpret_cast<uint32_t>(place);
+}
 
 int Semihosting(SemihostingCall call, const void* argument) {
   register int r0 asm("r0") = call;
@@ -44,6 +54,23 @@ void Exit(int code) {
   Semihosting(kExitExtended, block);
   for (;;) {
   }
+}
+
+bool GetCommandLine(std::span<char> line) {
+  uint32_t block[2] = {AddressOf(line.data()), static_cast<uint32_t>(line.size())};
+  return Semihosting(kGetCommandLine, block) == 0;
+}
+
+int32_t OpenToRead(const char* path) {
+  constexpr uint32_t kReadBinary = 1;
+  const uint32_t block[3] = {AddressOf(path), kReadBinary, __builtin_strlen(path)};
+  return Semihosting(kOpen, block);
+}
+
+bool Read(int32_t file, std::span<uint8_t> bytes) {
+  if (bytes.empty()) return true;
+  const uint32_t block[3] = {static_cast<uint32_t>(file), AddressOf(bytes.data()), bytes.size()};
+  return Semihosting(kRead, block) == 0;  // else what is missing
 }
 
 uint32_t stack_size_bytes() {

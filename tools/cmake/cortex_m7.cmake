@@ -4,7 +4,9 @@
 set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR cortex-m7)
 set(CMAKE_CXX_COMPILER arm-none-eabi-g++)
-set(CMAKE_CXX_FLAGS_INIT "-mcpu=cortex-m7 -mthumb -mfpu=fpv5-sp-d16 -mfloat-abi=hard")
+include(${CMAKE_CURRENT_LIST_DIR}/analysable_flags.cmake)
+set(CMAKE_CXX_FLAGS_INIT
+  "-mcpu=cortex-m7 -mthumb -mfpu=fpv5-sp-d16 -mfloat-abi=hard ${HARDPACK_ANALYSABLE_FLAGS}")
 set(CMAKE_CROSSCOMPILING_EMULATOR
   qemu-system-arm -M mps2-an500 -nographic -monitor none -serial none
   -semihosting-config enable=on,target=native -kernel)

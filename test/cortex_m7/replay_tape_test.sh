@@ -1,0 +1,48 @@
+#!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
+# A mission that was driven on this machine is decided again on a Cortex-M7: from the bytes of its
+# flight log, every frame and every tick's decision hash. Arguments: this machine's release build, the
+# Cortex-M7's replay_tape. Skipped (77) where that build has no hardpack.
+set -euo pipefail
+host=$1
+replay_tape=$2
+ticks=700  # it has planned, driven off and reached its speed
+if [ ! -x "$host/tools/hardpack" ] || [ ! -x "$host/test/cortex_m7/write_tape" ]; then
+  echo "no hardpack in $host"
+  exit 77
+fi
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+run() {
+  qemu-system-arm -M mps2-an500 -nographic -monitor none -serial none -icount shift=7 \
+    -semihosting-config enable=on,target=native,arg="$1" -kernel "$replay_tape" 2>&1 </dev/null
+}
+
+"$host/tools/hardpack" sim --world rock_pile --seed 2 --labels 100 --limit 8 --out "$folder/run" \
+  --json >"$folder/run.json" || true
+"$host/test/cortex_m7/write_tape" "$folder"/run/*.pcap $ticks "$folder/tape"
+run "$folder/tape" | tee "$folder/said"
+grep -q "^ticks $ticks$" "$folder/said"
+[ "$(awk '$1 == "rounds_of_planning" { print $2 }' "$folder/said")" -ge 10 ]
+
+# What it says means something: fewer ticks are another hash, another expected hash is noticed, and so
+# is a tape that ends too early.
+first_hash=$((16 + 2224 + 16))  # tape.h: TapeHead, VehicleConfig, TapeTick::decision_hash
+short=$folder/short
+"$host/test/cortex_m7/write_tape" "$folder"/run/*.pcap 20 "$short"
+run "$short" >"$short.said"
+if grep -qF "$(grep '^decision hash' "$folder/said")" "$short.said"; then exit 1; fi
+fails_with() {  # <exit code> <text>
+  local status=0
+  run "$short" >"$short.said" || status=$?
+  grep -q "^$2" "$short.said"
+  [ $status -eq "$1" ]
+}
+byte=$(od -An -tu1 -j$first_hash -N1 "$short")
+printf '%b' "\\0$(printf %o $((byte ^ 1)))" |
+  dd of="$short" bs=1 seek=$first_hash conv=notrunc status=none
+fails_with 1 'decided otherwise, tick'
+truncate -s -1 "$short"
+printf '%b' "\\0$(printf %o "$byte")" |
+  dd of="$short" bs=1 seek=$first_hash conv=notrunc status=none
+fails_with 2 'the tape ends too early'
