@@ -4,15 +4,15 @@
 
 usage: tools/check_loop_bounds.py FILE...     objects (ld -r output included) or linked images
 
-A record is two words, the address of a loop's entry and its bound, in .note.hardpack.loops. There
-must be records in all; each bound must be positive; each address must lie in executable code. Reads
+A record is two words, the address of a loop's entry and its bound, in .note.hardpack.loops, or that
+of the loops directly inside it, in .note.hardpack.inner. There must be records in all; each bound must be positive; each address must lie in executable code. Reads
 32 and 64 bit little-endian ELF. Exits 1 and names the record when one is not so.
 """
 
 import struct
 import sys
 
-SECTION = ".note.hardpack.loops"
+SECTIONS = (".note.hardpack.loops", ".note.hardpack.inner")
 ET_REL = 1
 SHT_RELA, SHT_REL = 4, 9
 SHF_EXECINSTR = 4
@@ -71,7 +71,7 @@ def check(path):
         elf = Elf(file.read())
     count, findings = 0, []
     for index, section in enumerate(elf.sections):
-        if section["name"] != SECTION:
+        if section["name"] not in SECTIONS:
             continue
         if section["size"] % (2 * elf.word):
             findings.append("the section ends in the middle of a record")

@@ -16,6 +16,14 @@
 // In a counting build (test/loop_count) the same words count the iterations instead and stop the
 // test when a loop runs more often than it says. A loop without the macro does not compile there.
 //
+// HP_LOOP_BOUND_INNER(n, m) stands there instead where the loops directly inside share their work
+// among the iterations: each of them iterates at most m times in one entry of this loop, all its
+// iterations together. The second record goes into .note.hardpack.inner; what a called function
+// loops that is not inlined is not meant.
+//
+//   HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
+//   while (left != 0) Fill(TakeRun(left));
+//
 // During constant evaluation neither happens.
 
 #if defined(HP_COUNT_LOOPS)
@@ -27,8 +35,11 @@ namespace hardpack {
 // iteration too many is not a constant expression.
 class LoopCounter {
  public:
-  constexpr LoopCounter(unsigned long long bound, const char* file, int line)
-      : bound_(bound), file_(file), line_(line) {}
+  constexpr LoopCounter(unsigned long long bound, const char* file, int line,
+                        unsigned long long inner = 0)
+      : bound_(bound), inner_(inner), file_(file), line_(line) {
+    if (!__builtin_is_constant_evaluated()) Enter();
+  }
   constexpr ~LoopCounter() {
     if (!__builtin_is_constant_evaluated()) Record();
   }
@@ -42,18 +53,24 @@ class LoopCounter {
   }
 
  private:
+  void Enter();
+  void AddToOuter(const LoopCounter& outer) const;
   void Record() const;
   [[noreturn]] void Exceed() const;
 
   unsigned long long bound_;
+  unsigned long long inner_;  // 0: its inner loops have no bound in all
   unsigned long long count_ = 0;
   const char* file_;
   int line_;
+  int inner_from_ = 0;  // of the inner loops' sums, where its own begin
 };
 
 }  // namespace hardpack
 
 #define HP_LOOP_BOUND(n) if (::hardpack::LoopCounter hp_loop{(n), __FILE__, __LINE__}; true)
+#define HP_LOOP_BOUND_INNER(n, m) \
+  if (::hardpack::LoopCounter hp_loop{(n), __FILE__, __LINE__, (m)}; true)
 
 #else
 
@@ -70,6 +87,19 @@ class LoopCounter {
         ".pushsection .note.hardpack.loops,\"?\",%%note\n" HP_LOOP_BOUND_WORD \
         " 771b, %c0\n"                                                        \
         ".popsection\n" ::"i"(static_cast<unsigned long>(n)));                \
+  }
+
+#define HP_LOOP_BOUND_INNER(n, m)                                             \
+  if (!__builtin_is_constant_evaluated()) {                                   \
+    asm volatile(                                                             \
+        "771:\n"                                                              \
+        ".pushsection .note.hardpack.loops,\"?\",%%note\n" HP_LOOP_BOUND_WORD \
+        " 771b, %c0\n"                                                        \
+        ".popsection\n"                                                       \
+        ".pushsection .note.hardpack.inner,\"?\",%%note\n" HP_LOOP_BOUND_WORD \
+        " 771b, %c1\n"                                                        \
+        ".popsection\n" ::"i"(static_cast<unsigned long>(n)),                 \
+        "i"(static_cast<unsigned long>(m)));                                  \
   }
 
 #endif

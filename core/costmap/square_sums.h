@@ -55,12 +55,12 @@ inline uint8_t SmallestBeside(const uint8_t* center) {
 
 // to[x] = min over |dx| <= kReach of row[x + dx] + (kBefore + |dx|)^2 - kBefore^2, saturated; the
 // row has margins. Once with kBefore = 0, or several times, each after the other's reach, it is
-// min over dx of row[x + dx] + dx^2.
-template <int kBefore, int kReach>
+// min over dx of row[x + dx] + dx^2. kMost: columns, at most.
+template <int kBefore, int kReach, int kMost = kMapSize_cells>
 inline void SmallestPlusSquare(const uint8_t* __restrict row, Columns columns,
                                uint8_t* __restrict to) {
   constexpr int kStep = Square(kBefore + 1) - Square(kBefore);
-  HP_LOOP_BOUND(kMapSize_cells)
+  HP_LOOP_BOUND(kMost)
   for (int x = columns.begin; x < columns.end; ++x) {
     const int beside = SmallestBeside<kBefore, 1, kReach>(row + x) + kStep;
     to[x] = Smaller(row[x], static_cast<uint8_t>(beside));
@@ -76,7 +76,7 @@ inline void SmallestPlusSquare(const uint8_t* __restrict row, Columns columns,
   HP_LOOP_BOUND(kMapSize_cells / kRowBlock_cells)
   for (int begin = columns.begin; begin < columns.end; begin += kRowBlock_cells) {
     const Columns block = {begin, begin + kRowBlock_cells};
-    SmallestPlusSquare<0, kFirst>(row, block, to);
+    SmallestPlusSquare<0, kFirst, kRowBlock_cells>(row, block, to);
     if (LargestOf(to + begin) <= kNext2) continue;
     HP_LOOP_BOUND(kRowBlock_cells)
     for (int x = block.begin; x < block.end; ++x) {
@@ -97,9 +97,11 @@ inline uint8_t SmallestBeside(const uint8_t* center, const uint8_t* steps) {
   }
 }
 
+// Inlined, so that the static bound sees the runs of a row as parts of it.
 template <int kReach>
-void SmallestPlusSteps(const uint8_t* __restrict row, const uint8_t* __restrict steps,
-                       Columns columns, uint8_t* __restrict to) {
+[[gnu::always_inline]] inline void SmallestPlusSteps(const uint8_t* __restrict row,
+                                                     const uint8_t* __restrict steps,
+                                                     Columns columns, uint8_t* __restrict to) {
   // By blocks, of which every one is whole vectors: no code for a rest, and half the stack.
   HP_LOOP_BOUND(kMapSize_cells / kRowBlock_cells)
   for (int begin = columns.begin; begin < columns.end; begin += kRowBlock_cells) {

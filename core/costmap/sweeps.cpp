@@ -44,7 +44,7 @@ inline Columns TakeRun(unsigned& blocks) {
 // Fills the blocks of a row that are not among these.
 void FillOutside(unsigned blocks, uint8_t value, uint8_t* row) {
   unsigned left = ~blocks & kAllBlocks;
-  HP_LOOP_BOUND(kRuns)
+  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
   while (left != 0) {
     const Columns columns = TakeRun(left);
     HP_LOOP_BOUND(kMapSize_cells)
@@ -303,17 +303,17 @@ void CostmapBuilder::FindRegions(int row) {
   FillOutside(left, kFar, hard_row_);
   FillOutside(left, kFar, soft);
   FillOutside(left, kFar2, a);
-  HP_LOOP_BOUND(kRuns)
+  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
   while (left != 0) SweepBack(hard2, plane_ + begin, TakeRun(left), hard_row_, soft, a);
 
   left = near.hard;
   FillOutside(left, kFar2, hard2);
-  HP_LOOP_BOUND(kRuns)
+  HP_LOOP_BOUND_INNER(kRuns, kRowBlocks)
   while (left != 0) SmallestPlusSquare(a, TakeRun(left), hard2);
 
   left = near.soft;
   FillOutside(left, kFar2, b);
-  HP_LOOP_BOUND(kRuns)
+  HP_LOOP_BOUND_INNER(kRuns, kRowBlocks)
   while (left != 0) {
     const Columns columns = TakeRun(left);
     if (radius_cells_ <= 5) {
@@ -326,7 +326,7 @@ void CostmapBuilder::FindRegions(int row) {
   }
 
   left = near.hard | near.soft;
-  HP_LOOP_BOUND(kRuns)
+  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
   while (left != 0) {
     FlagRegions(hard2, static_cast<uint8_t>(radius2_cells2_), b,
                 static_cast<uint8_t>(radius_cells_), TakeRun(left), map_.flags + begin);
@@ -348,7 +348,7 @@ void CostmapBuilder::SweepEdges(int row) {
   unsigned left = near.hard | near.soft;
   FillOutside(left, kNoEdge, map_.hard_depth2 + begin);
   FillOutside(left, kNoEdge, plane_ + begin);
-  HP_LOOP_BOUND(kRuns)
+  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
   while (left != 0) {
     SweepEdgesFrom({flags, first ? flags : flags + kMapSize_cells}, hard_above, soft_above,
                    TakeRun(left), map_.hard_depth2 + begin, plane_ + begin);
@@ -400,7 +400,7 @@ const uint8_t* CostmapBuilder::HardDistances(int row, unsigned blocks) {
   FillOutside(blocks, kFar2, a);
   FillOutside(blocks, kFar2, b);
   unsigned left = blocks;
-  HP_LOOP_BOUND(kRuns)
+  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
   while (left != 0) {
     const Columns columns = TakeRun(left);
     SweepEdgesBack(rows, Costmap::kLethal, map_.hard_depth2 + begin, columns, hard_row_, a);
@@ -423,7 +423,7 @@ const uint8_t* CostmapBuilder::SoftDistances(int row, unsigned blocks) {
   FillOutside(blocks, kFar2, c);
   const bool two_steps = soft_reach_cells_ > 5 && soft_reach_cells_ <= 10;
   unsigned left = blocks;
-  HP_LOOP_BOUND(kRuns)
+  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
   while (left != 0) {
     const Columns columns = TakeRun(left);
     SweepEdgesBack(rows, Costmap::kSoftRegion, plane_ + begin, columns, soft_row_.cells(), c);
@@ -482,7 +482,9 @@ void CostmapBuilder::AddUnknown(int row, int begin) {
   uint16_t* __restrict to = map_.cost_q8 + row * kMapSize_cells + begin;
   HP_LOOP_BOUND(kRowBlock_cells)
   for (int x = 0; x < kRowBlock_cells; ++x) {
-    to[x] = (flags[x] & Costmap::kObserved) != 0 ? uint16_t{0} : unknown_q8;
+    // Without a branch, so that it stays one loop.
+    const int is_unknown = ((flags[x] & Costmap::kObserved) != 0) - 1;
+    to[x] = static_cast<uint16_t>(unknown_q8 & is_unknown);
   }
 }
 

@@ -257,7 +257,7 @@ void LateralNewton::SpreadTrial() {
   const float step_m = length_m / static_cast<float>(steps);
   int chord = 1;
   float along_m = 0.0f;
-  HP_LOOP_BOUND(kMaxPathPoints)
+  HP_LOOP_BOUND_INNER(kMaxPathPoints, 4 * kMaxPathPoints)
   for (int k = 2; k <= steps; ++k) {
     along_m += step_m;
     HP_LOOP_BOUND(kMaxPathPoints)

@@ -164,7 +164,8 @@ void Segmenter::FileGround(const Direction& direction) {
   gaps_before_[1] = gaps_before_[0];
   gaps_before_[0] = gaps_;
   gaps_.count = 0;
-  HP_LOOP_BOUND(kMaxBeams)
+  // Between the beams of the line each beam is looked at once.
+  HP_LOOP_BOUND_INNER(kMaxBeams, kMaxBeams)
   for (int point = 1; point < line_.size(); ++point) {
     const int beam = line_.beam(point);
     result_.what[beam] = ReturnClass::kGround;
@@ -175,7 +176,7 @@ void Segmenter::FileGround(const Direction& direction) {
 }
 
 // What is known of the ground between a point of the line and the one before it.
-void Segmenter::FileStretch(const Direction& direction, int point) {
+[[gnu::always_inline]] inline void Segmenter::FileStretch(const Direction& direction, int point) {
   const int beam = line_.beam(point);
   const int near_beam = line_.beam(point - 1);
   if (near_beam < 0) return;
@@ -231,7 +232,7 @@ bool Segmenter::IsLong(const Direction& direction, int point, float factor) cons
 
 // Whether a beam between two others came back from something that is not below the ground: it may
 // hide the ground behind it.
-bool Segmenter::StandsBetween(int near_beam, int beam) const {
+[[gnu::always_inline]] inline bool Segmenter::StandsBetween(int near_beam, int beam) const {
   bool stands = false;
   HP_LOOP_BOUND(kMaxBeams)
   for (int between = near_beam + 1; between < beam; ++between) {

@@ -73,6 +73,35 @@ TEST(LoopCountDeathTest, StopsALoopThatRunsOnceMoreThanItSays) {
   ExpectStop([] { RunNested(1, 3); });
 }
 
+// The inner loops share the runs: as many as the numbers say.
+int RunShared(std::initializer_list<int> numbers, int second) {
+  int runs = 0;
+  HP_LOOP_BOUND_INNER(3, 4)
+  for (const int number : numbers) {
+    HP_LOOP_BOUND(4)
+    for (int i = 0; i < number; ++i) {
+      HP_LOOP_BOUND(2)  // further inside: in each entry
+      for (int j = 0; j < 2; ++j) ++runs;
+    }
+    HP_LOOP_BOUND(4)
+    for (int i = 0; i < second; ++i) ++runs;
+  }
+  return runs;
+}
+
+TEST(LoopCount, LetsInnerLoopsRunToTheirBoundInAll) {
+  EXPECT_EQ(RunShared({1, 0, 3}, 1), 11);
+  EXPECT_EQ(RunShared({4}, 4), 12);  // a bound for each of them, and anew in each entry
+  EXPECT_EQ(RunShared({0, 4, 0}, 0), 8);
+}
+
+TEST(LoopCountDeathTest, StopsInnerLoopsThatRunMoreOftenInAll) {
+  EXPECT_EXIT(RunShared({2, 3}, 0), testing::KilledBySignal(SIGABRT),
+              "the loop runs more often than 4 in all of that of .*loop_count_test.cpp");
+  EXPECT_EXIT(RunShared({0, 0, 0}, 2), testing::KilledBySignal(SIGABRT),
+              "more often than 4 in all");
+}
+
 TEST(LoopCount, LeavesLoopsOfTestsUncounted) {
   int runs = 0;
   for (int i = 0; i < 100; ++i) ++runs;

@@ -21,6 +21,15 @@ struct Site {
   unsigned long long largest = 0;
 };
 
+constexpr int kMostOpen = 64;
+constexpr int kMostSums = 256;
+
+struct InnerSum {
+  const char* file = nullptr;
+  int line = 0;
+  unsigned long long count = 0;
+};
+
 constexpr uint32_t kSites = 4096;  // a power of two, several times the loops there are
 
 Site g_sites[kSites];
@@ -63,7 +72,43 @@ Site& SiteOf(const char* file, int line, unsigned long long bound) {
 
 }  // namespace
 
+// Loops that are gone round now, from the outermost; sums of those that are directly inside one
+// with a bound for them.
+thread_local const LoopCounter* g_open[kMostOpen];
+thread_local int g_opened = 0;
+thread_local InnerSum g_sums[kMostSums];
+thread_local int g_summed = 0;
+
+void LoopCounter::Enter() {
+  if (g_opened == kMostOpen) {
+    std::fprintf(stderr, "loop_count: more than %d loops in each other\n", kMostOpen);
+    Stop();
+  }
+  g_open[g_opened++] = this;
+  inner_from_ = g_summed;
+}
+
+// To the sum of the loop of that line, of those around it that have a bound for the ones inside.
+void LoopCounter::AddToOuter(const LoopCounter& outer) const {
+  int at = outer.inner_from_;
+  while (at < g_summed && (g_sums[at].file != file_ || g_sums[at].line != line_)) ++at;
+  if (at == kMostSums) {
+    std::fprintf(stderr, "loop_count: more than %d sums\n", kMostSums);
+    Stop();
+  }
+  if (at == g_summed) g_sums[g_summed++] = {file_, line_, 0};
+  g_sums[at].count += count_;
+  if (g_sums[at].count <= outer.inner_) return;
+  std::fprintf(stderr, "%s:%d: the loop runs more often than %llu in all of that of %s:%d\n", file_,
+               line_, outer.inner_, outer.file_, outer.line_);
+  Stop();
+}
+
 void LoopCounter::Record() const {
+  --g_opened;
+  g_summed = inner_from_;
+  const LoopCounter* outer = g_opened > 0 ? g_open[g_opened - 1] : nullptr;
+  if (outer != nullptr && outer->inner_ > 0) AddToOuter(*outer);
   Site& site = SiteOf(file_, line_, bound_);
   if (count_ > site.largest) site.largest = count_;
 }

@@ -129,7 +129,9 @@ class Priced:
         for loop in bound.loops:
             for latch in set(loop.latches):
                 self.cost[latch, loop.header] -= price
-        if len(bound.entered) > 1 and bound.records:
+        if bound.outer is not None:
+            self._pay(bound.outer.header, bound.in_all * price, within=bound.outer.blocks)
+        elif len(bound.entered) > 1 and bound.records:
             for block, n in bound.records:
                 self._pay(block, n * price, within=None)
         else:

@@ -12,6 +12,7 @@ import subprocess
 from dataclasses import dataclass, field
 
 RECORDS = ".note.hardpack.loops"
+INNER = ".note.hardpack.inner"
 EM_ARM, EM_AARCH64 = 40, 183
 STT_FUNC = 2
 
@@ -106,20 +107,21 @@ class Image:
         self._chains = {}
         self.machine = elf.machine
         self.prefix = self.PREFIXES[elf.machine]
-        self.records = self._read_records(elf)
+        self.records = self._read_records(elf, RECORDS)
+        self.inner = self._read_records(elf, INNER)
         self.functions = self._read_functions(elf)
         self._starts = [f.start for f in self.functions]
         self.by_start = {f.start: f for f in self.functions}
         self._disassemble()
         self.stops = {self.named(name).start for name in stops}
 
-    def _read_records(self, elf):
+    def _read_records(self, elf, section):
         """{address of a loop's entry: bounds}; an address may have several, of loops whose entries
         are the same instruction."""
         form, size = ("<QQ", 16) if elf.wide else ("<II", 8)
-        data = elf.section(RECORDS)
+        data = elf.section(section)
         if len(data) % size:
-            raise Refused(f"{self.path}: {RECORDS} ends in the middle of a record")
+            raise Refused(f"{self.path}: {section} ends in the middle of a record")
         records = {}
         for at in range(0, len(data), size):
             address, bound = struct.unpack_from(form, data, at)

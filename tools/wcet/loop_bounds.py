@@ -13,6 +13,8 @@ traversed at most n times for each entry.
   the source (or from what is inlined there). Loops that share a record otherwise are refused.
 - A loop with which the compiler copies a struct has none, and none of another loop: it is counted
   (counted_loops.py).
+- HP_LOOP_BOUND_INNER also bounds each loop directly inside, over all iterations of the outer one. It
+  holds for a machine loop inside another one whose only records these are; else it is left out.
 - A record at the very address of a header is that loop's own (it falls into the loop), or that of
   an inner loop whose header is the same instruction. Where both can be, the bound is that of
   both, one in the other: (n + 1) (m + 1).
@@ -30,11 +32,14 @@ RECORDED = re.compile(r"(^|/)(core|hal)/")  # files whose loops all have records
 @dataclass
 class Bound:
     """The back edges of `loops` together are at most n times the entries of the loops of `entered`,
-    and, where there are records, the sum over them of bound times executions of their block."""
+    and, where there are records, the sum over them of bound times executions of their block; and
+    where there is an `outer` loop, in_all times the entries of that."""
     loops: list
     entered: list
     n: int
     records: list = field(default_factory=list)  # (block, bound)
+    outer: object = None
+    in_all: int = 0
 
 
 class LoopBounds:
@@ -43,9 +48,12 @@ class LoopBounds:
         self.image = graph.image
         self._of = {}  # header: Bound
         self._shared = {}  # records: Bound
+        self._places = {}  # header: addresses of the records of a loop
         for loop in reversed(graph.loops):  # the outer ones first
             self._bind(loop)
         self.bounds = list({id(b): b for b in self._of.values()}.values())
+        for bound in self.bounds:
+            self._bind_inner(bound)
 
     def _refuse(self, loop, what):
         address = self.graph.blocks[loop.header].start
@@ -56,6 +64,8 @@ class LoopBounds:
     def _bind(self, loop):
         at_header = self.image.records.get(self.graph.blocks[loop.header].start, [])
         before = self._before(loop)
+        self._places[loop.header] = ({self.graph.blocks[loop.header].start} if at_header else
+                                     {address for _, address, _ in before or ()})
         if at_header:
             self._of[loop.header] = Bound([loop], [loop], self._own(loop, at_header, before))
         elif before is not None:
@@ -69,6 +79,18 @@ class LoopBounds:
             if counted is None:
                 self._refuse(loop, "has no record")
             self._of[loop.header] = Bound([loop], [loop], counted)
+
+    def _bind_inner(self, bound):
+        outer = bound.entered[0].parent
+        if outer is None or any(loop.parent is not outer for loop in bound.entered):
+            return
+        places = self._places[outer.header]
+        inner = [self.image.inner.get(place) for place in places]
+        # Its own record and no other: what stands there for two loops could be the other one's.
+        if (inner and all(inner) and self._of[outer.header].loops == [outer] and
+                all(len(self.image.records[place]) == 1 for place in places)):
+            bound.outer = outer
+            bound.in_all = max(max(n) for n in inner)
 
     @staticmethod
     def _own(loop, at_header, before):

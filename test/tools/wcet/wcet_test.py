@@ -27,6 +27,14 @@ MACROS = """
   {word} 771b, \\n
   .popsection
 .endm
+.macro record_inner n, m
+771: .pushsection .note.hardpack.loops,"",%note
+  {word} 771b, \\n
+  .popsection
+  .pushsection .note.hardpack.inner,"",%note
+  {word} 771b, \\m
+  .popsection
+.endm
 .macro function name
   .p2align 2
   .globl \\name
@@ -128,6 +136,56 @@ function f
 done f
 """
         self.assertEqual(self.analysis(text).bound("f"), 5 * (2 + 7 * 3 + 2) + 1)
+
+    def test_inner_loop_with_a_bound_over_all_iterations(self):
+        # The inner loop's 3 are gone through once each iteration, and 6 times more in all of them
+        # rather than in each.
+        text = """
+function f
+  {}
+1: movs r2, #7
+  nop
+  record 6
+2: adds r0, #1
+  subs r2, #1
+  bne 2b
+  subs r1, #1
+  bne 1b
+  bx lr
+done f
+"""
+        analysis = self.analysis(text.format("record_inner 4, 6"))
+        self.assertEqual(analysis.bound("f"), 5 * (2 + 3 + 2) + 6 * 3 + 1)
+        # Entered twice, the outer loop has them twice.
+        outer = """
+function f
+  record 1
+0: movs r1, #4
+""" + text.format("record_inner 4, 6").split("function f")[1].replace(
+            "  bx lr", "  subs r3, #1\n  bne 0b\n  bx lr")
+        self.assertEqual(self.analysis(outer).bound("f"),
+                         2 * (1 + 5 * (2 + 3 + 2) + 6 * 3 + 2) + 1)
+
+    def test_bound_over_all_iterations_is_not_for_loops_further_inside(self):
+        text = """
+function f
+  record_inner 4, 6
+1: movs r2, #7
+  record 6
+2: movs r3, #3
+  record 2
+3: adds r0, #1
+  subs r3, #1
+  bne 3b
+  subs r2, #1
+  bne 2b
+  subs r1, #1
+  bne 1b
+  bx lr
+done f
+"""
+        # The second one has 5 + 6 iterations in all, the third 3 in each of them.
+        self.assertEqual(self.analysis(text).bound("f"), 5 * (1 + 2) + 11 * (1 + 3 * 3 + 2) + 1)
 
     def test_loop_tested_at_its_top(self):
         text = """
