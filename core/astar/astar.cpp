@@ -370,14 +370,13 @@ inline uint32_t AstarSearch::PopFirst() {
   const uint32_t current = least_f_ % kBuckets;
   uint32_t word = current / 64;
   uint64_t bits = bucket_used_[word] & ~uint64_t{0} << current % 64;
-  HP_LOOP_BOUND(kBucketWords + 1)
-  while (bits == 0) {
-    const uint64_t later_words = bucket_words_used_ & ~uint64_t{1} << current / 64;
+  if (bits == 0) {
+    UnmarkWordIf(bucket_used_[word] == 0, word);
+    const uint64_t later_words = bucket_words_used_ & ~uint64_t{1} << word;
     const uint64_t words = later_words != 0 ? later_words : bucket_words_used_;
     if (words == 0) return kNone;
     word = LowestBit(words);
     bits = bucket_used_[word];
-    if (bits == 0) bucket_words_used_ &= ~(uint64_t{1} << word);
   }
   const uint32_t bucket = word * 64 + LowestBit(bits);
   least_f_ += (bucket - current) % kBuckets;
@@ -385,7 +384,7 @@ inline uint32_t AstarSearch::PopFirst() {
   const uint32_t index = bucket_head_[bucket];
   const uint32_t next = static_cast<uint32_t>(nodes_[index] >> kNextShift & kIndexMask);
   bucket_head_[bucket] = next;
-  UnmarkIf(next == index, bucket);
+  bucket_used_[word] &= ~(uint64_t{next == index} << bucket % 64);
   return index;
 }
 
@@ -406,7 +405,7 @@ inline void AstarSearch::Unlink(uint32_t index, uint32_t bucket) {
   const uint32_t next = static_cast<uint32_t>(node >> kNextShift & kIndexMask);
   if (bucket_head_[bucket] == index) {
     bucket_head_[bucket] = next;
-    UnmarkIf(next == index, bucket);
+    if (next == index) Unmark(bucket);
     return;
   }
   const uint32_t prev = static_cast<uint32_t>(node >> kPrevShift & kIndexMask);
@@ -414,9 +413,15 @@ inline void AstarSearch::Unlink(uint32_t index, uint32_t bucket) {
   SetPrev(next, prev);
 }
 
-// The bit of its word stays when the word becomes empty: PopFirst takes it back.
-inline void AstarSearch::UnmarkIf(bool empty, uint32_t bucket) {
-  bucket_used_[bucket / 64] &= ~(uint64_t{empty} << (bucket % 64));
+inline void AstarSearch::Unmark(uint32_t bucket) {
+  const uint32_t word = bucket / 64;
+  bucket_used_[word] &= ~(uint64_t{1} << bucket % 64);
+  UnmarkWordIf(bucket_used_[word] == 0, word);
+}
+
+// PopFirst leaves the bit of the word that it is at until it goes on to another one.
+inline void AstarSearch::UnmarkWordIf(bool empty, uint32_t word) {
+  bucket_words_used_ &= ~(uint64_t{empty} << word);
 }
 
 inline void AstarSearch::SetNext(uint32_t index, uint32_t next) {

@@ -122,7 +122,8 @@ class AstarSearch {
   void SetNext(uint32_t index, uint32_t next);
   void SetPrev(uint32_t index, uint32_t prev);
   void MarkBucket(uint32_t bucket);
-  void UnmarkIf(bool empty, uint32_t bucket);
+  void Unmark(uint32_t bucket);
+  void UnmarkWordIf(bool empty, uint32_t word);
   uint32_t Heuristic(uint32_t index) const;
   void Finish(Status status);
   void BeginTrace(uint32_t end, uint32_t cost, bool partial);
@@ -135,7 +136,7 @@ class AstarSearch {
   // list through nodes_. Only the heads of marked buckets are valid.
   uint32_t bucket_head_[kBuckets];
   uint64_t bucket_used_[kBucketWords];  // a bit a bucket
-  uint64_t bucket_words_used_ = 0;  // a bit a word of bucket_used_; set wherever the word is not 0
+  uint64_t bucket_words_used_ = 0;  // a bit a word of bucket_used_: not 0, but for the one it is at
   uint32_t least_f_ = 0;            // of the cell expanded last: not above any in the open set
 
   AstarResult result_;
