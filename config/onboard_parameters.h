@@ -130,6 +130,7 @@ struct SafetyParams {
 struct TickParams {
   int32_t period_ms = 10;
   int32_t planning_units = 4000;  // of the stages, in every tick
+  int32_t directions = 256;       // of the lidar that are classed in a tick, at most
 };
 
 struct OnboardParams {

@@ -212,7 +212,11 @@ inline constexpr std::array kSafetyTable = {
 inline constexpr std::array kTickTable = {
     HP_TICK(period_ms, 5.0f, 100.0f, "Between two ticks."),
     HP_TICK(planning_units, 64.0f, 1000000.0f,
-            "Units of planning in every tick: fixed, so that a replay repeats.")};
+            "Units of planning in every tick: fixed, so that a replay repeats."),
+    HP_TICK(
+        directions, 160.0f, 4096.0f,
+        "Directions of the lidar that one tick classes at most. Columns that are more are lost; "
+        "what comes in one period has to fit twice, or nothing starts.")};
 #undef HP_TICK
 
 #undef HP_ENTRY

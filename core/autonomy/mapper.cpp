@@ -114,7 +114,7 @@ Status Mapper::AddPose(const StampedPose& pose) {
     if (!IsUsable(reset) || !IsUsable(assumed)) return Status::kNotFinite;
   }
   const Status moved = heights_.Recenter(place);
-  const Status stands = heights_.AssumeGround(pose.position, kStandingRadius_m, SlopeUnder(pose));
+  const Status stands = heights_.StandOnGround(pose.position, kStandingRadius_m, SlopeUnder(pose));
   return IsUsable(moved) ? stands : moved;
 }
 
@@ -167,7 +167,8 @@ Status Mapper::AddColumn(const LidarColumn& column, uint64_t time_ns) {
     // A single wild frame id has taken the ring far ahead of the sensor, or it has started anew at
     // a number just below: nothing else makes every column late.
     const bool lost = late_run_ >= kMaxLateRun;
-    if (refused == Status::kSensorRestarted || lost) BeginRestart();
+    const bool restarts = refused == Status::kSensorRestarted || lost;
+    if (restarts && DirectionsToEnd() <= directions_left_) BeginRestart();
     return lost ? Status::kSensorRestarted : refused;
   }
   StampedPose pose;
@@ -175,9 +176,13 @@ Status Mapper::AddColumn(const LidarColumn& column, uint64_t time_ns) {
     ++counters_.columns_without_pose;
     return known;
   }
+  const int64_t newest = ring_.newest_sequence();
+  if (DirectionsFor(sequence.value(), newest) > directions_left_) {
+    ++counters_.columns_over_limit;
+    return Status::kCapacityExceeded;
+  }
   FoldOccupant(sequence.value());
   MarkSelf(column);
-  const int64_t newest = ring_.newest_sequence();
   const Status filed = ring_.Push(column, time_ns, TransformFrom(pose) * body_from_sensor_, self);
   if (!IsUsable(filed)) return filed;
   silent_ = false;
@@ -232,9 +237,24 @@ void Mapper::ClassDirections(int64_t sequence, int64_t newest) {
   ClassUpTo(sequence - model_.max_column_shift);
 }
 
+// How many those are.
+int64_t Mapper::DirectionsFor(int64_t sequence, int64_t newest) const {
+  if (sequence <= newest) return 0;
+  if (next_direction_ < 0) return 1;
+  const int64_t complete = sequence - model_.max_column_shift - next_direction_ + 1;
+  const int64_t rest = newest + Segmenter::kLag - next_direction_ + 1;
+  const bool gap = sequence - newest > model_.max_column_shift + Segmenter::kLag;
+  return gap ? rest + 1 : complete;
+}
+
+int64_t Mapper::DirectionsToEnd() const {
+  return next_direction_ < 0 ? 0 : ring_.newest_sequence() + Segmenter::kLag - next_direction_ + 1;
+}
+
 void Mapper::ClassUpTo(int64_t last) {
   HP_LOOP_BOUND(kMaxDirections)
   for (; next_direction_ <= last; ++next_direction_) {
+    --directions_left_;
     LookAlong(next_direction_);
     if (segmenter_.ready()) UseClasses();
   }
@@ -277,8 +297,8 @@ Mapper::Direction& Mapper::DirectionOf(int64_t sequence) {
 }
 
 // Makes the view of one direction from the columns that its beams were fired in, and hands it to
-// the segmenter.
-void Mapper::LookAlong(int64_t sequence) {
+// the segmenter. Not inlined, as UseClasses: their calls are counted (config/timing.toml).
+[[gnu::noinline]] void Mapper::LookAlong(int64_t sequence) {
   Direction& direction = DirectionOf(sequence);
   direction.sequence = sequence;
   direction.slot = ring_.SlotOf(sequence);
@@ -354,10 +374,11 @@ void Mapper::LookWithBeam(int beam, int own_id, const Transform3& pose, Directio
 // The segmenter's result: classes and heights into the ring, observed ground and what the beams saw
 // into the grid. The column at the direction's own angle is then classed as a whole: its other rows
 // belong to directions before.
-void Mapper::UseClasses() {
+[[gnu::noinline]] void Mapper::UseClasses() {
   const Direction& direction = DirectionOf(next_direction_ - Segmenter::kLag);
   const DirectionClasses& classes = segmenter_.result();
   const auto revolution = RevolutionOf(direction.sequence);
+  crossed_before_ = heights_.crossed_cells();
   HP_LOOP_BOUND(kMaxBeams)
   for (int beam = 0; beam < model_.beams; ++beam) {
     if (direction.fan.level_m[beam] > 0.0f) ClassReturn(direction, beam, classes);
@@ -374,20 +395,22 @@ void Mapper::UseClasses() {
 void Mapper::FileGround(const Direction& direction, int beam, const DirectionClasses& classes) {
   const Vec3& point = direction.point_odom[beam];
   const int gap_from = classes.gap_from[beam];
-  if (gap_from >= 0)
+  if (gap_from >= 0 && MayCross()) {
     static_cast<void>(heights_.ForgetGround(direction.point_odom[gap_from], point));
+  }
+  // Returns of one direction that lie so far apart are none: what is between them stays unknown.
   const int from = classes.observed_from[beam];
   const Vec3& start = from >= 0 ? direction.point_odom[from] : point;
   if (params_.mapping.use_labels != 0) {
     // A stretch that is too long to be filed, or ends off the map, stays unknown.
-    static_cast<void>(heights_.ObserveGround(start, point));
+    if (MayCross()) static_cast<void>(heights_.ObserveGround(start, point));
     return;
   }
   const uint32_t revolution = RevolutionOf(direction.sequence);
   if (!IsUsable(heights_.Insert(point, ReturnClass::kGround, revolution))) {
     ++counters_.returns_off_map;
   }
-  if (from >= 0) static_cast<void>(heights_.BridgeGround(start, point));
+  if (from >= 0 && MayCross()) static_cast<void>(heights_.BridgeGround(start, point));
 }
 
 // A label that came before its return was classed is held against the ground now.

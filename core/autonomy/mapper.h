@@ -41,6 +41,7 @@ namespace hardpack {
 
 struct MapperCounters {
   uint32_t columns_without_pose = 0;   // not filed
+  uint32_t columns_over_limit = 0;     // not filed: the tick's directions were classed
   uint32_t folded_with_labels = 0;     // columns
   uint32_t folded_without_labels = 0;  // by deadline, or because labels are not used
   uint32_t folded_early = 0;           // of both: their slot was needed before the deadline
@@ -69,6 +70,9 @@ class Mapper {
   static constexpr int kMaxLateRun = 32;
   // Directions classed by one AddColumn at most: those that wait when a column ends a gap.
   static constexpr int kMaxDirections = kMaxColumnShift + Segmenter::kLag + 2;
+  // Cells between returns that one direction files as ground or forgets, but for the last stretch:
+  // a line from the middle of the map crosses no more than kMapSize_cells.
+  static constexpr uint32_t kMaxCrossed_cells = 3 * kMapSize_cells / 2;
 
   // Sets everything up for one sensor and empties the map. kParameterOutOfRange (mount,
   // segmentation, mapping or costmap); kInvalidArgument: label table, an empty model or a window
@@ -77,6 +81,17 @@ class Mapper {
   Status Configure(const PerceptionParams& params, const CostmapParams& rule,
                    const LabelTable& table, const BeamModel& model, int window_first,
                    int window_last);
+
+  // From now on AddColumn and Advance class no more than so many directions, until the next call;
+  // without it there is no limit. What keeps a tick's work within bounds: no limit that is below
+  // kMaxDirections is of use.
+  void BeginTick(int directions) {
+    directions_left_ = directions;
+    heights_.BeginTick(kMaxAged_cells);
+  }
+  // Cells with an obstacle that age in a tick at most: what a revolution of 1024 columns in 0.1 s
+  // sees of a dense forest, twice.
+  static constexpr int kMaxAged_cells = 8192;
 
   // A pose of the odometry, in order of time. The first one centres the map, and the ground around
   // it is taken as observed (start_ground_radius_m); each later one moves the window. A step of its
@@ -89,7 +104,8 @@ class Mapper {
 
   // A column of the lidar, taken at time_ns. The statuses of ScanRing::Push; kNoPose, counted;
   // kSensorRestarted: the sensor counts anew, and columns are refused until Advance has folded what
-  // is pending. Cost: one column filed; as a rule one direction classed and one column folded, at
+  // is pending; kCapacityExceeded, counted: more directions than BeginTick allows would have to be
+  // classed. Cost: one column filed; as a rule one direction classed and one column folded, at
   // most kMaxDirections of each.
   Status AddColumn(const LidarColumn& column, uint64_t time_ns);
 
@@ -160,6 +176,8 @@ class Mapper {
   void EndDirections();
   void BeginRestart();
   void ClassDirections(int64_t sequence, int64_t newest);
+  int64_t DirectionsFor(int64_t sequence, int64_t newest) const;
+  int64_t DirectionsToEnd() const;
   void ClassUpTo(int64_t last);
   void ClassAsHard(int slot, int64_t looked);
   void FinishColumn(int slot);
@@ -170,6 +188,7 @@ class Mapper {
   void PassThroughNothing(Direction& direction);
   void UseClasses();
   void FileGround(const Direction& direction, int beam, const DirectionClasses& classes);
+  bool MayCross() const { return heights_.crossed_cells() - crossed_before_ <= kMaxCrossed_cells; }
   void ClassReturn(const Direction& direction, int beam, const DirectionClasses& classes);
   ReturnClass FiledClass(PackedReturn packed) const;
   bool IsOverhead(PackedReturn packed) const;
@@ -184,10 +203,12 @@ class Mapper {
   bool configured_ = false;
   bool restarting_ = false;  // the sensor has; what is pending is being folded
   bool silent_ = true;
-  int32_t late_run_ = 0;         // columns refused as late, in a row
-  int64_t next_direction_ = -1;  // to be looked along; -1: the next column says
-  int64_t fold_next_ = -1;       // no column before it is pending; -1: none has come
-  uint64_t newest_time_ns_ = 0;  // of all columns
+  uint32_t crossed_before_ = 0;          // cells, when the direction that is classed began
+  int32_t directions_left_ = INT32_MAX;  // of this tick
+  int32_t late_run_ = 0;                 // columns refused as late, in a row
+  int64_t next_direction_ = -1;          // to be looked along; -1: the next column says
+  int64_t fold_next_ = -1;               // no column before it is pending; -1: none has come
+  uint64_t newest_time_ns_ = 0;          // of all columns
   float self_reach_m_ = 0.0f;
   float obstacle_height_m_ = 0.0f;
   int32_t obstacle_cm_ = 0;

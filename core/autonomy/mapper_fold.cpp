@@ -57,7 +57,8 @@ Vec3 Mapper::PointOdom(const ScanColumn& column, int row, PackedReturn packed) c
   return column.odom_from_sensor.Apply(PointInSensor(model_, encoder, row, packed.range_mm()));
 }
 
-void Mapper::Fold(int slot) {
+// Not inlined: its calls are counted (config/timing.toml).
+[[gnu::noinline]] void Mapper::Fold(int slot) {
   const ScanColumn& column = ring_.column(slot);
   const uint32_t revolution = RevolutionOf(column.sequence);
   HP_LOOP_BOUND(kMaxBeams)
@@ -85,7 +86,8 @@ void Mapper::Advance(uint64_t now_ns) {
   if (!configured_) return;
   fresh_.Clear();
   const bool fell_silent = !silent_ && ring_.newest_sequence() >= 0 &&
-                           now_ns > newest_time_ns_ + static_cast<uint64_t>(kSilence_ns);
+                           now_ns > newest_time_ns_ + static_cast<uint64_t>(kSilence_ns) &&
+                           DirectionsToEnd() <= directions_left_;
   if (fell_silent) {
     silent_ = true;
     EndDirections();

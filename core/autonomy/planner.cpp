@@ -118,11 +118,7 @@ Progress Planner::StepCells(int units) {
 }
 
 Progress Planner::Run(const Source& source, int units) {
-  HP_LOOP_BOUND(kMaxUnits)
-  for (int left = units; left > 0; left -= kPortion_units) {
-    if (stage_ == PlanStage::kIdle || stage_ == PlanStage::kDone) break;
-    StepStage(source, left < kPortion_units ? left : kPortion_units);
-  }
+  if (units > 0) StepStage(source, units < kPortion_units ? units : kPortion_units);
   return stage_ == PlanStage::kIdle || stage_ == PlanStage::kDone ? Progress::kDone
                                                                   : Progress::kBusy;
 }

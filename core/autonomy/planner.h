@@ -110,8 +110,8 @@ class Planner {
 
   // The same kind of Step as of Begin: the others assert it. At most `units`
   // units of the stages' (see there; of pending columns a slot of the ring, of the search
-  // kSearchUnits of its own, which are that much shorter than a row of the costmap). They are
-  // handed on in portions of kPortion_units; what a stage leaves of its last portion is lost.
+  // kSearchUnits of its own, which are that much shorter than a row of the costmap), and at most
+  // kPortion_units of one stage; what a stage leaves of them is lost.
   // Between stages a unit may also join, assemble or begin, which costs a few passes over the path.
   // kMaxUnits steps of one unit end any plan. Any split of the units gives the same plan while the
   // mapper stays as it is. Results: those of the stages, and kPivotBlocked.

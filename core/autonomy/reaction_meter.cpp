@@ -35,26 +35,33 @@ void ReactionMeter::Reset() {
   for (uint32_t& bin : radius_) bin = 0;
 }
 
-void ReactionMeter::Count(int time_bin, int radius_bin) {
-  if (columns_ >= kMost) {
-    columns_ = 0;
-    HP_LOOP_BOUND(kTimeBins + 1)
-    for (uint32_t& bin : time_) {
-      bin /= 2u;
-      columns_ += bin;
-    }
-    uint32_t sum = 0;
-    HP_LOOP_BOUND(kRadiusBins + 1)
-    for (uint32_t& bin : radius_) {
-      bin /= 2u;
-      sum += bin;
-    }
-    // The halves of both are as good as the same number: the difference is less than the bins.
-    columns_ = sum > columns_ ? sum : columns_;
+// Once in very many columns. Not inlined: its calls are counted (config/timing.toml).
+[[gnu::noinline]] void ReactionMeter::HalveBins() {
+  columns_ = 0;
+  HP_LOOP_BOUND(kTimeBins + 1)
+  for (uint32_t& bin : time_) {
+    bin /= 2u;
+    columns_ += bin;
   }
+  uint32_t sum = 0;
+  HP_LOOP_BOUND(kRadiusBins + 1)
+  for (uint32_t& bin : radius_) {
+    bin /= 2u;
+    sum += bin;
+  }
+  // The halves of both are as good as the same number: the difference is less than the bins.
+  columns_ = sum > columns_ ? sum : columns_;
+}
+
+void ReactionMeter::Count(int time_bin, int radius_bin) {
+  if (columns_ >= kMost) HalveBins();
   ++columns_;
   ++time_[time_bin];
   ++radius_[radius_bin];
+}
+
+void ReactionMeter::Lost() {
+  Count(kTimeBins, kRadiusBins);
 }
 
 void ReactionMeter::Filed(uint64_t time_ns) {

@@ -37,7 +37,7 @@ class ReactionMeter {
   void Filed(uint64_t time_ns);
 
   // A column that will never be in any map.
-  void Lost() { Count(kTimeBins, kRadiusBins); }
+  void Lost();
 
   // A map was begun. Where the round before it was not judged, or had no path, its columns go on
   // waiting with this one.
@@ -69,6 +69,7 @@ class ReactionMeter {
   static constexpr uint32_t kMost = 1u << 30u;
 
   void Count(int time_bin, int radius_bin);
+  void HalveBins();
 
   // Numbers of columns, counted on; a column lies at its number modulo kCapacity.
   uint64_t first_ = 0;      // that waits

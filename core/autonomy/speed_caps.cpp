@@ -71,6 +71,7 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
   low_ = window.Nearest(CellAt({low.x_m - reach_m_, low.y_m - reach_m_}));
   high_ = window.Nearest(CellAt({high.x_m + reach_m_, high.y_m + reach_m_}));
   row_ = low_.y;
+  column_ = low_.x;
   point_ = 0;
 }
 
@@ -82,8 +83,10 @@ Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
       LookAlong(map, vehicle, path, chord_);
       ++chord_;
     } else if (row_ <= high_.y) {
-      SearchRow(map, path);
-      ++row_;
+      if (SearchRow(map, path)) {
+        column_ = low_.x;
+        ++row_;
+      }
     } else {
       const float free_m = observed_m_ - ahead_m_ - along_m_[point_];
       Lower(point_, ReactionSpeedCap(params, free_m), CapCause::kUnseenGround);
@@ -173,16 +176,23 @@ bool SpeedCaps::HasLittleRoom(const Costmap& map, const VehicleParams& vehicle,
   return has_little;
 }
 
-void SpeedCaps::SearchRow(const Costmap& map, const WorldPath& path) {
+// False: there were many cells of people, and the row is to be searched on. Not inlined, as
+// FilePerson: its calls are counted (config/timing.toml).
+[[gnu::noinline]] bool SpeedCaps::SearchRow(const Costmap& map, const WorldPath& path) {
   const uint8_t* flags = &map.flags[map.window.Index({low_.x, row_})];
+  int filed = 0;
   HP_LOOP_BOUND(kMapSize_cells)
-  for (int32_t x = low_.x; x <= high_.x; ++x) {
-    if ((flags[x - low_.x] & Costmap::kPerson) != 0) FilePerson(CellCenter({x, row_}), path);
+  for (; column_ <= high_.x; ++column_) {
+    if ((flags[column_ - low_.x] & Costmap::kPerson) == 0) continue;
+    if (filed == kMaxPersonCells) return false;
+    ++filed;
+    FilePerson(CellCenter({column_, row_}), path);
   }
+  return true;
 }
 
 // With every point that is no further away than its neighbours: a path may go by more than once.
-void SpeedCaps::FilePerson(Vec2 person_odom, const WorldPath& path) {
+[[gnu::noinline]] void SpeedCaps::FilePerson(Vec2 person_odom, const WorldPath& path) {
   const auto distance2_m2 = [&](int k) {
     return Squared(person_odom.x_m - path[k].x_m) + Squared(person_odom.y_m - path[k].y_m);
   };

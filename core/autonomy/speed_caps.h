@@ -49,9 +49,12 @@ class SpeedCaps {
              const WorldPath& path, float speed_mps);
 
   // A unit is one chord looked along for ground that was not observed, one row of the map searched
-  // for people (each goes to every point where the path passes it), or one point whose nearest
-  // person caps the points before it. At most kMaxUnits units.
-  static constexpr int kMaxUnits = kMapSize_cells + 2 * kMaxPathPoints;
+  // for people (each cell of theirs goes to every point where the path passes it), or
+  // kMaxPersonCells cells of theirs in it, or one point whose nearest person caps the points before
+  // it. At most kMaxUnits units.
+  static constexpr int kMaxPersonCells = 32;
+  static constexpr int kMaxUnits =
+      kMapSize_cells * (kMapSize_cells / kMaxPersonCells + 1) + 2 * kMaxPathPoints;
   Progress Step(const Costmap& map, const SpeedParams& params, const VehicleParams& vehicle,
                 const WorldPath& path, int units);
 
@@ -82,7 +85,7 @@ class SpeedCaps {
   void LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m);
   void Lower(int point, float cap_mps, CapCause cause);
   bool HasLittleRoom(const Costmap& map, const VehicleParams& vehicle, const Pose2& pose) const;
-  void SearchRow(const Costmap& map, const WorldPath& path);
+  bool SearchRow(const Costmap& map, const WorldPath& path);
   void FilePerson(Vec2 person_odom, const WorldPath& path);
   void CapForPersonAt(int point, const SpeedParams& params, const VehicleParams& vehicle);
 
@@ -102,8 +105,9 @@ class SpeedCaps {
   float seen_m_[kTracks] = {};  // of each track, the way to the last observed cell
   Cell low_;                    // the part of the map that is searched
   Cell high_;
-  int32_t row_ = 0;    // next, up to high_.y
-  int32_t point_ = 0;  // next
+  int32_t row_ = 0;     // next, up to high_.y
+  int32_t column_ = 0;  // next in it
+  int32_t point_ = 0;   // next
 };
 static_assert(std::is_trivially_copyable_v<SpeedCaps>);
 

@@ -76,7 +76,9 @@ Status HeightGrid::Age(const SightFan& fan, uint32_t revolution, int ageing_revo
   for (int i = 0; i < cells; ++i) {
     if (!window_.Contains(walk.cell())) break;
     const int slot = Slot(walk.cell());
-    if (HasObstacle(slot)) {
+    if (HasObstacle(slot) && CanAge(slot, sight)) {
+      if (aged_left_ == 0) break;
+      --aged_left_;
       const Vec2 middle = CellCenter(walk.cell());
       AgeCell(slot,
               (middle.x_m - sensor.x_m) * sight.direction.x_m +
@@ -88,11 +90,17 @@ Status HeightGrid::Age(const SightFan& fan, uint32_t revolution, int ageing_revo
   return Status::kOk;
 }
 
-void HeightGrid::AgeCell(int slot, float distance_m, const SightFan& fan, const Sight& sight) {
+// Else neither a hit nor a miss would change anything.
+bool HeightGrid::CanAge(int slot, const Sight& sight) const {
+  const bool is_new = ((seen_[slot] & kSightOdd) != 0) != sight.odd;
+  return is_new || (seen_[slot] & kMissMask) != 0;
+}
+
+// Not inlined: its calls are counted (config/timing.toml).
+[[gnu::noinline]] void HeightGrid::AgeCell(int slot, float distance_m, const SightFan& fan,
+                                           const Sight& sight) {
   const int misses = (seen_[slot] & kMissMask) / kMissOne;
   const bool is_new = ((seen_[slot] & kSightOdd) != 0) != sight.odd;
-  if (!is_new && misses == 0) return;  // neither a hit nor a miss would change anything
-
   const bool hard = highest_hard_cm_[slot] != kNone;
   Target target = {};
   target.lowest_cm = hard ? lowest_hard_cm_[slot] : lowest_cm_[slot];

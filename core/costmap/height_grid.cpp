@@ -10,8 +10,6 @@
 namespace hardpack {
 namespace {
 
-constexpr float kMaxAssumed_m = 50.0f;
-
 // kNone is above every height, so the first return needs no case of its own here ...
 void Lower(int16_t& lowest_cm, int16_t height_cm) {
   if (height_cm < lowest_cm) lowest_cm = height_cm;
@@ -227,6 +225,7 @@ Status HeightGrid::CrossCells(const Vec3& from_odom, const Vec3& to_odom, Crossi
       (crossing == Crossing::kForget || (NeedsNone(first, known) && NeedsNone(last, known)))) {
     return Status::kOk;
   }
+  crossed_cells_ += static_cast<uint32_t>(steps) + 1u;
   CellWalk walk(from, along);
   HP_LOOP_BOUND(kMaxBridge_cells)
   for (int step = 0; step <= steps; ++step) {
@@ -252,21 +251,31 @@ Status HeightGrid::CrossCells(const Vec3& from_odom, const Vec3& to_odom, Crossi
 }
 
 Status HeightGrid::AssumeGround(const Vec3& center_odom, float radius_m, Vec2 slope) {
+  return AssumeAround<kMaxAssumed_m>(center_odom, radius_m, slope);
+}
+
+Status HeightGrid::StandOnGround(const Vec3& center_odom, float radius_m, Vec2 slope) {
+  return AssumeAround<kMaxStanding_m>(center_odom, radius_m, slope);
+}
+
+template <int kMost_m>
+Status HeightGrid::AssumeAround(const Vec3& center_odom, float radius_m, Vec2 slope) {
   if (!IsFinitePoint(center_odom) || !IsFinite(radius_m) || !IsFinite(slope.x_m) ||
       !IsFinite(slope.y_m)) {
     return Status::kNotFinite;
   }
-  if (radius_m < 0.0f || radius_m > kMaxAssumed_m) return Status::kInvalidArgument;
+  if (radius_m < 0.0f || radius_m > static_cast<float>(kMost_m)) return Status::kInvalidArgument;
   const Cell middle = CellAt({center_odom.x_m, center_odom.y_m});
   const float u = PlaceInCell(center_odom.x_m, middle.x);
   const float v = PlaceInCell(center_odom.y_m, middle.y);
   const float radius_cells = radius_m * kCellsPerMeter;
   const int reach = FloorToInt(radius_cells) + 1;
-  static_assert(2 * (kMaxAssumed_m * kCellsPerMeter + 1) + 1 <= kMapSize_cells);
-  HP_LOOP_BOUND(kMapSize_cells)
+  constexpr int kMost_cells = 2 * (kMost_m * static_cast<int>(kCellsPerMeter) + 1) + 1;
+  static_assert(kMost_cells <= kMapSize_cells);
+  HP_LOOP_BOUND(kMost_cells)
   for (int dy = -reach; dy <= reach; ++dy) {
     const float along_y = static_cast<float>(dy) + 0.5f - v;
-    HP_LOOP_BOUND(kMapSize_cells)
+    HP_LOOP_BOUND(kMost_cells)
     for (int dx = -reach; dx <= reach; ++dx) {
       const float along_x = static_cast<float>(dx) + 0.5f - u;
       if (along_x * along_x + along_y * along_y > radius_cells * radius_cells) continue;

@@ -162,17 +162,28 @@ class HeightGrid {
   // Takes the ground of all cells whose centre lies within radius_m of a point as observed, in the
   // plane through it that rises by `slope` a metre along x and y, where no ground is known yet, as
   // BridgeGround does. kNotFinite;
-  // kInvalidArgument: radius_m is negative or above 50. Cost: the cells of the square around it, at
-  // most kMapCells.
+  // kInvalidArgument: radius_m is negative or above kMaxAssumed_m. Cost: the cells of the square
+  // around it.
+  static constexpr int kMaxAssumed_m = 20;
   Status AssumeGround(const Vec3& center_odom, float radius_m, Vec2 slope = {});
+
+  // The same for the ground under a vehicle, in every tick: up to kMaxStanding_m.
+  static constexpr int kMaxStanding_m = 1;
+  Status StandOnGround(const Vec3& center_odom, float radius_m, Vec2 slope);
 
   // Lets the cells age that the fan's beams crossed. kNotFinite: a number of the fan (slopes of
   // beams that saw nothing excepted); kInvalidArgument: beams not 0 .. kMaxBeams, a direction that
   // has not length 1 to 1 %, a sensor off the window, or ageing_revolutions not 1 ..
   // kMaxAgeingRevolutions: nothing ages. Cost: at most kMaxSight_cells cells, of which those with
-  // an obstacle look at every beam, at most twice.
+  // an obstacle that can age look at every beam, at most twice.
   static constexpr int kMaxSight_cells = 2 * kMapSize_cells;
+  // From now on no more than so many cells are held against a fan, until the next call; without it
+  // there is no limit. The others stay as they are.
+  void BeginTick(int aged_cells) { aged_left_ = aged_cells; }
   Status Age(const SightFan& fan, uint32_t revolution, int ageing_revolutions);
+
+  // Cells that BridgeGround, ObserveGround and ForgetGround have walked, counted on; it wraps.
+  uint32_t crossed_cells() const { return crossed_cells_; }
 
   // The odometry's height jumped by dz_m: everything that was filed is told in the new heights, to
   // the centimetre. kNotFinite; kInvalidArgument: the shift, or the sum of all since Reset, is
@@ -261,12 +272,17 @@ class HeightGrid {
   bool NeedsNone(Cell cell, int known) const;
   void TakeAsGround(Cell cell, float z_m);
   void MakeYoung(int slot, bool odd);
+  template <int kMost_m>
+  Status AssumeAround(const Vec3& center_odom, float radius_m, Vec2 slope);
+  bool CanAge(int slot, const Sight& sight) const;
   void AgeCell(int slot, float distance_m, const SightFan& fan, const Sight& sight);
   static Evidence Look(const SightFan& fan, const Sight& sight, const Target& target);
   static float Cut_cm(const SightFan& fan, const Sight& sight, const Target& target);
   void CutDown(int slot, bool hard, float cut_cm);
 
   GridWindow window_;
+  uint32_t crossed_cells_ = 0;
+  int32_t aged_left_ = INT32_MAX;
   int32_t datum_cm_ = 0;  // what is added to the stored heights, +-kMaxShift_cm
   // Stored heights, [kMapSize_cells x kMapSize_cells] by Slot.
   int16_t lowest_cm_[kMapCells];

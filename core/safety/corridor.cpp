@@ -72,6 +72,7 @@ void Corridor::Clear() {
 void Corridor::Advance(Vec2 vehicle_odom, uint32_t tick) {
   if (!IsFinitePoint(vehicle_odom)) return;
   tick_ = tick;
+  tests_left_ = kMaxTests;
   vehicle_ = CellAt(vehicle_odom);
   has_vehicle_ = true;
   uint32_t* row = recent_ + (tick & kPlaceMask) * kRecent_cells;
@@ -107,8 +108,12 @@ Status Corridor::Build(const WorldPath& path, float along_m, const CorridorSize&
   Walk(path, along_m, size);
   if (chords_ == 0) return Status::kOk;  // the vehicle is at the path's end
   LayGrid();
+  int rows_left = kMaxMarked_rows;
+  bool is_marked = true;
   HP_LOOP_BOUND(kMaxChords)
-  for (int chord = 0; chord < chords_; ++chord) Mark(chord);
+  for (int chord = 0; chord < chords_ && is_marked; ++chord) is_marked = Mark(chord, rows_left);
+  if (!is_marked) MarkAll();
+  tests_left_ = kMaxTests;  // of its own; what is filed in this tick was before
   TestRecent(since);
   return Status::kOk;
 }
@@ -177,6 +182,8 @@ void Corridor::LayGrid() {
     high = {Max(high.x_m, Max(chord.from.x_m, to.x_m) + r_m),
             Max(high.y_m, Max(chord.from.y_m, to.y_m) + r_m)};
   }
+  low_ = low;
+  high_ = high;
   constexpr float kLeastSide_m = 1.0f;
   constexpr float kMargin = 0.98f;  // of the side: rounding puts nothing outside
   const float side_m = Max(Max(high.x_m - low.x_m, high.y_m - low.y_m), kLeastSide_m);
@@ -190,8 +197,18 @@ void Corridor::LayGrid() {
   }
 }
 
-// The cells of the box around its corridor, and one more to each side against rounding.
-void Corridor::Mark(int index) {
+void Corridor::MarkAll() {
+  HP_LOOP_BOUND(kSide * kSide)
+  for (int i = 0; i < kSide * kSide; ++i) {
+    first_[i] = 0;
+    last_[i] = static_cast<uint8_t>(chords_ - 1);
+  }
+}
+
+// The cells of the box around its corridor, and one more to each side against rounding. False, and
+// nothing is marked: they are more rows than are left. Not inlined: its rounds are counted
+// (config/timing.toml).
+[[gnu::noinline]] bool Corridor::Mark(int index, int& rows_left) {
   const Chord& chord = chord_[index];
   const Vec2 to = {chord.from.x_m + chord.length_m * chord.direction.x_m,
                    chord.from.y_m + chord.length_m * chord.direction.y_m};
@@ -205,6 +222,8 @@ void Corridor::Mark(int index) {
   const int32_t y0 = column(Min(chord.from.y_m, to.y_m) - r_m, origin_.y_m, -1);
   const int32_t y1 = column(Max(chord.from.y_m, to.y_m) + r_m, origin_.y_m, 1);
   const auto number = static_cast<uint8_t>(index);
+  rows_left -= y1 - y0 + 1;
+  if (rows_left < 0) return false;
   HP_LOOP_BOUND(kSide)
   for (int32_t y = y0; y <= y1; ++y) {
     HP_LOOP_BOUND(kSide)
@@ -214,6 +233,7 @@ void Corridor::Mark(int index) {
       last_[i] = number;
     }
   }
+  return true;
 }
 
 // -1: off it. A comparison with NaN is false.
@@ -234,7 +254,18 @@ void Corridor::Take(float along_m, bool is_person) {
   has_obstacle_ = true;
 }
 
-bool Corridor::File(Vec2 point_odom, bool is_person) {
+// Whether so many chords may still be tested. If not, something is taken to be in the way at once:
+// so many returns so near to the path are one obstacle or another.
+bool Corridor::MayTest(int chords) {
+  tests_left_ -= chords;
+  if (tests_left_ >= 0) return true;
+  tests_left_ = 0;
+  Take(chord_[0].along_m, false);
+  return false;
+}
+
+// Not inlined: its rounds are counted (config/timing.toml).
+[[gnu::noinline]] bool Corridor::File(Vec2 point_odom, bool is_person) {
   if (!IsFinitePoint(point_odom)) return false;
   Remember(point_odom, is_person);
   if (chords_ == 0) return false;
@@ -242,6 +273,7 @@ bool Corridor::File(Vec2 point_odom, bool is_person) {
   if (cell < 0) return false;
   bool is_inside = false;
   const int last = last_[cell];
+  if (last >= first_[cell] && !MayTest(last - first_[cell] + 1)) return true;
   HP_LOOP_BOUND(kMaxChords)
   for (int k = first_[cell]; k <= last; ++k) {
     const Chord& chord = chord_[k];
@@ -276,10 +308,16 @@ void Corridor::TestRecent(uint32_t since) {
   }
 }
 
-// By the point of its square that is nearest to where the chord is nearest to its middle.
-void Corridor::TestCell(Cell cell, bool is_person) {
+// By the point of its square that is nearest to where the chord is nearest to its middle. Not
+// inlined: its rounds are counted (config/timing.toml).
+[[gnu::noinline]] void Corridor::TestCell(Cell cell, bool is_person) {
   const Vec2 middle = CellCenter(cell);
   constexpr float kHalf_m = 0.5f * kCellSize_m;
+  // Half a cell, and as much again against rounding.
+  const bool is_near =
+      middle.x_m >= low_.x_m - kCellSize_m && middle.x_m <= high_.x_m + kCellSize_m &&
+      middle.y_m >= low_.y_m - kCellSize_m && middle.y_m <= high_.y_m + kCellSize_m;
+  if (!is_near || !MayTest(chords_)) return;
   HP_LOOP_BOUND(kMaxChords)
   for (int k = 0; k < chords_; ++k) {
     const Chord& chord = chord_[k];

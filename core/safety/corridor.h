@@ -56,6 +56,8 @@ class Corridor {
   static constexpr float kSamePerson_m = 0.5f;
   static constexpr float kMaxHalfWidth_m = 5.0f;
   static constexpr float kMaxReach_m = 500.0f;
+  static constexpr int kMaxTests = 65536;
+  static constexpr int kMaxMarked_rows = 2048;
 
   // Without a corridor, and nothing remembered.
   void Reset();
@@ -71,13 +73,15 @@ class Corridor {
   // against it. kPathTooShort: fewer than two points; kNotFinite; kInvalidArgument: a size negative
   // or beyond its largest: then there is no corridor. Chords of the path shorter than a 62nd of the
   // reach are taken together.
-  // Cost: one pass over the path; kMaxChords times the cells of the coarse grid near a chord, at
-  // most kSide^2; the memory, kRecent_cells^2 cells, of which those filed since are tested.
+  // Cost: one pass over the path; the coarse grid, of which kMaxMarked_rows rows are marked at most
+  // (beyond, all of it belongs to every chord); the memory, kRecent_cells^2 cells, of which those
+  // filed since that lie in the grid are tested, with kMaxTests chords in all.
   Status Build(const WorldPath& path, float along_m, const CorridorSize& size, uint32_t since);
 
   // A return of an obstacle, filed in the tick of the last Advance. True when it is in the
   // corridor; one that is not finite is not. Cost: the chords whose corridor reaches into its cell
-  // of the coarse grid, at most kMaxChords.
+  // of the coarse grid, at most kMaxChords; from one Advance to the next kMaxTests of them. Returns
+  // beyond that are not looked at but taken to be in the corridor, at its beginning.
   bool File(Vec2 point_odom, bool is_person);
 
   // For a vehicle at along_m of the path that drives at speed_mps and was told to drive at
@@ -106,9 +110,11 @@ class Corridor {
   void Walk(const WorldPath& path, float along_m, const CorridorSize& size);
   void Add(Vec2 from, Vec2 to, float along_m, float radius_m);
   void LayGrid();
-  void Mark(int chord);
+  bool Mark(int chord, int& rows);
+  void MarkAll();
   void TestRecent(uint32_t since);
   void TestCell(Cell cell, bool is_person);
+  bool MayTest(int chords);
   int GridIndex(Vec2 point_odom) const;
   void Take(float along_m, bool is_person);
   void Remember(Vec2 point_odom, bool is_person);
@@ -123,11 +129,14 @@ class Corridor {
   uint32_t tick_ = 0;
   Cell vehicle_;
   bool has_vehicle_ = false;
+  int32_t tests_left_ = kMaxTests;
   int32_t chords_ = 0;
   bool has_obstacle_ = false;
   bool is_person_ = false;
   float obstacle_along_m_ = 0.0f;
   Vec2 origin_;  // of the coarse grid
+  Vec2 low_;     // of the box around the corridor
+  Vec2 high_;
   float cells_per_m_ = 0.0f;
   Chord chord_[kMaxChords];
   // Of the chords that reach into a cell, the first and the last: last < first where none does.

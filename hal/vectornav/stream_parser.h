@@ -64,10 +64,15 @@ class StreamParser {
   size_t Feed(std::span<const uint8_t> bytes);
 
   // The next sample in the order of the stream. Messages without one are counted and passed over.
-  // kTruncated: there is no whole message left, feed more; `sample` is untouched.
+  // kTruncated: there is no whole message left, feed more, or BeginTick's looks are used up;
+  // `sample` is untouched.
   // Cost, all calls of a datagram together: for each byte at most a look at each field of a header,
   // 16 steps of CRC, and for a $ a pass over up to kMaxAsciiBytes; besides, decoding the messages.
   Status Next(InsSample& sample);
+
+  // From now on Next looks at no more than so many beginnings of messages, true or false ones,
+  // until the next call; without it there is no limit. What was not looked at waits.
+  void BeginTick(int looks) { looks_left_ = looks; }
 
   // Forgets what has been fed and not told.
   void Reset();
@@ -88,6 +93,7 @@ class StreamParser {
   uint8_t bytes_[kCapacity] = {};  // [begin_, end_) wait
   // crc_[i]: of the stream up to bytes_[i]; for all begins and ends from begin_ to end_.
   uint16_t crc_[kCapacity + 1] = {};
+  int32_t looks_left_ = INT32_MAX;
   size_t begin_ = 0;
   size_t end_ = 0;
   StreamCounters counters_;

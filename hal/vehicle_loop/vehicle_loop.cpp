@@ -59,9 +59,20 @@ Status VehicleLoop::Configure(const VehicleConfig& config) {
                            lidar.columns_per_frame, lidar.lidar_origin_to_beam_origin_m,
                            lidar.sensor_from_lidar, beam_model_);
   }
+  if (IsUsable(status) && !KeepsUpWithLidar()) status = Status::kParameterOutOfRange;
   if (IsUsable(status)) status = ConfigureMapper();
   configured_ = IsUsable(status);
   return status;
+}
+
+// What a lidar sends in one period has to fit into what a tick may class. The metadata do not say
+// how fast it turns: 20 times a second, or with 2048 columns 10 times.
+bool VehicleLoop::KeepsUpWithLidar() const {
+  constexpr int32_t kMaxColumns_per_s = 2048 * 10;
+  const TickParams& tick = config_.onboard.tick;
+  const int32_t columns_per_s = config_.lidar.columns_per_frame * 20;
+  const int32_t most_per_s = columns_per_s < kMaxColumns_per_s ? columns_per_s : kMaxColumns_per_s;
+  return most_per_s * tick.period_ms <= tick.directions * 1000;
 }
 
 // With an empty map.
@@ -88,6 +99,10 @@ Status VehicleLoop::Tick(const TickInput& input, TickOutput& output) {
   index_ = input.index;
   now_ns_ = input.now_ns;
   wishes_ = {};
+  mapper_.BeginTick(config_.onboard.tick.directions);
+  columns_left_ = config_.onboard.tick.directions;
+  labels_left_ = config_.onboard.tick.directions;
+  ins_.BeginTick(kMaxInsMessages);
 
   TakeFrames(input);
   TakeDatagrams(input, InputSource::kIns);
@@ -182,6 +197,8 @@ Status VehicleLoop::TakeLabels(std::span<const uint8_t> bytes) {
   if (!IsUsable(status)) return status;
   HP_LOOP_BOUND(labels::kMaxColumns)
   for (int i = 0; i < header.columns; ++i) {
+    if (labels_left_ == 0) return Status::kCapacityExceeded;
+    --labels_left_;
     if (!IsUsable(labels::DecodeColumn(header, bytes, i, labels_))) continue;
     if (!IsUsable(mapper_.AddLabels(labels_))) ++counters_.refused_labels;
     TestReturns(false);
@@ -217,6 +234,12 @@ Status VehicleLoop::TakeLidar(std::span<const uint8_t> bytes) {
   const ouster::PacketLayout& layout = lidar_packets_.layout();
   HP_LOOP_BOUND(ouster::kMaxColumnsPerPacket)
   for (int i = 0; i < layout.columns_per_packet; ++i) {
+    if (columns_left_ == 0) {
+      ++counters_.refused_columns;
+      if (!goals_.empty()) reaction_.Lost();
+      continue;
+    }
+    --columns_left_;
     if (!IsUsable(ouster::DecodeColumn(layout, bytes, i, column_))) continue;
     if (lidar_time_.suspect()) {
       ++counters_.suspect_columns;

@@ -78,7 +78,7 @@ struct LoopCounters {
   uint64_t refused_ticks = 0;  // input that no tick can have: time or index ran backwards
   uint64_t datagrams[kInputSources] = {};
   uint64_t refused_datagrams[kInputSources] = {};
-  uint64_t refused_columns = 0;
+  uint64_t refused_columns = 0;  // those beyond a tick's directions among them
   uint64_t suspect_columns = 0;  // dropped while the lidar's clock was not to be relied upon
   uint64_t lidar_restarts = 0;
   uint64_t clock_jumps = 0;     // of the lidar
@@ -97,7 +97,8 @@ class VehicleLoop {
   // Of a datagram of the INS: more than a second of its messages.
   static constexpr int kMaxInsDatagram_bytes = 4096;
   static constexpr int kMaxInsFeeds = 4;
-  static constexpr int kMaxInsMessages = 512;
+  // Of all datagrams of a tick: a quarter of a second of the fastest INS. What is more waits.
+  static constexpr int kMaxInsMessages = 64;
   static constexpr float kWaypointReached_m = 2.0f;  // where it is not the last one
   static constexpr float kMovedGoal_m = 3.0f;        // an end beside a goal that is occupied
   static constexpr float kArrived_m = 0.3f;
@@ -111,7 +112,8 @@ class VehicleLoop {
   static constexpr float kLongestTick_s = 0.1f;
 
   // Sets everything up and forgets what was. The statuses of the stages' Configure;
-  // kParameterOutOfRange too where plans would take less to stop than the drives need.
+  // kParameterOutOfRange too where plans would take less to stop than the drives need, or a period
+  // brings more columns of the lidar than a tick classes directions.
   // Cost: everything is cleared.
   Status Configure(const VehicleConfig& config);
 
@@ -171,6 +173,7 @@ class VehicleLoop {
   uint64_t MeasuredAt(const InsSample& sample);
   void AddPose();
   void LocateInMap(const StampedPose& pose);
+  bool KeepsUpWithLidar() const;
   Status ConfigureMapper();
   void AddToHash(const TickOutput& output);
 
@@ -197,6 +200,7 @@ class VehicleLoop {
   Status ConfigureSafety();
   CorridorSize SizeOfCorridor() const;
   void TestReturns(bool are_new);
+  void TestColumn(int slot, uint32_t max_range_mm);
   void FollowPlan();
   WayAhead Ahead() const;
   float MeasuredYawRate() const;
@@ -224,6 +228,8 @@ class VehicleLoop {
   control::OperatorCommand command_;
   FixedVector<Goal, control::kMaxWaypoints> goals_;
   int32_t goal_index_ = 0;
+  int32_t columns_left_ = 0;  // of the lidar, that this tick takes ...
+  int32_t labels_left_ = 0;   // ... and of labels
   InsSample newest_ins_;
   InsSample ins_sample_;    // just decoded
   InsSample ins_position_;  // of this tick, the newest with a position

@@ -17,7 +17,7 @@ Functions are taken from the leaves of the call graph upwards; recursion is refu
 from flow_graph import EXIT, FlowGraph
 from image import Refused
 from loop_bounds import Bound, LoopBounds
-from sized_calls import SizedCalls
+from sized_calls import SizedCalls, bytes_an_iteration
 
 
 class Analysis:
@@ -27,27 +27,58 @@ class Analysis:
     sizes: {name: most bytes} of functions that call memcpy or the like (sized_calls.py).
     units: {name: n} of functions that do resumable work in a loop of units: the outermost loop of
     the largest bound is gone round n times and not as often as its record says.
+    calls: {name: {callee: n}}: in one call of the named function the callee is called at most n
+    times, by whomever. It costs nothing where it is called, and n times its bound beside.
+    rounds: {name: {callee: n}}: in one call of the named function the callee's loop of units (see
+    there) is gone round at most n times, in all of the callee's calls together.
     """
 
-    def __init__(self, image, given=None, sizes=None, units=None):
+    def __init__(self, image, given=None, sizes=None, units=None, calls=None, rounds=None):
         self.image = image
         self.given = {image.named(name).start: n for name, n in (given or {}).items()}
         self.units = {image.named(name).start: n for name, n in (units or {}).items()}
+        self.calls = by_start(image, calls)
+        self.rounds = by_start(image, rounds)
         self.sized = SizedCalls(image, sizes)
-        self.results = {}  # instructions, by start and size
+        self.results = {}  # instructions, by start, size and what is counted elsewhere
         self._stack = []
+        self._counted = frozenset()  # callees that a function further up counts
 
     def bound(self, name):
         return self.bound_at(self.image.named(name).start)
 
     def bound_at(self, start, size=None):
         """size: in bytes, of a function of sized_calls.py."""
-        key = (start, size)
+        if (start, CALLS) in self._counted:
+            return 0
+        key = (start, size, self._counted)
         if key not in self.results:
-            self.results[key] = self._analyse(start, size)
+            self.results[key] = self._count(start, size)
         return self.results[key]
 
-    def _analyse(self, start, size):
+    def _count(self, start, size):
+        """With the calls that are bounded within the function."""
+        calls, rounds = self.calls.get(start, {}), self.rounds.get(start, {})
+        outer = self._counted
+        self._counted = outer | {(callee, CALLS) for callee in calls} | \
+            {(callee, ROUNDS) for callee in rounds}
+        try:
+            bound = self._analyse(start, size)
+            for callee, n in calls.items():
+                if (callee, CALLS) not in outer:
+                    bound += n * self._count(callee, None)
+            for callee, n in rounds.items():
+                if (callee, ROUNDS) not in outer:
+                    bound += n * self._round(callee)
+        finally:
+            self._counted = outer
+        return bound
+
+    def _round(self, start):
+        """What one round of the loop of units takes."""
+        return self._analyse(start, None, 2) - self._analyse(start, None, 1)
+
+    def _analyse(self, start, size, units=None):
         if start in self.given:
             return self.given[start]
         function = self.image.by_start.get(start)
@@ -61,10 +92,13 @@ class Analysis:
             graph = FlowGraph(self.image, function)
             if size is None:
                 bounds = LoopBounds(graph).bounds
-                if start in self.units:
-                    limit_units(graph, bounds, self.units[start])
+                if units is None:
+                    units = 0 if (start, ROUNDS) in self._counted else self.units.get(start)
+                if units is not None:
+                    limit_units(graph, bounds, units)
             else:
-                bounds = [Bound([loop], [loop], size) for loop in graph.loops]
+                bounds = [Bound([loop], [loop], size // bytes_an_iteration(graph, loop))
+                          for loop in graph.loops]
             costs = [block.cost + sum(self._call(graph, block, call) for call in block.calls)
                      for block in graph.blocks]
         finally:
@@ -77,15 +111,33 @@ class Analysis:
         return self.bound_at(target, size)
 
 
+CALLS, ROUNDS = "calls", "rounds"
+
+
+def by_start(image, limits):
+    return {image.named(scope).start: {image.named(callee).start: n for callee, n in callees.items()}
+            for scope, callees in (limits or {}).items()}
+
+
 def limit_units(graph, bounds, units):
     outer = [b for b in bounds if all(loop.parent is None for loop in b.entered)]
     largest = max((b.n for b in outer), default=0)
     found = [b for b in outer if b.n == largest]
     if len(found) != 1:
         raise Refused(f"{graph.function.name}: {len(found)} outermost loops could be that of units")
-    # Tested at its top, a loop goes round n times with n back edges; at its bottom, n + 1 times.
-    found[0].n = units
-    found[0].records = [(block, units) for block, _ in found[0].records]
+    # Its condition begins with a comparison of the units. Where that is at its top, n rounds are n
+    # back edges; where the header cannot leave the loop before the rest it is at the bottom.
+    n = units
+    if not any(leaves(graph, loop) for loop in found[0].loops):
+        n = max(0, units - 1)
+    found[0].n = n
+    found[0].records = [(block, n) for block, _ in found[0].records]
+
+
+def leaves(graph, loop):
+    """Whether the header of a loop can leave it before the rest of it."""
+    return loop.header not in loop.latches and \
+        any(s not in loop.blocks for s in graph.blocks[loop.header].successors)
 
 
 def dearest_way(graph, bounds, costs):

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Library functions whose loops run by a size in bytes: memcpy, memset and their like.
 
-Their loops have no records; each of their iterations moves at least one byte. So with n bytes every
-loop of theirs has at most n back edges, and what n is has to be a constant before the call, or is
-declared for the function that calls. Otherwise the call is refused.
+Their loops have no records; each of their iterations moves at least one byte, and one that is a
+single block what its stores write. So with n bytes every loop of theirs has at most n back edges
+divided by that, and what n is has to be a constant before the call, or is declared for the function
+that calls. Otherwise the call is refused.
 """
+
+import re
 
 from image import EM_ARM, Refused
 from registers import Registers, straight_before
@@ -15,6 +18,18 @@ ARGUMENT = {"memcpy": 2, "memmove": 2, "memset": 2, "memcmp": 2, "__aeabi_memcpy
             "__aeabi_memmove4": 2, "__aeabi_memmove8": 2, "__aeabi_memset": 1,
             "__aeabi_memset4": 1, "__aeabi_memset8": 1, "__aeabi_memclr": 1,
             "__aeabi_memclr4": 1, "__aeabi_memclr8": 1}
+
+
+STORED = {"str": 4, "strh": 2, "strb": 1, "strd": 8}  # bytes, of Thumb-2
+
+
+def bytes_an_iteration(graph, loop):
+    """That a loop of such a function moves at least in each of its iterations."""
+    if graph.image.machine != EM_ARM or len(loop.blocks) != 1:
+        return 1
+    # Conditional ones have a suffix and are not counted; what is compared is not stored.
+    names = [re.sub(r"\.[nw]$", "", i.mnemonic) for i in graph.blocks[loop.header].instructions]
+    return max(1, sum(STORED.get(name, 0) for name in names))
 
 
 class SizedCalls:

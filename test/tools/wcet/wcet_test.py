@@ -339,6 +339,26 @@ done memset
             # 8 back edges are allowed, of 3 instructions each.
             self.assertEqual(self.analysis(text).bound("f"), 1 + lines + 1 + 1 + 9 * 3 + 1 + 1)
 
+    def test_sized_loop_by_the_bytes_that_it_stores(self):
+        # Words, then what is left by bytes: 20 bytes are 5 back edges of the first, 20 of the second.
+        text = """
+function f
+  movs r2, #20
+  bl memset
+  bx lr
+done f
+function memset
+1: str r1, [r0], #4
+  subs r2, #4
+  bhi 1b
+2: strb r1, [r0], #1
+  subs r2, #1
+  bhi 2b
+  bx lr
+done memset
+"""
+        self.assertEqual(self.analysis(text).bound("f"), 3 + (5 + 1) * 3 + (20 + 1) * 3 + 1)
+
     def test_refuses_size_that_is_no_constant(self):
         for before in ("nop", "movs r2, #8\n bl g", "movs r2, #8\n lsls r2, r1",
                        "movs r2, #8\n it eq\n moveq r2, #9", "movs r2, #8\n ldm r0, {r1, r2}",
@@ -366,11 +386,84 @@ function f
   bx lr
 done f
 """
-        self.assertEqual(self.analysis(text, units={"f": 9}).bound("f"), 4 * 2 + 1 + 10 * 3 + 1)
+        self.assertEqual(self.analysis(text, units={"f": 9}).bound("f"), 4 * 2 + 1 + 9 * 3 + 1)
+        self.assertEqual(self.analysis(text, units={"f": 0}).bound("f"), 4 * 2 + 1 + 3 + 1)
+        at_its_top = """
+function f
+  record 100000
+1: cmp r1, r0
+  bge 2f
+  adds r1, #1
+  b 1b
+2: bx lr
+done f
+"""
+        self.assertEqual(self.analysis(at_its_top, units={"f": 9}).bound("f"), 9 * 4 + 2 + 1)
         with self.assertRaises(image.Refused):
             self.analysis(text.replace("100000", "3"), units={"f": 9}).bound("f")
 
     # What it must refuse.
+
+    def test_calls_that_are_bounded_in_all(self):
+        # f calls g in each of its 5 iterations, g calls h 4 times each: h runs 7 times in all.
+        text = """
+function f
+  record 5
+1: bl g
+  subs r1, #1
+  bne 1b
+  bx lr
+done f
+function g
+  bl h
+  bl h
+  bl h
+  bl h
+  bx lr
+done g
+function h
+  nop
+  nop
+  bx lr
+done h
+"""
+        plain = 6 * (1 + 2 + 4 + 1 + 4 * 3) + 1
+        self.assertEqual(self.analysis(text).bound("f"), plain)
+        counted = self.analysis(text, calls={"f": {"h": 7}})
+        self.assertEqual(counted.bound("f"), plain - 6 * 4 * 3 + 7 * 3)
+        self.assertEqual(counted.bound("g"), 4 + 1 + 4 * 3)  # by itself, as ever
+        # What is counted further up is not counted again further down.
+        twice = self.analysis(text, calls={"f": {"h": 7}, "g": {"h": 2}})
+        self.assertEqual(twice.bound("f"), plain - 6 * 4 * 3 + 7 * 3)
+        self.assertEqual(twice.bound("g"), 4 + 1 + 2 * 3)
+        # And one counted callee does not count another one again.
+        both = self.analysis(text, calls={"f": {"g": 2, "h": 7}})
+        self.assertEqual(both.bound("f"), 6 * 3 + 1 + 2 * 5 + 7 * 3)
+
+    def test_rounds_that_are_bounded_in_all(self):
+        # f calls g 6 times, whose loop of 3 is gone round 10 times in all of them.
+        text = """
+function f
+  record 5
+1: bl g
+  subs r1, #1
+  bne 1b
+  bx lr
+done f
+function g
+  record 3
+1: nop
+  nop
+  subs r0, #1
+  bne 1b
+  bx lr
+done g
+"""
+        plain = 6 * (1 + 4 * 4 + 1 + 2) + 1
+        self.assertEqual(self.analysis(text).bound("f"), plain)
+        counted = self.analysis(text, rounds={"f": {"g": 10}})
+        self.assertEqual(counted.bound("f"), plain - 6 * 3 * 4 + 10 * 4)
+        self.assertEqual(counted.bound("g"), 4 * 4 + 1)
 
     def test_refuses_loop_without_record(self):
         self.expect_refused("function f\n1: subs r0, #1\n bne 1b\n bx lr\ndone f\n",
