@@ -215,8 +215,8 @@ inline constexpr std::array kTickTable = {
             "Units of planning in every tick: fixed, so that a replay repeats."),
     HP_TICK(
         directions, 160.0f, 4096.0f,
-        "Directions of the lidar that one tick classes at most. Columns that are more are lost; "
-        "what comes in one period has to fit twice, or nothing starts.")};
+        "Directions of the lidar that one tick classes at most, and columns that it takes. What a "
+        "lidar sends in one period has to fit, or nothing starts.")};
 #undef HP_TICK
 
 #undef HP_ENTRY

@@ -231,6 +231,7 @@ void Fill(const Timebase& clock, control::LidarClockPart& part) {
 
 void Fill(const MapperCounters& counters, control::MapperPart& part) {
   part.columns_without_pose = counters.columns_without_pose;
+  part.columns_over_limit = counters.columns_over_limit;
   part.folded_with_labels = counters.folded_with_labels;
   part.folded_without_labels = counters.folded_without_labels;
   part.folded_early = counters.folded_early;

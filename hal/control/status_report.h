@@ -257,6 +257,7 @@ struct LidarClockPart {
 
 struct MapperPart {
   uint32_t columns_without_pose = 0;
+  uint32_t columns_over_limit = 0;
   uint32_t folded_with_labels = 0;
   uint32_t folded_without_labels = 0;
   uint32_t folded_early = 0;

@@ -268,6 +268,7 @@ constexpr void VisitLidarClock(Part& part, Visit& visit) {
 template <typename Part, typename Visit>
 constexpr void VisitMapper(Part& part, Visit& visit) {
   HP_STATUS_LOSS(columns_without_pose);
+  HP_STATUS_LOSS(columns_over_limit);
   HP_STATUS_FIELD(folded_with_labels);
   HP_STATUS_FIELD(folded_without_labels);
   HP_STATUS_LOSS(folded_early);

@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # A mission that was driven on this machine is decided again on a Cortex-M7: from the bytes of its
 # flight log, every frame and every tick's decision hash. Arguments: this machine's release build, the
-# Cortex-M7's replay_tape. Skipped (77) where that build has no hardpack.
+# Cortex-M7's replay_tape, where to leave what it said. Skipped (77) where that build has no hardpack.
 set -euo pipefail
 host=$1
 replay_tape=$2
+measured=$3
 ticks=700  # it has planned, driven off and reached its speed
 if [ ! -x "$host/tools/hardpack" ] || [ ! -x "$host/test/cortex_m7/write_tape" ]; then
   echo "no hardpack in $host"
@@ -23,6 +24,7 @@ run() {
 "$host/test/cortex_m7/write_tape" "$folder"/run/*.pcap $ticks "$folder/tape"
 run "$folder/tape" | tee "$folder/said"
 grep -q "^ticks $ticks$" "$folder/said"
+cp "$folder/said" "$measured"
 [ "$(awk '$1 == "rounds_of_planning" { print $2 }' "$folder/said")" -ge 10 ]
 
 # What it says means something: fewer ticks are another hash, another expected hash is noticed, and so

@@ -47,6 +47,10 @@ class Analysis:
     def bound(self, name):
         return self.bound_at(self.image.named(name).start)
 
+    def round(self, name):
+        """One round of a function's loop of units."""
+        return self._round(self.image.named(name).start)
+
     def bound_at(self, start, size=None):
         """size: in bytes, of a function of sized_calls.py."""
         if (start, CALLS) in self._counted:

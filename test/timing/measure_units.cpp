@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
+
+#include "core/autonomy/planner.h"
+#include "core/base/assert.h"
+#include "hal/vehicle_loop/vehicle_loop.h"
+#include "test/cortex_m7/instruction_clock.h"
+#include "test/cortex_m7/print.h"
+#include "test/cortex_m7/semihosting.h"
+#include "test/decision/storage.h"
+#include "test/timing/adversarial_maps.h"
+
+// The most instructions that one step of each of the planner's stages takes on the adversarial
+// maps, counted exactly: tools/wcet/timing.py holds the static bounds against them. Each map twice:
+// steps of one unit, and whole portions, from the middle to a corner, by either optimizer.
+
+namespace hardpack::decision {
+
+const uint8_t kFreshMemory = 0;
+
+}  // namespace hardpack::decision
+
+namespace hardpack::timing {
+namespace {
+
+using cortex_m7::InstructionClock;
+
+constexpr int kStages = static_cast<int>(PlanStage::kDone) + 1;
+constexpr const char* kStageNames[kStages] = {"idle",   "heights",  "pending", "costmap", "search",
+                                              "sample", "optimize", "check",   "speed",   "done"};
+
+HP_BIG_MEMORY decision::Storage<Planner> planner_memory;
+HP_BIG_MEMORY decision::Storage<HeightGrid> heights_memory;
+
+struct Counts {
+  uint32_t most[kStages] = {};
+  uint32_t steps[kStages] = {};
+};
+
+[[noreturn]] void OnAssertion(const char* file, int line, const char* expression) {
+  cortex_m7::PrintNumber(file, static_cast<uint32_t>(line));
+  cortex_m7::PrintLine(expression);
+  cortex_m7::Exit(4);
+}
+
+template <typename Step>
+void Run(Planner& planner, Counts& counts, Step&& step) {
+  Progress progress = Progress::kBusy;
+  while (progress == Progress::kBusy) {
+    const auto stage = static_cast<int>(planner.stage());
+    const uint32_t from = InstructionClock::Now();
+    progress = step();
+    const uint32_t taken = InstructionClock::InstructionsBetween(from, InstructionClock::Now());
+    ++counts.steps[stage];
+    if (taken > counts.most[stage]) counts.most[stage] = taken;
+  }
+}
+
+PlanRequest RequestFor(int goal) {
+  constexpr Vec2 kGoals[] = {{45.0f, 44.0f}, {-48.0f, 20.0f}};
+  PlanRequest request;
+  request.start.pose = {0.1f, 0.1f, 0.3f};
+  request.goal_odom = kGoals[goal];
+  return request;
+}
+
+void PlanOn(const AdversarialMap& map, int method, int goal, int units, Counts& counts) {
+  Planner& planner = planner_memory.Construct();
+  PlannerParams params;
+  params.optimizer.method = method;
+  const GridWindow window = GridWindow::CenteredAt({0.1f, 0.1f});
+  if (!IsUsable(planner.BeginCells(window, params, RequestFor(goal)))) cortex_m7::Exit(5);
+  for (int32_t y = 0; y < kMapSize_cells; ++y) {
+    for (int32_t x = 0; x < kMapSize_cells; ++x) {
+      planner.costmap_builder().SetCell(y * kMapSize_cells + x, map.flags(x, y));
+    }
+  }
+  Run(planner, counts, [&] { return planner.StepCells(units); });
+}
+
+// Heights of every kind: a row of them is classed in a unit.
+void PlanOnHeights(int units, Counts& counts) {
+  HeightGrid& heights = heights_memory.Construct();
+  for (int32_t y = -kMiddle; y < kMiddle; ++y) {
+    for (int32_t x = -kMiddle; x < kMiddle; ++x) {
+      const Vec2 place = CellCenter({x, y});
+      const uint32_t bits = Mixed(x, y);
+      const float top_m = static_cast<float>(bits % 256u) * 0.01f;
+      static_cast<void>(heights.Insert({place.x_m, place.y_m, 0.0f}, ReturnClass::kGround, 1));
+      if (bits % 5u == 0) continue;
+      const ReturnClass what = bits % 5u == 1 ? ReturnClass::kSoft : ReturnClass::kHard;
+      static_cast<void>(heights.Insert({place.x_m, place.y_m, top_m}, what, 1));
+    }
+  }
+  Planner& planner = planner_memory.Construct();
+  if (!IsUsable(planner.Begin(heights, PlannerParams{}, RequestFor(0)))) cortex_m7::Exit(5);
+  Run(planner, counts, [&] { return planner.Step(heights, units); });
+}
+
+void MeasureWith(const char* prefix, int units) {
+  Counts counts;
+  PlanOnHeights(units, counts);
+  for (const AdversarialMap& map : kAdversarialMaps) {
+    for (int method = 0; method < 2; ++method) {
+      for (int goal = 0; goal < 2; ++goal) PlanOn(map, method, goal, units, counts);
+    }
+  }
+  for (int stage = 0; stage < kStages; ++stage) {
+    if (counts.steps[stage] == 0) continue;
+    cortex_m7::Write(prefix);
+    cortex_m7::Write(" ");
+    cortex_m7::PrintNumber(kStageNames[stage], counts.most[stage]);
+  }
+}
+
+void PrintConstants() {
+  const auto print = [](const char* name, int64_t value) {
+    cortex_m7::Write("constant ");
+    cortex_m7::PrintNumber(name, static_cast<uint32_t>(value));
+  };
+  print("portion_units", Planner::kPortion_units);
+  print("search_units", Planner::kSearchUnits);
+  print("datagrams", VehicleLoop::kMaxDatagramsPerTick);
+  print("ins_feeds", VehicleLoop::kMaxInsFeeds);
+  print("ins_looks", VehicleLoop::kMaxInsMessages);
+  print("folds", Mapper::kMaxFolds);
+  print("aged_cells", Mapper::kMaxAged_cells);
+  print("crossed_cells", Mapper::kMaxCrossed_cells);
+  print("bridge_cells", HeightGrid::kMaxBridge_cells);
+  print("map_cells", kMapSize_cells);
+  print("corridor_tests", Corridor::kMaxTests);
+  print("corridor_rows", Corridor::kMaxMarked_rows);
+  print("person_cells", SpeedCaps::kMaxPersonCells);
+}
+
+}  // namespace
+}  // namespace hardpack::timing
+
+int main() {
+  hardpack::SetAssertionHook(hardpack::timing::OnAssertion);
+  hardpack::timing::PrintConstants();
+  hardpack::cortex_m7::InstructionClock::Start();
+  hardpack::timing::MeasureWith("portion", hardpack::Planner::kPortion_units);
+  hardpack::timing::MeasureWith("unit", 1);
+  return 0;
+}

@@ -1,0 +1,42 @@
+#!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
+# The static bounds of the Cortex-M7's image are within their budgets (config/timing.toml), and nothing
+# that is counted on the adversarial maps, or in a mission, exceeds them; a budget that is too small
+# and a constant that is not as the sources have it are noticed. Arguments: python3, timing.py,
+# measure_units, replay_tape, what a mission has taken (a file that need not be there).
+set -euo pipefail
+python=$1
+timing=$2
+measure_units=$3
+image=$4
+mission=$5
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+qemu-system-arm -M mps2-an500 -nographic -monitor none -serial none -icount shift=7 \
+  -semihosting-config enable=on,target=native -kernel "$measure_units" \
+  >"$folder/units" 2>&1 </dev/null
+measured=(--measured "$folder/units")
+facts=$(dirname "$timing")/../../config/timing.toml
+if [ -f "$mission" ]; then
+  measured+=(--measured "$mission")
+else  # then nothing is said of what only a mission takes
+  grep -v '^measured = "instructions_' "$facts" >"$folder/facts.toml"
+  facts=$folder/facts.toml
+fi
+"$python" "$timing" --facts "$facts" "${measured[@]}" "$image"
+
+fails_with() {  # <text> <argument of timing.py>...
+  local text=$1 status=0
+  shift
+  "$python" "$timing" "$@" "${measured[@]}" "$image" >/dev/null 2>"$folder/error" || status=$?
+  grep -q "$text" "$folder/error"
+  [ $status -eq 1 ]
+}
+sed 's/^cortex_m7 = .*/cortex_m7 = 1000/' "$facts" >"$folder/small.toml"
+fails_with 'the worst tick: .* are more than its budget of 1000' --facts "$folder/small.toml"
+sed 's/^aged_cells = .*/aged_cells = 100/' "$facts" >"$folder/other.toml"
+fails_with 'the constant aged_cells is 8192, not 100' --facts "$folder/other.toml"
+sed 's/^unit costmap .*/unit costmap 999999999/' "$folder/units" >"$folder/more"
+measured+=(--measured "$folder/more")
+fails_with 'measured 999999999, more than its bound' --facts "$facts"

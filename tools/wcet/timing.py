@@ -1,0 +1,189 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The static bounds of a tick's work, held to their budgets and against what was measured.
+
+usage: tools/wcet/timing.py [--facts FILE] [--measured FILE]... [--set NAME=N]... [--json]
+                            [--budgets] IMAGE
+
+Reads config/timing.toml (--facts): what the bounds rest on, what is bounded and how much each may
+take. Prints a table; where a budget is exceeded, or something measured exceeds its bound, it says
+so.
+
+  --measured FILE  lines "name number" of a run of the same code: test/timing/measure_units and
+                   test/cortex_m7/replay_tape. Lines "constant name number" have to be as the facts
+                   say.
+  --set NAME=N     another value of one of the facts' parameters; budgets are then not looked at
+  --json           the table as JSON
+  --budgets        print the budgets as the facts' file has them, each 5 % above its bound
+
+Exit code: 0; 1 where a bound is not as it should be, or cannot be vouched for; 2 bad usage.
+"""
+
+import argparse
+import ast
+import json
+import operator
+import pathlib
+import sys
+import tomllib
+
+from bound import Analysis
+from image import Image, Refused
+
+FACTS = pathlib.Path(__file__).resolve().parents[2] / "config" / "timing.toml"
+OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul}
+
+
+def evaluate(text, values):
+    """A sum of products of numbers and names; ceil(a, b) is the quotient, rounded up."""
+    def of(node):
+        if isinstance(node, ast.BinOp) and type(node.op) in OPERATORS:
+            return OPERATORS[type(node.op)](of(node.left), of(node.right))
+        if isinstance(node, ast.Constant) and isinstance(node.value, int):
+            return node.value
+        if isinstance(node, ast.Name) and node.id in values:
+            return values[node.id]
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "ceil":
+            first, second = map(of, node.args)
+            return -(-first // second)
+        raise Refused(f"{text}: not understood")
+    return of(ast.parse(str(text), mode="eval").body)
+
+
+class Facts:
+    """As the file says them, with the parameters that were set otherwise."""
+
+    def __init__(self, path, changed=()):
+        with open(path, "rb") as file:
+            self.table = tomllib.load(file)
+        for name, _ in changed:
+            if name not in self.table["parameters"]:
+                raise Refused(f"{name} is not one of the parameters")
+        self.values = {**self.table["constants"], **self.table["parameters"], **dict(changed)}
+
+    def analysis(self, image, **units):
+        """units: other numbers of rounds than the file's, by function."""
+        rounds = {name: evaluate(entry["most"], self.values)
+                  for entry in self.table["units"] for name in entry["of"]}
+        return Analysis(image, units={**rounds, **units.get("units", {})},
+                        calls=self._scoped("calls"), rounds=self._scoped("rounds"))
+
+    def _scoped(self, kind):
+        scopes = {}
+        for entry in self.table.get(kind, []):
+            scope = scopes.setdefault(entry["within"], {})
+            scope.update({name: evaluate(entry["most"], self.values) for name in entry["of"]})
+        return scopes
+
+
+def bounds(facts, image):
+    """[(entry, bound)] of what is to be bounded."""
+    analysis = facts.analysis(image)
+    planner = facts.table["units"][0]["of"][0]
+    idle = facts.analysis(image, units={planner: 0})
+    found = []
+    for entry in facts.table["bounds"]:
+        if entry["kind"] == "round":
+            value = analysis.round(entry["function"])
+        elif entry["kind"] == "idle":
+            value = idle.bound(entry["function"])
+        else:
+            value = analysis.bound(entry["function"])
+        found.append((entry, value))
+    return found
+
+
+def read_measured(paths):
+    """{name: the largest number}, and {constant: value}."""
+    numbers, constants = {}, {}
+    for path in paths:
+        with open(path, encoding="utf-8") as file:
+            for line in file:
+                *name, number = line.split() or [""]
+                if not name or not number.isdigit():
+                    continue
+                if name[0] == "constant":
+                    constants[" ".join(name[1:])] = int(number)
+                else:
+                    name = " ".join(name)
+                    numbers[name] = max(numbers.get(name, 0), int(number))
+    return numbers, constants
+
+
+def judge(facts, found, numbers, constants, with_budgets):
+    """Rows of the table, and what is wrong."""
+    rows, wrong = [], []
+    for name, value in facts.table["constants"].items():
+        if constants and constants.get(name) != value:
+            wrong.append(f"the constant {name} is {constants.get(name)}, not {value}")
+    for entry, value in found:
+        measured = numbers.get(entry.get("measured"))
+        row = {"name": entry["name"], "bound": value, "budget": entry.get("cortex_m7"),
+               "measured": measured, "ratio": value / measured if measured else None}
+        rows.append(row)
+        if measured is not None and measured > value:
+            wrong.append(f"{row['name']}: measured {measured}, more than its bound of {value}")
+        if with_budgets and not value <= (row["budget"] or 0):
+            wrong.append(f"{row['name']}: {value} are more than its budget of {row['budget']}")
+        if numbers and "measured" in entry and measured is None:
+            wrong.append(f"{row['name']}: {entry['measured']} was not measured")
+    return rows, wrong
+
+
+def print_table(rows):
+    print(f"{'instructions of':44} {'bound':>13} {'budget':>13} {'measured':>11} {'ratio':>6}")
+    for row in rows:
+        def text(key, form):
+            return format(row[key], form) if row[key] is not None else "-"
+        print(f"{row['name']:44} {row['bound']:13,d} {text('budget', ',d'):>13} "
+              f"{text('measured', ',d'):>11} {text('ratio', '.2f'):>6}")
+
+
+def print_budgets(rows):
+    """Rounded up to three digits."""
+    for row in rows:
+        wanted = row["bound"] * 105 // 100
+        digit = 10 ** max(0, len(str(wanted)) - 3)
+        print(f'{row["name"]}: cortex_m7 = {-(-wanted // digit) * digit}')
+
+
+def read_change(text):
+    name, _, value = text.partition("=")
+    if not value.isdigit():
+        raise argparse.ArgumentTypeError(f"{text} is not NAME=N")
+    return name, int(value)
+
+
+def main(arguments):
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter,
+                                     usage=argparse.SUPPRESS)
+    parser.add_argument("--facts", default=FACTS)
+    parser.add_argument("--measured", action="append", default=[])
+    parser.add_argument("--set", action="append", type=read_change, default=[])
+    parser.add_argument("--json", action="store_true")
+    parser.add_argument("--budgets", action="store_true")
+    parser.add_argument("image")
+    options = parser.parse_args(arguments)
+    try:
+        facts = Facts(options.facts, options.set)
+        numbers, constants = read_measured(options.measured)
+        found = bounds(facts, Image(options.image, facts.table["stops"]))
+    except (OSError, KeyError, tomllib.TOMLDecodeError, Refused) as reason:
+        print(f"timing: {reason}", file=sys.stderr)
+        return 2 if isinstance(reason, OSError) else 1
+    rows, wrong = judge(facts, found, numbers, constants, not options.set)
+    if options.json:
+        print(json.dumps(rows, indent=1))
+    elif options.budgets:
+        print_budgets(rows)
+        return 0
+    else:
+        print_table(rows)
+    for text in wrong:
+        print(f"timing: {text}", file=sys.stderr)
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
