@@ -9,6 +9,8 @@
 namespace hardpack {
 namespace {
 
+// Batches of what came before the first tick: more than any receive buffer holds.
+constexpr int kMaxBacklog = 4096;
 // Longer than a stop takes.
 constexpr uint64_t kForgotten_ns = 5'000'000'000;
 
@@ -23,6 +25,7 @@ Onboard::Onboard(VehicleLoop& loop, const OnboardDevices& devices, const Onboard
 }
 
 void Onboard::Run(const std::atomic<bool>& stop) {
+  DropBacklog();
   uint64_t due_ns = devices_.clock->Now_ns() + options_.period_ns;
   if (devices_.watchdog != nullptr) devices_.watchdog->Ready();
   uint64_t ends_ns = 0;
@@ -45,6 +48,18 @@ void Onboard::Run(const std::atomic<bool>& stop) {
     }
     Tick(now_ns, skipped);
     if (ending_ && (IsOff() || now_ns >= ends_ns)) return;
+  }
+}
+
+// The sockets were opened before everything was set up. What has waited since then would be taken
+// for having come just now: columns with stamps of long ago, and a lidar's clock that jumps as soon
+// as one comes in time.
+void Onboard::DropBacklog() {
+  for (DatagramSocket* socket : {devices_.ins, devices_.labels, devices_.lidar}) {
+    if (socket == nullptr) continue;
+    for (int batch = 0; batch < kMaxBacklog; ++batch) {
+      if (socket->Receive(DatagramSocket::kMaxBatch).empty()) break;
+    }
   }
 }
 

@@ -52,8 +52,9 @@ class Onboard {
  public:
   Onboard(VehicleLoop& loop, const OnboardDevices& devices, const OnboardOptions& options);
 
-  // Ticks until `stop`, then brings the vehicle to rest, disables the drives and returns. A late
-  // tick is skipped and counted, not caught up.
+  // Drops what the sensors' sockets hold from before, then ticks until `stop`, then brings the
+  // vehicle to rest, disables the drives and returns. A late tick is skipped and counted, not
+  // caught up.
   void Run(const std::atomic<bool>& stop);
 
   // One tick at now_ns; `skipped` were missed before it. For tests; Run calls it.
@@ -69,6 +70,7 @@ class Onboard {
   static constexpr int kMaxInsDatagrams = 4;
   static constexpr int kMaxLabelDatagrams = 8;
 
+  void DropBacklog();
   bool IsOff() const;
   void TakeFrames();
   void TakeDatagrams(DatagramSocket* socket, InputSource source, int max);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "test/fakes/memory_datagram_socket.h"
 #include "test/hal/vehicle_loop/closed_loop.h"
 
 // Onboard::Run on a simulated vehicle: how it ends.
@@ -84,6 +85,30 @@ void ExpectOff(ClosedLoop& drive) {
   for (const sim::Side side : {sim::Side::kLeft, sim::Side::kRight}) {
     EXPECT_NE(drive.vehicle().vehicle().drive(side).power_state(), sim::PowerState::kEnabled);
   }
+}
+
+// It would be taken for having come just now.
+TEST(Onboard, DropsWhatCameBeforeTheFirstTick) {
+  ClosedLoop drive;
+  SimulatedDevices simulated(drive);
+  fakes::MemoryDatagramSocket ins(0x7f000001u, 0);
+  fakes::MemoryDatagramSocket labels(0x7f000001u, 0);
+  fakes::MemoryDatagramSocket lidar(0x7f000001u, 0);
+  const std::vector<uint8_t> bytes(100, 0xfa);
+  for (fakes::MemoryDatagramSocket* socket : {&ins, &labels, &lidar}) {
+    for (int i = 0; i < 2 * DatagramSocket::kMaxBatch + 1; ++i) socket->Deliver(bytes);
+  }
+  OnboardDevices devices;
+  devices.clock = &simulated;
+  devices.can = &simulated;
+  devices.ins = &ins;
+  devices.labels = &labels;
+  devices.lidar = &lidar;
+  const auto onboard = std::make_unique<Onboard>(drive.loop(), devices, OnboardOptions{});
+  const std::atomic<bool> stop = true;
+  onboard->Run(stop);
+  EXPECT_GT(drive.loop().counters().ticks, 0u);
+  for (const uint64_t datagrams : drive.loop().counters().datagrams) EXPECT_EQ(datagrams, 0u);
 }
 
 TEST(Onboard, EndsFromDrivingAtRestWithTheDrivesOff) {
