@@ -71,7 +71,7 @@ class Payload {
 struct Counts {
   uint32_t ticks = 0;
   uint64_t instructions = 0;  // of all
-  uint32_t most = 0;  // of one tick
+  uint32_t most = 0;          // of one tick
   uint64_t most_index = 0;
 };
 

@@ -1,0 +1,82 @@
+#!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
+set -euo pipefail
+
+usage() {
+  cat <<'TEXT'
+usage: tools/fuzz.sh [--minutes N] [--build DIR] [--data DIR] [TARGET]...
+
+Fuzzes with libFuzzer, both sanitizers and float-cast-overflow (clang++; preset fuzz): every codec, the
+parsers of files, planning, and the whole tick. The minutes (default 10) are shared among the targets;
+without any named, all of test/fuzz are run. What they find interesting is kept in BUILD/corpus and is
+where the next run begins; the first one begins with seeds made of recordings (--data, default as the
+tests: ../shared/data), where there are some.
+
+For each target it prints its runs, runs a second, and the edges of the code that were reached. An
+input that fails is kept as BUILD/failed/TARGET-*; run the target with it to see it again.
+
+Exit code: 0 nothing failed, 1 something did, 2 bad usage or it does not build.
+TEXT
+}
+
+root=$(cd "$(dirname "$0")/.." && pwd)
+build=$root/build/fuzz
+data=$root/../shared/data
+minutes=10
+targets=()
+while [ $# -gt 0 ]; do
+  case $1 in
+    --minutes) minutes=${2:?--minutes needs a number}; shift ;;
+    --build) build=${2:?--build needs a folder}; shift ;;
+    --data) data=${2:?--data needs a folder}; shift ;;
+    --help | -h) usage; exit 0 ;;
+    -*) echo "fuzz: unknown option $1" >&2; usage >&2; exit 2 ;;
+    *) targets+=("$1") ;;
+  esac
+  shift
+done
+if ! [[ $minutes =~ ^[0-9]+(\.[0-9]+)?$ ]]; then
+  echo "fuzz: $minutes are no minutes" >&2
+  exit 2
+fi
+if [ ${#targets[@]} -eq 0 ]; then
+  for source in "$root"/test/fuzz/*_fuzz.cpp; do
+    targets+=("$(basename "$source" _fuzz.cpp)")
+  done
+fi
+for target in "${targets[@]}"; do
+  if [ ! -f "$root/test/fuzz/${target}_fuzz.cpp" ]; then
+    echo "fuzz: there is no target $target" >&2
+    exit 2
+  fi
+done
+if ! { cmake -S "$root" --preset fuzz -B "$build" &&
+  cmake --build "$build" --target "${targets[@]/%/_fuzz}"; } >"$build.log" 2>&1; then
+  tail -n 20 "$build.log" >&2
+  exit 2
+fi
+python3 "$root/test/fuzz/make_seeds.py" "$build/seeds" "$data"
+
+seconds=$(awk -v m="$minutes" -v n="${#targets[@]}" 'BEGIN { s = int(60 * m / n); print s < 1 ? 1 : s }')
+failed=0
+mkdir -p "$build/failed"
+for target in "${targets[@]}"; do
+  corpus=$build/corpus/$target
+  mkdir -p "$corpus" "$build/seeds/$target"
+  log=$build/$target.log
+  # Of leaks nothing is said: each input's memory is given back, and the rest is the process's.
+  if "$build/test/fuzz/${target}_fuzz" -max_total_time="$seconds" -timeout=60 -rss_limit_mb=4096 \
+    -max_len=25000 -print_final_stats=1 -artifact_prefix="$build/failed/$target-" \
+    "$corpus" "$build/seeds/$target" >"$log" 2>&1; then
+    outcome=fine
+  else
+    outcome=FAILED
+    failed=1
+  fi
+  runs=$(awk '$1 == "stat::number_of_executed_units:" { print $2 }' "$log")
+  edges=$(grep -o 'cov: [0-9]*' "$log" | tail -n 1 | cut -d' ' -f2)
+  printf '%-14s %-7s %10s runs in %s s, %s edges\n' "$target" "$outcome" "${runs:-?}" "$seconds" \
+    "${edges:-?}"
+  if [ $outcome = FAILED ]; then tail -n 30 "$log"; fi
+done
+exit $failed

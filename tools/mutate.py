@@ -1,0 +1,256 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Plants single-token faults in core and hal, and counts how many of them the tests notice.
+
+usage: tools/mutate.py [--mutants N] [--seed N] [--shard K/N] [--only REGEX] [--build DIR]
+                       [--out FILE]
+
+In a copy of the sources under --build (default build/mutate) one token at a time is changed: a
+comparison, a sign, a logical operator, a number, a truth value. A fault that does not compile, or
+leaves the object code as it was, is none and another one is drawn. Then the tests run that are
+about the file, the nearest first: its stage's, and where nobody notices those of the stages behind
+it. What survives is listed with its place and its change.
+
+  --mutants N   faults to plant (default 300)
+  --seed N      of the draw (default 1); the same seed and sources are the same faults
+  --shard K/N   only each N-th of them, beginning with the K-th
+  --only REGEX  only in files whose path matches
+  --out FILE    a line of JSON for each fault, as it is judged
+
+Exit code: 0 at least 90 % are noticed, 1 fewer, 2 bad usage or the tests fail without a fault.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import random
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+ENOUGH = 0.90
+TIME_LIMIT_S = 240  # of one program of tests: a loop without end is noticed
+
+# Tokens and what may stand in their place.
+CHANGES = {
+    "<": ["<="], "<=": ["<"], ">": [">="], ">=": [">"], "==": ["!="], "!=": ["=="],
+    "&&": ["||"], "||": ["&&"], "+": ["-"], "-": ["+"], "*": ["/"], "/": ["*"],
+    "+=": ["-="], "-=": ["+="], "++": ["--"], "--": ["++"], "|": ["&"], "&": ["|"],
+    "<<": [">>"], ">>": ["<<"], "true": ["false"], "false": ["true"],
+}
+TOKEN = re.compile(r"""
+    (?P<skip>//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])+'|^[ \t]*\#[^\n]*)
+  | (?P<name>[A-Za-z_]\w*)
+  | (?P<number>\d[\w.']*(?:[eE][-+]?\d+)?\w*)
+  | (?P<operator><<=|>>=|<=>|->|::|\+\+|--|<=|>=|==|!=|&&|\|\||\+=|-=|\*=|/=|\|=|&=|<<|>>|[-+*/<>|&!])
+""", re.VERBOSE | re.MULTILINE | re.DOTALL)
+# Where a change is no fault of the program: what is checked or said rather than done.
+NOT_IN = re.compile(r"\b(static_assert|HP_ASSERT|HP_LOOP_BOUND|HP_LOOP_BOUND_INNER|template|operator|"
+                    r"using|namespace|static_cast|reinterpret_cast|std::span|std::array)\b")
+
+# Programs of tests behind those of a file's own stage, the quickest first.
+BEHIND = ["core_autonomy_test", "hal_vehicle_loop_test"]
+
+
+def tokens_of(text):
+    """(position, token, replacement) of all that may be changed."""
+    found = []
+    for match in TOKEN.finditer(text):
+        token, kind = match.group(), match.lastgroup
+        line = text[text.rfind("\n", 0, match.start()) + 1:
+                    text.find("\n", match.end()) % (len(text) + 1)]
+        if kind == "skip" or NOT_IN.search(line):
+            continue
+        if kind == "number":
+            changed = changed_number(token)
+            if changed is not None:
+                found.append((match.start(), token, changed))
+        elif token in CHANGES and is_binary(text, match, kind):
+            found.append((match.start(), token, random_free(CHANGES[token])))
+    return found
+
+
+def random_free(choices):
+    return choices[0]
+
+
+def is_binary(text, match, kind):
+    """Whether an operator that could be of a type or a pointer is one between two values, which are
+    written with a space on both sides."""
+    if kind == "name" or match.group() in ("++", "--", "&&", "||"):
+        return match.group() != "&&" or text[match.end():match.end() + 1] == " "
+    return (text[match.start() - 1:match.start()] == " " and
+            text[match.end():match.end() + 1] in (" ", "\n"))
+
+
+def changed_number(token):
+    """The next one; a float half as large again."""
+    if re.fullmatch(r"\d+u?", token):
+        digits = token.rstrip("u")
+        return str(int(digits) + 1) + token[len(digits):]
+    match = re.fullmatch(r"(\d+\.\d*)(f?)", token)
+    if match is None:
+        return None
+    value = float(match.group(1))
+    return f"{value * 1.5 if value else 1.0!r}{match.group(2)}"
+
+
+class Tree:
+    """A copy of the sources, built once, in which one file at a time is changed."""
+
+    def __init__(self, folder):
+        self.sources = folder / "sources"
+        self.build = folder / "build"
+        folder.mkdir(parents=True, exist_ok=True)
+        files = subprocess.run(["git", "ls-files"], cwd=ROOT, check=True, capture_output=True,
+                               text=True).stdout.split()
+        for name in files:
+            target = self.sources / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            text = (ROOT / name).read_bytes()
+            if not target.exists() or target.read_bytes() != text:
+                target.write_bytes(text)
+        if not (self.build / "build.ninja").exists():
+            subprocess.run(["cmake", "-S", self.sources, "-B", self.build, "-G", "Ninja",
+                            "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG",
+                            "-DHARDPACK_COUNT_LOOPS=OFF", "-DCMAKE_CXX_COMPILER=g++"],
+                           check=True, stdout=subprocess.DEVNULL)
+
+    def ninja(self, *targets):
+        return subprocess.run(["ninja", "-C", self.build, *targets], stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True, check=False)
+
+    def object_of(self, name):
+        """Of a source: core/astar/astar.cpp."""
+        layer, stage, file = name.split("/")
+        return self.build / layer / "CMakeFiles" / f"hardpack_{layer}_{stage}.dir" / stage / \
+            f"{file}.o"
+
+    def programs_of(self, name):
+        layer, stage, _ = name.split("/")
+        own = f"{layer}_{stage}_test"
+        behind = [p for p in BEHIND if p != own]
+        if layer == "hal" and stage != "vehicle_loop":
+            behind = ["hal_vehicle_loop_test"]
+        known = self.ninja("-t", "targets", "all").stdout
+        return [p for p in [own, *behind] if f"\n{p}: " in known or f"/{p}: " in known]
+
+    def fails(self, program):
+        """Why the tests of a program notice; None where they do not."""
+        binary = self.build / "test" / program
+        environment = {**os.environ, "GTEST_BRIEF": "1",
+                       "HARDPACK_DATA": os.environ.get("HARDPACK_DATA", "")}
+        try:
+            run = subprocess.run([binary, "--gtest_fail_fast"], cwd=self.build,
+                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                 errors="replace", timeout=TIME_LIMIT_S, env=environment,
+                                 check=False)
+        except subprocess.TimeoutExpired:
+            return f"{program}: no end"
+        if run.returncode == 0:
+            return None
+        match = re.search(r"\[  FAILED  \] (\S+)", run.stdout)
+        return f"{program}: {match.group(1) if match else 'it ended with ' + str(run.returncode)}"
+
+
+def judge(tree, name, text, place):
+    """{"outcome": ...}: noticed, survived, or none (does not compile, same code)."""
+    position, token, replacement = place
+    source = tree.sources / name
+    object_file = tree.object_of(name)
+    before = object_file.read_bytes()
+    source.write_text(text[:position] + replacement + text[position + len(token):], "utf-8")
+    try:
+        if tree.ninja(str(object_file.relative_to(tree.build))).returncode != 0:
+            return {"outcome": "none", "by": "does not compile"}
+        if object_file.read_bytes() == before:
+            return {"outcome": "none", "by": "same code"}
+        for program in tree.programs_of(name):
+            if tree.ninja(program).returncode != 0:
+                return {"outcome": "none", "by": "does not compile"}
+            noticed = tree.fails(program)
+            if noticed:
+                return {"outcome": "noticed", "by": noticed}
+        return {"outcome": "survived", "by": ""}
+    finally:
+        source.write_text(text, "utf-8")
+        tree.ninja(str(object_file.relative_to(tree.build)))
+
+
+def draw(options):
+    """Places in all sources, in the seed's order."""
+    generator = random.Random(options.seed)
+    places = []
+    for layer in ("core", "hal"):
+        for path in sorted((ROOT / layer).glob("*/*.cpp")):
+            name = str(path.relative_to(ROOT))
+            if options.only and not re.search(options.only, name):
+                continue
+            places += [(name, place) for place in tokens_of(path.read_text("utf-8"))]
+    generator.shuffle(places)
+    return places
+
+
+def read_shard(text):
+    first, _, count = text.partition("/")
+    if not (first.isdigit() and count.isdigit() and 1 <= int(first) <= int(count)):
+        raise argparse.ArgumentTypeError(f"{text} is not K/N")
+    return int(first) - 1, int(count)
+
+
+def main(arguments):
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter,
+                                     usage=argparse.SUPPRESS)
+    parser.add_argument("--mutants", type=int, default=300)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--shard", type=read_shard, default=(0, 1))
+    parser.add_argument("--only", default="")
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "mutate")
+    parser.add_argument("--out", type=pathlib.Path)
+    options = parser.parse_args(arguments)
+    first, shards = options.shard
+    folder = options.build.resolve() / str(first)
+    places = draw(options)[first::shards]
+    wanted = (options.mutants - first + shards - 1) // shards
+    print(f"seed {options.seed}: {len(places)} places, {wanted} faults to plant", flush=True)
+    tree = Tree(folder)
+    programs = sorted({p for name, _ in places for p in tree.programs_of(name)})
+    built = tree.ninja(*programs)
+    if built.returncode != 0:
+        print(built.stdout[-4000:], file=sys.stderr)
+        return 2
+    for program in programs:
+        why = tree.fails(program)
+        if why:
+            print(f"mutate: without a fault, {why}", file=sys.stderr)
+            return 2
+    counts = {"noticed": 0, "survived": 0, "none": 0}
+    for name, place in places:
+        if counts["noticed"] + counts["survived"] >= wanted:
+            break
+        text = (ROOT / name).read_text("utf-8")
+        begun = time.monotonic()
+        result = judge(tree, name, text, place)
+        counts[result["outcome"]] += 1
+        line = text.count("\n", 0, place[0]) + 1
+        result |= {"file": name, "line": line, "from": place[1], "to": place[2],
+                   "seconds": round(time.monotonic() - begun, 1)}
+        if options.out:
+            with open(options.out, "a", encoding="utf-8") as file:
+                file.write(json.dumps(result) + "\n")
+        if result["outcome"] == "survived":
+            print(f"survived: {name}:{line}: {place[1]} -> {place[2]}", flush=True)
+    judged = counts["noticed"] + counts["survived"]
+    share = counts["noticed"] / judged if judged else 0.0
+    print(f"noticed {counts['noticed']} of {judged} ({100 * share:.1f} %); {counts['none']} were none")
+    shutil.rmtree(folder / "sources", ignore_errors=True) if judged == 0 else None
+    return 0 if share >= ENOUGH else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
