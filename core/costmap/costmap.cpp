@@ -166,7 +166,8 @@ void CostmapBuilder::FillCost(int entry) {
   const int distance2 = entry % kDistances2;
   const float edge_cost = hard ? params_.hard_edge_cost : params_.soft_edge_cost;
   const float slope_per_m = hard ? params_.hard_slope_per_m : params_.soft_slope_per_m;
-  const float s_m = (Sqrt(static_cast<float>(distance2)) - 0.5f) * kCellSize_m;
+  // No cell has the distance 0, for which a halo of next to nothing would be divided by.
+  const float s_m = Max((Sqrt(static_cast<float>(distance2)) - 0.5f) * kCellSize_m, 0.0f);
   const float halo = HaloCost(s_m, edge_cost, params_.halo_m);
   const float inside = InsideCost(s_m, edge_cost, slope_per_m, params_.planning_radius_m);
   const int halo_q8 = Quantized(halo);

@@ -119,10 +119,10 @@ class Problem {
       case 0:
         return true;
       case 1: {
-        const int dx = 2 * x - width;
-        const int dy = 2 * y - height;
+        const int64_t dx = 2 * x - width;
+        const int64_t dy = 2 * y - height;
         return dx * dx * height * height + dy * dy * width * width <=
-               width * width * height * height;
+               int64_t{width} * width * height * height;
       }
       case 2:
         return x == 0 || y == 0 || x == width - 1 || y == height - 1;  // a frame

@@ -94,7 +94,7 @@ class Recorder {
     if (kind == control::Kind::kGoal) {
       command.waypoints = 1;
       command.waypoint[0].frame = control::GoalFrame::kOdom;
-      command.waypoint[0].position_m = {25.0, 1.0};
+      command.waypoint[0].position_m = {25.0f, 1.0f};
     }
     uint8_t bytes[control::kMaxMessageBytes];
     int size = 0;
@@ -292,10 +292,9 @@ class Play {
     command.kind = static_cast<control::Kind>(script_.Byte() % 16u);
     command.sequence = script_.Byte();
     command.waypoints = script_.Byte() % 3u;
-    for (uint32_t i = 0; i < command.waypoints; ++i) {
+    for (int32_t i = 0; i < command.waypoints; ++i) {
       command.waypoint[i].frame = static_cast<control::GoalFrame>(script_.Byte() % 4u);
-      command.waypoint[i].position_m = {static_cast<double>(script_.Any()),
-                                        static_cast<double>(script_.Any())};
+      command.waypoint[i].position_m = {script_.Any(), script_.Any()};
     }
     uint8_t bytes[control::kMaxMessageBytes];
     int size = 0;
@@ -330,10 +329,12 @@ class Play {
   // A safe stop becomes zero speed when it has lasted too long.
   void CheckStop() {
     const Permission& permission = loop_->permission();
-    if (permission.mode != Mode::kSafeStop) stop_ns_ = now_ns_;
-    if (permission.motion != Motion::kStopAlong) return;
+    const bool stops = permission.mode == Mode::kSafeStop;
+    if (stops && !stopped_) stop_ns_ = now_ns_;
+    stopped_ = stops;
+    if (!stops || permission.motion != Motion::kStopAlong) return;
     const double lasted_s = static_cast<double>(now_ns_ - stop_ns_) * 1e-9;
-    Require(lasted_s <= static_cast<double>(loop_->config().onboard.safety.max_stop_s) + 0.1);
+    Require(lasted_s <= static_cast<double>(loop_->config().onboard.safety.max_stop_s) + 0.001);
   }
 
   void CheckState() const {
@@ -358,7 +359,8 @@ class Play {
   uint64_t index_ = 0;
   uint64_t now_ns_ = 0;
   uint64_t step_ns_ = kTick_ns;
-  uint64_t stop_ns_ = 0;  // the last tick that was no safe stop
+  bool stopped_ = false;  // the tick before was of a safe stop ...
+  uint64_t stop_ns_ = 0;  // ... that began then
   size_t next_ = 0;
   CanBusState bus_ = CanBusState::kActive;
   RecordedTick tick_;

@@ -15,8 +15,9 @@ namespace hardpack::map_server {
 struct GreyImage {
   int width_px = 0;
   int height_px = 0;
-  std::vector<float> white;          // [height x width], rows downward; 0 black .. 1 white
-  std::vector<uint8_t> transparent;  // the same shape; 1 where a PNG is not fully opaque
+  std::vector<float> white;  // [height x width], rows downward; 0 black .. 1 white
+  std::vector<uint8_t>
+      transparent;  // the same shape; 1 where a PNG is not fully opaque. PGM: empty
 };
 
 // More pixels than this are refused before any memory is asked for.

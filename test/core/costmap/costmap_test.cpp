@@ -116,6 +116,24 @@ TEST(CostmapParams, RefusesNumbersThatAreNotFinite) {
   }
 }
 
+// Found by fuzzing: at distance 0, where no cell is, it was divided by.
+TEST(CostmapBuilder, TakesAHaloOfNextToNothing) {
+  Scene none;
+  Scene next_to;
+  CostmapParams params;
+  params.halo_m = 0.0f;
+  CostmapParams tiny = params;
+  tiny.halo_m = 1.0e-40f;
+  for (Scene* scene : {&none, &next_to}) {
+    ASSERT_EQ(
+        scene->builder().BeginCells(GridWindow::CenteredAt({}), scene == &none ? params : tiny),
+        Status::kOk);
+    scene->builder().SetCell(100 * kMapSize_cells + 100, Costmap::kHard | Costmap::kObserved);
+    ASSERT_EQ(scene->builder().StepCells(CostmapBuilder::kCellUnits), Progress::kDone);
+  }
+  EXPECT_TRUE(Same(none.builder().result(), next_to.builder().result()));
+}
+
 TEST(CostmapBuilder, HasNothingToDoBeforeItBegins) {
   Scene scene;
   EXPECT_EQ(scene.builder().Step(scene.heights(), 1), Progress::kDone);
