@@ -10,8 +10,8 @@ Installs what is missing (Debian packages, tools/packages.txt), builds the relea
 its tests, the static checks among them: at most 15 minutes on two cores.
 
   --all         the slow ones too: clang and sanitizer builds and their tests (the latter with
-                the libraries' own assertions), aarch64 and Cortex-M7 under QEMU, the tests
-                labelled slow: at most 60 minutes. It installs what the comparisons of
+                the libraries' own assertions), aarch64 and Cortex-M7 under QEMU, a minute of
+                fuzzing, the tests labelled slow: at most 60 minutes. It installs what the comparisons of
                 `hardpack bench` need as well (ten seconds), so that what uses other libraries is
                 compiled and tested
   --deps        only install; with --all, what --all needs as well
@@ -148,6 +148,7 @@ if $all; then
   build_and_test asan -LE slow
   build_and_test aarch64
   build_and_test cortex-m7
+  step "fuzz" tools/fuzz.sh --minutes 1 || true
   step "slow tests" ctest --preset release -j "$jobs" -L slow || true
 fi
 
