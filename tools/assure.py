@@ -1,0 +1,204 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Measures what hardpack promises, and writes assurance.md.
+
+usage: tools/assure.sh [--fuzz-minutes N] [--mutants N] [--only NAME]... [--out FILE] [--list]
+
+On a machine with nothing but Debian and this checkout: packages are installed, everything is built in
+build/, and each command below is run, one after the other, its output kept in build/assure. The page
+has a line for each promise: the figure that was measured, the budget that it is held to, the command.
+
+  --fuzz-minutes N  of all targets together (default 30)
+  --mutants N       faults planted (default 300: hours)
+  --only NAME       only these commands (--list prints their names); the page then has their lines
+  --out FILE        the page (default assurance.md)
+
+Exit code: 0 every promise is kept, 1 one is not (the page says which), 2 bad usage.
+"""
+
+import argparse
+import datetime
+import pathlib
+import platform
+import re
+import subprocess
+import sys
+import time
+from dataclasses import dataclass, field
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+LOGS = ROOT / "build" / "assure"
+
+
+@dataclass
+class Promise:
+    what: str
+    figure: str  # a regular expression: its groups, or lines, in the command's output
+    budget: str
+    form: str = "{}"
+    times: str = "last"  # of several matches: last, or count
+
+
+@dataclass
+class Measurement:
+    name: str
+    command: str
+    promises: list = field(default_factory=list)
+
+
+PASSED = r"(100% tests passed, 0 tests failed out of \d+)"
+
+
+def measurements(options):
+    return [
+        Measurement("packages", "tools/check.sh --all --deps"),
+        Measurement("release", "cmake --preset release && cmake --build --preset release && "
+                    "ctest --preset release -LE slow", [
+                        Promise("every test passes in g++'s optimised build; what the README quotes is "
+                                "as it says", PASSED, "all"),
+                    ]),
+        Measurement("loop_bounds", "ctest --preset release -R ^counted/", [
+            Promise("no loop of core and hal runs more often than its record says, in any test",
+                    PASSED, "all"),
+        ]),
+        Measurement("tidy", "tools/check_tidy.sh build/release && echo nothing", [
+            Promise("clang-tidy (bugprone, cert, cppcoreguidelines) says", r"^(nothing)$", "nothing"),
+        ]),
+        Measurement("no_heap", "ctest --preset release -R 'rails.(symbols|links_alone|planted.uses_new|"
+                    "planted.link_with_new)'", [
+                        Promise("no heap: core and hal need four functions of memory and nothing else, "
+                                "and link alone; planted uses of new are found", PASSED, "all"),
+                    ]),
+        Measurement("memory", "build/release/test/docs/memory_doc", [
+            Promise("memory of everything on board, fixed at compile time",
+                    r"\| `VehicleLoop` \| (\d+) \|", "8,650,752 bytes", "{} bytes"),
+            Promise("of planning", r"takes (\d+ of its \d+ bytes)", "6 MiB"),
+        ]),
+        Measurement("same_bits", "tools/decision_hash.sh --all", [
+            Promise("the same decisions by every compiler, option and processor",
+                    r"^decision_hash: (all equal)$", "7 builds"),
+        ]),
+        Measurement("clang", "cmake --preset release-clang && cmake --build --preset release-clang && "
+                    "ctest --preset release-clang -LE slow", [
+                        Promise("every test passes in clang++'s build", PASSED, "all")]),
+        Measurement("sanitizers", "cmake --preset asan && cmake --build --preset asan && "
+                    "ctest --preset asan -LE slow", [
+                        Promise("every test passes with address and undefined-behaviour sanitizers",
+                                PASSED, "all")]),
+        Measurement("aarch64", "cmake --preset aarch64 && cmake --build --preset aarch64 && "
+                    "ctest --preset aarch64", [
+                        Promise("the aarch64 build: missions to the same bits, hardpackd on an arm64 "
+                                "kernel with a vcan", PASSED, "all")]),
+        Measurement("cortex_m7", "cmake --preset cortex-m7 && cmake --build --preset cortex-m7 && "
+                    "ctest --preset cortex-m7 -V", [
+                        Promise("the Cortex-M7 build: a mission from bytes to frames, the same hash in "
+                                "every tick", r"(decision hash [0-9a-f]{16})", "the host's"),
+                        Promise("static bound of a row of the costmap, Cortex-M7",
+                                r"costmap, a row of cells\s+([\d,]+\s+[\d,]+\s+\S+\s+\S+)",
+                                "config/timing.toml", "{} (bound, budget, counted, ratio)"),
+                        Promise("static bound of an expansion of the search",
+                                r"search, an expansion\s+([\d,]+\s+[\d,]+)", "config/timing.toml",
+                                "{} (bound, budget)"),
+                        Promise("static bound of a tick without planning",
+                                r"a tick without planning\s+([\d,]+\s+[\d,]+)", "config/timing.toml",
+                                "{} (bound, budget)"),
+                        Promise("static bound of the worst tick, instructions",
+                                r"the worst tick\s+([\d,]+\s+[\d,]+\s+\S+\s+\S+)",
+                                "config/timing.toml", "{} (bound, budget, counted, ratio)"),
+                        Promise("static bound of the stack of a tick",
+                                r"(\d+)  hardpack::VehicleLoop::Tick", "16,384 bytes", "{} bytes"),
+                        Promise("of it taken, painted, the program around it included",
+                                r"the mission took (\d+ of at most \d+ bytes)", "the bound"),
+                    ]),
+        Measurement("slow", "ctest --preset release -L slow", [
+            Promise("worlds (five seeds each) end as they should; each fault on a real vcan stops the "
+                    "vehicle within its limit", PASSED, "all")]),
+        Measurement("coverage", "tools/coverage.py", [
+            Promise("lines of core and hal that the tests run", r"core and hal\s.*?([\d.]+) %$",
+                    "95 %", "{} %")]),
+        Measurement("fuzz", f"tools/fuzz.sh --minutes {options.fuzz_minutes}", [
+            Promise("fuzzing finds nothing: targets", r"^(\S+)\s+fine ", "all", "{} fine", "count")]),
+        Measurement("mutation", f"tools/mutate.py --mutants {options.mutants}", [
+            Promise("planted faults that the tests notice", r"noticed (\d+ of \d+ \([\d.]+ %\))",
+                    "90 %")]),
+    ]
+
+
+def run(measurement):
+    """Whether it succeeded, its output, and how long it took."""
+    begun = time.monotonic()
+    log = LOGS / f"{measurement.name}.log"
+    with open(log, "w", encoding="utf-8") as file:
+        code = subprocess.run(["bash", "-c", "set -o pipefail; " + measurement.command], cwd=ROOT,
+                              stdin=subprocess.DEVNULL, stdout=file, stderr=subprocess.STDOUT,
+                              check=False).returncode
+    return code == 0, log.read_text("utf-8", errors="replace"), time.monotonic() - begun
+
+
+def figure_of(promise, output):
+    found = re.findall(promise.figure, output, re.MULTILINE)
+    if not found:
+        return None
+    if promise.times == "count":
+        return promise.form.format(len(found))
+    return promise.form.format(re.sub(r"\s+", " ", found[-1]))
+
+
+def lines_of(measurement, succeeded, output):
+    lines = []
+    for promise in measurement.promises:
+        figure = figure_of(promise, output)
+        kept = succeeded and figure is not None
+        command = measurement.command.replace("|", "\\|")
+        lines.append((kept, f"| {promise.what} | {figure or '-'} | {promise.budget} | "
+                      f"{'kept' if kept else '**NOT KEPT**'} | `{command}` |"))
+    if not measurement.promises and not succeeded:
+        lines.append((False, f"| {measurement.name} | - | | **NOT KEPT** | `{measurement.command}` |"))
+    return lines
+
+
+def write_page(path, lines):
+    revision = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=ROOT,
+                              capture_output=True, text=True, check=False).stdout.strip()
+    day = datetime.date.today().isoformat()
+    kept = sum(1 for is_kept, _ in lines if is_kept)
+    text = [f"# Assurance\n\nRevision {revision}, {day}, {platform.machine()}. {kept} of {len(lines)} "
+            "promises kept. Outputs are in `build/assure`. Written by `tools/assure.sh`.\n",
+            "| promise | measured | budget | | command |", "|---|---|---|---|---|"]
+    path.write_text("\n".join(text + [line for _, line in lines]) + "\n", "utf-8")
+
+
+def main(arguments):
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter,
+                                     usage=argparse.SUPPRESS)
+    parser.add_argument("--fuzz-minutes", type=float, default=30)
+    parser.add_argument("--mutants", type=int, default=300)
+    parser.add_argument("--only", action="append", default=[])
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "assurance.md")
+    parser.add_argument("--list", action="store_true")
+    options = parser.parse_args(arguments)
+    every = measurements(options)
+    unknown = set(options.only) - {m.name for m in every}
+    if unknown:
+        print(f"assure: unknown: {', '.join(sorted(unknown))}", file=sys.stderr)
+        return 2
+    if options.list:
+        for measurement in every:
+            print(f"{measurement.name:12} {measurement.command}")
+        return 0
+    LOGS.mkdir(parents=True, exist_ok=True)
+    lines = []
+    for measurement in every:
+        if options.only and measurement.name not in options.only:
+            continue
+        print(f"{measurement.name}: {measurement.command}", flush=True)
+        succeeded, output, seconds = run(measurement)
+        print(f"  {'done' if succeeded else 'FAILED'}, {seconds:.0f} s", flush=True)
+        lines += lines_of(measurement, succeeded, output)
+        write_page(options.out, lines)
+    return 0 if all(kept for kept, _ in lines) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
