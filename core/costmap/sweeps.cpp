@@ -406,8 +406,11 @@ const uint8_t* CostmapBuilder::HardDistances(int row, unsigned blocks) {
     SweepEdgesBack(rows, Costmap::kLethal, map_.hard_depth2 + begin, columns, hard_row_, a);
     StepFromEdges(row_flags_.cells(), Costmap::kLethal, a, columns, b);
     SmallestPlusSquare<1, 7>(b, columns, a);
-    SmallestPlusSquare<8, 7>(a, columns, b);
   }
+  // Runs lie further apart than either looks.
+  left = blocks;
+  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
+  while (left != 0) SmallestPlusSquare<8, 7>(a, TakeRun(left), b);
   return b;
 }
 
@@ -429,9 +432,13 @@ const uint8_t* CostmapBuilder::SoftDistances(int row, unsigned blocks) {
     SweepEdgesBack(rows, Costmap::kSoftRegion, plane_ + begin, columns, soft_row_.cells(), c);
     StepFromEdges(row_flags_.cells(), Costmap::kSoftRegion, c, columns, a);
     SmallestPlusSquare<1, 4>(a, columns, c);
-    if (soft_reach_cells_ > 5) SmallestPlusSquare<5, 5>(c, columns, a);
-    if (soft_reach_cells_ > 10) SmallestPlusSquare<10, 5>(a, columns, c);
   }
+  left = soft_reach_cells_ > 5 ? blocks : 0;
+  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
+  while (left != 0) SmallestPlusSquare<5, 5>(c, TakeRun(left), a);
+  left = soft_reach_cells_ > 10 ? blocks : 0;
+  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
+  while (left != 0) SmallestPlusSquare<10, 5>(a, TakeRun(left), c);
   return two_steps ? a : c;
 }
 

@@ -254,6 +254,19 @@ TEST_F(AstarOutcome, PartialPathEndsAtTheCheapestOfEquallyNearCells) {
   EXPECT_EQ(result.end, (Cell{102, 102}));
 }
 
+// Two free cells that are as near to the goal and to the start: the same one whatever comes first.
+TEST_F(AstarOutcome, AGoalIsMovedToTheFirstOfCellsThatAreAsNear) {
+  Sketch sketch = Draw({"...", "S#.", "..."});
+  SetLethal(*sketch.map, sketch.map->window.Index({101, 101}), 4);
+  SetLethal(*sketch.map, sketch.map->window.Index({100, 101}), 4);
+  const AstarResult& result = Solve(*search_, *sketch.map, {102, 101}, {101, 101});
+  EXPECT_EQ(result.status, Status::kGoalMoved);
+  EXPECT_EQ(result.goal, (Cell{102, 101}));
+  SetLethal(*sketch.map, sketch.map->window.Index({102, 101}), 4);
+  Solve(*search_, *sketch.map, {102, 101}, {101, 101});
+  EXPECT_EQ(search_->result().goal, (Cell{102, 100}));  // and not (102, 102), as far from both
+}
+
 TEST_F(AstarOutcome, PartialPathOfOneCellWhenOnlyTheStartMayBeExpanded) {
   AstarParams params;
   params.max_expansions = 1;
