@@ -165,9 +165,16 @@ int GroundLine::LastPointBefore(float level_m, int hint) const {
 }
 
 void GroundLine::Join(int point, float level_m, float height_m, int beam) {
+  // The line's levels rise: what is a base away stays so.
   int base = base_[point];
-  HP_LOOP_BOUND(kMaxBeams)
-  while (base < point && level_m - level_m_[base + 1] >= kSlopeBase_m) ++base;
+  int near = point + 1;  // the points from here on are too near
+  HP_LOOP_BOUND(kSearchSteps)
+  while (near - base > 1) {
+    const int middle = (base + near) / 2;
+    const bool is_away = level_m - level_m_[middle] >= kSlopeBase_m;
+    base = is_away ? middle : base;
+    near = is_away ? near : middle;
+  }
   const int added = point + 1;
   level_m_[added] = level_m;
   height_m_[added] = height_m;

@@ -24,7 +24,7 @@ import re
 from dataclasses import dataclass, field
 
 from counted_loops import back_edges
-from image import Refused
+from image import EM_AARCH64, Refused
 
 RECORDED = re.compile(r"(^|/)(core|hal)/")  # files whose loops all have records
 
@@ -121,8 +121,12 @@ class LoopBounds:
         self._of[loop.header] = bound
 
     def _same_source(self, loop, other):
-        return any(a[-len(b):] == b or b[-len(a):] == a
+        return any(a[-len(b):] == b or b[-len(a):] == a or self._same_copy(a, b)
                    for a in self._closing(loop) for b in self._closing(other))
+
+    def _same_copy(self, a, b):
+        """Whether two lines are of the same copy of a function, where that is enough."""
+        return self.image.machine == EM_AARCH64 and a[1:] == b[1:] and a[0][0] == b[0][0]
 
     def _closing(self, loop):
         """The source lines, with their callers, of the jumps that close the loop: those that stem

@@ -40,7 +40,7 @@ class MadeUpRun {
 
   explicit MadeUpRun(Recorder& recorder, size_t state_bytes = 300'000, uint32_t seed = 1)
       : random_(seed), state_(state_bytes), snapshot_(state_bytes), log_(recorder, snapshot_) {
-    configuration_ = std::string(70'000, 'c') + "onfiguration";
+    configuration_.assign(70'000, 'c');
     metadata_ = "{\"metadata\": true}";
     flight_log::FlightLogSetup setup;
     setup.version.run = 0x1122334455667788u;

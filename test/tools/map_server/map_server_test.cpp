@@ -58,8 +58,9 @@ TEST_F(MapServer, Takes205AsUnknownWhateverTheFreeThreshold) {
 }
 
 TEST_F(MapServer, ScaleTakes205AsAnyOtherGrey) {
-  EXPECT_EQ(PixelsWith(std::string(kYaml) + "mode: scale\n"),
-            (std::vector<Occupancy>{H, S, S, F, F}));
+  std::string yaml = kYaml;
+  yaml += "mode: scale\n";
+  EXPECT_EQ(PixelsWith(yaml), (std::vector<Occupancy>{H, S, S, F, F}));
 }
 
 TEST_F(MapServer, NegateTakesWhiteAsOccupied) {
