@@ -4,9 +4,9 @@
 #include "core/autonomy/planner.h"
 #include "core/base/assert.h"
 #include "hal/vehicle_loop/vehicle_loop.h"
-#include "test/cortex_m7/instruction_clock.h"
-#include "test/cortex_m7/print.h"
-#include "test/cortex_m7/semihosting.h"
+#include "test/bare_metal/instruction_clock.h"
+#include "test/bare_metal/print.h"
+#include "test/bare_metal/semihosting.h"
 #include "test/decision/storage.h"
 #include "test/timing/adversarial_maps.h"
 
@@ -23,7 +23,7 @@ const uint8_t kFreshMemory = 0;
 namespace hardpack::timing {
 namespace {
 
-using cortex_m7::InstructionClock;
+using bare_metal::InstructionClock;
 
 constexpr int kStages = static_cast<int>(PlanStage::kDone) + 1;
 constexpr const char* kStageNames[kStages] = {"idle",   "heights",  "pending", "costmap", "search",
@@ -38,9 +38,9 @@ struct Counts {
 };
 
 [[noreturn]] void OnAssertion(const char* file, int line, const char* expression) {
-  cortex_m7::PrintNumber(file, static_cast<uint32_t>(line));
-  cortex_m7::PrintLine(expression);
-  cortex_m7::Exit(4);
+  bare_metal::PrintNumber(file, static_cast<uint32_t>(line));
+  bare_metal::PrintLine(expression);
+  bare_metal::Exit(4);
 }
 
 template <typename Step>
@@ -69,7 +69,7 @@ void PlanOn(const AdversarialMap& map, int method, int goal, int units, Counts& 
   PlannerParams params;
   params.optimizer.method = method;
   const GridWindow window = GridWindow::CenteredAt({0.1f, 0.1f});
-  if (!IsUsable(planner.BeginCells(window, params, RequestFor(goal)))) cortex_m7::Exit(5);
+  if (!IsUsable(planner.BeginCells(window, params, RequestFor(goal)))) bare_metal::Exit(5);
   for (int32_t y = 0; y < kMapSize_cells; ++y) {
     for (int32_t x = 0; x < kMapSize_cells; ++x) {
       planner.costmap_builder().SetCell(y * kMapSize_cells + x, map.flags(x, y));
@@ -93,12 +93,13 @@ void PlanOnHeights(int units, Counts& counts) {
     }
   }
   Planner& planner = planner_memory.Construct();
-  if (!IsUsable(planner.Begin(heights, PlannerParams{}, RequestFor(0)))) cortex_m7::Exit(5);
+  if (!IsUsable(planner.Begin(heights, PlannerParams{}, RequestFor(0)))) bare_metal::Exit(5);
   Run(planner, counts, [&] { return planner.Step(heights, units); });
 }
 
 void MeasureWith(const char* prefix, int units) {
-  Counts counts;
+  static Counts counts;
+  counts = {};
   PlanOnHeights(units, counts);
   for (const AdversarialMap& map : kAdversarialMaps) {
     for (int method = 0; method < 2; ++method) {
@@ -107,16 +108,16 @@ void MeasureWith(const char* prefix, int units) {
   }
   for (int stage = 0; stage < kStages; ++stage) {
     if (counts.steps[stage] == 0) continue;
-    cortex_m7::Write(prefix);
-    cortex_m7::Write(" ");
-    cortex_m7::PrintNumber(kStageNames[stage], counts.most[stage]);
+    bare_metal::Write(prefix);
+    bare_metal::Write(" ");
+    bare_metal::PrintNumber(kStageNames[stage], counts.most[stage]);
   }
 }
 
 void PrintConstants() {
   const auto print = [](const char* name, int64_t value) {
-    cortex_m7::Write("constant ");
-    cortex_m7::PrintNumber(name, static_cast<uint32_t>(value));
+    bare_metal::Write("constant ");
+    bare_metal::PrintNumber(name, static_cast<uint32_t>(value));
   };
   print("portion_units", Planner::kPortion_units);
   print("search_units", Planner::kSearchUnits);
@@ -131,6 +132,8 @@ void PrintConstants() {
   print("corridor_tests", Corridor::kMaxTests);
   print("corridor_rows", Corridor::kMaxMarked_rows);
   print("person_cells", SpeedCaps::kMaxPersonCells);
+  print("plan_units", Planner::kMaxUnits);
+  print("plan_transitions", Planner::kMaxTransitions);
 }
 
 }  // namespace
@@ -139,7 +142,7 @@ void PrintConstants() {
 int main() {
   hardpack::SetAssertionHook(hardpack::timing::OnAssertion);
   hardpack::timing::PrintConstants();
-  hardpack::cortex_m7::InstructionClock::Start();
+  hardpack::bare_metal::InstructionClock::Start();
   hardpack::timing::MeasureWith("portion", hardpack::Planner::kPortion_units);
   hardpack::timing::MeasureWith("unit", 1);
   return 0;

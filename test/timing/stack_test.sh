@@ -9,7 +9,7 @@ build=$3
 mission=$4
 "${bound[@]}" "$build" hardpack::VehicleLoop::Tick hardpack::VehicleLoop::Configure
 if [ -f "$mission" ]; then
-  program=$("${bound[@]}" --frame strlen=16 "$build" hardpack::cortex_m7::ReplayTape)
+  program=$("${bound[@]}" "$build" hardpack::bare_metal::ReplayTape)
   most=$(awk '{ print $1 }' <<<"$program")
   taken=$(awk '$1 == "stack_peak_bytes" { print $2 }' "$mission")
   main=256  # main, what starts it, and what was not painted beneath

@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
-# The static bounds of the Cortex-M7's image are within their budgets (config/timing.toml), and nothing
+# The static bounds of a processor's image are within their budgets (config/timing.toml), and nothing
 # that is counted on the adversarial maps, or in a mission, exceeds them; a budget that is too small
 # and a constant that is not as the sources have it are noticed. Arguments: python3, timing.py,
 # measure_units, replay_tape, what a mission has taken (a file that need not be there).
@@ -13,9 +13,7 @@ mission=$5
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-qemu-system-arm -M mps2-an500 -nographic -monitor none -serial none -icount shift=7 \
-  -semihosting-config enable=on,target=native -kernel "$measure_units" \
-  >"$folder/units" 2>&1 </dev/null
+"$(dirname "$0")/../bare_metal/run.sh" "$measure_units" >"$folder/units" 2>&1
 measured=(--measured "$folder/units")
 facts=$(dirname "$timing")/../../config/timing.toml
 if [ -f "$mission" ]; then
@@ -33,7 +31,7 @@ fails_with() {  # <text> <argument of timing.py>...
   grep -q "$text" "$folder/error"
   [ $status -eq 1 ]
 }
-sed 's/^cortex_m7 = .*/cortex_m7 = 1000/' "$facts" >"$folder/small.toml"
+sed -E 's/^(cortex_m7|aarch64) = .*/\1 = 1000/' "$facts" >"$folder/small.toml"
 fails_with 'the worst tick: .* are more than its budget of 1000' --facts "$folder/small.toml"
 sed 's/^aged_cells = .*/aged_cells = 100/' "$facts" >"$folder/other.toml"
 fails_with 'the constant aged_cells is 8192, not 100' --facts "$folder/other.toml"

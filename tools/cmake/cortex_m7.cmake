@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 # Bare-metal Cortex-M7 with a single-precision FPU; programs run on QEMU's mps2-an500 board. The
-# start-up code and the linker script that a program needs are in test/cortex_m7.
+# start-up code and the linker script that a program needs are in test/bare_metal.
 set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR cortex-m7)
 set(CMAKE_CXX_COMPILER arm-none-eabi-g++)
 include(${CMAKE_CURRENT_LIST_DIR}/analysable_flags.cmake)
 set(CMAKE_CXX_FLAGS_INIT
-  "-mcpu=cortex-m7 -mthumb -mfpu=fpv5-sp-d16 -mfloat-abi=hard ${HARDPACK_ANALYSABLE_FLAGS}")
+  "-mcpu=cortex-m7 -mthumb -mfpu=fpv5-sp-d16 -mfloat-abi=hard ${HARDPACK_ANALYSABLE_FLAGS} \
+-fcallgraph-info=su,da -fstack-usage")  # the compiler's own account of frames and calls
 set(CMAKE_CROSSCOMPILING_EMULATOR
   qemu-system-arm -M mps2-an500 -nographic -monitor none -serial none
   -semihosting-config enable=on,target=native -kernel)

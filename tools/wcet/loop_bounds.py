@@ -67,7 +67,9 @@ class LoopBounds:
         self._places[loop.header] = ({self.graph.blocks[loop.header].start} if at_header else
                                      {address for _, address, _ in before or ()})
         if at_header:
-            self._of[loop.header] = Bound([loop], [loop], self._own(loop, at_header, before))
+            n = self._own(loop, at_header, before)
+            counted = back_edges(self.graph, loop)
+            self._of[loop.header] = Bound([loop], [loop], n if counted is None else min(n, counted))
         elif before is not None:
             self._share(loop, before)
         elif loop.parent is not None and self._same_source(loop, loop.parent):

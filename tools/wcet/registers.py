@@ -33,7 +33,9 @@ class Registers:
 
     def _name(self, register):
         """The lower half of an A64 register is of the same register; writing it clears the rest."""
-        return register if self.is_thumb else re.sub(r"^w(\d+)$", r"x\1", register)
+        if self.is_thumb or not isinstance(register, str):
+            return register
+        return re.sub(r"^w(\d+)$", r"x\1", register)
 
     def get(self, register):
         register = self._name(register)
@@ -59,7 +61,11 @@ class Registers:
 
     def set_sum(self, register, other, offset):
         origin, so_far = self.get(other)
+        if origin != CONSTANT and not self.is_thumb and register.startswith("w") and \
+                register != "wsp":
+            return self.forget(register)  # the sum of two lower halves may have lost a carry
         self.values[self._name(register)] = (origin, so_far + offset)
+        return None
 
     def step(self, instruction):
         mnemonic = instruction.mnemonic

@@ -3,17 +3,18 @@
 """The static bounds of a tick's work, held to their budgets and against what was measured.
 
 usage: tools/wcet/timing.py [--facts FILE] [--measured FILE]... [--set NAME=N]... [--json]
-                            [--budgets] IMAGE
+                            [--budgets] [--schedule] IMAGE
 
 Reads config/timing.toml (--facts): what the bounds rest on, what is bounded and how much each may
 take. Prints a table; where a budget is exceeded, or something measured exceeds its bound, it says
 so.
 
   --measured FILE  lines "name number" of a run of the same code: test/timing/measure_units and
-                   test/cortex_m7/replay_tape. Lines "constant name number" have to be as the facts
+                   test/bare_metal/replay_tape. Lines "constant name number" have to be as the facts
                    say.
   --set NAME=N     another value of one of the facts' parameters; budgets are then not looked at
   --json           the table as JSON
+  --schedule       what they mean in time on the processor of the facts' schedule, an estimate
   --budgets        print the budgets as the facts' file has them, each 5 % above its bound
 
 Exit code: 0; 1 where a bound is not as it should be, or cannot be vouched for; 2 bad usage.
@@ -28,7 +29,8 @@ import sys
 import tomllib
 
 from bound import Analysis
-from image import Image, Refused
+from image import EM_ARM, Image, Refused
+from schedule import Schedule, print_schedule
 
 FACTS = pathlib.Path(__file__).resolve().parents[2] / "config" / "timing.toml"
 OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul}
@@ -76,6 +78,14 @@ class Facts:
         return scopes
 
 
+def bounds_with(facts_path):
+    """A function that gives {name: bound} of an image, with changed parameters."""
+    def of(image, changed):
+        facts = Facts(facts_path, tuple(changed.items()))
+        return {entry["name"]: value for entry, value in bounds(facts, image)}
+    return of
+
+
 def bounds(facts, image):
     """[(entry, bound)] of what is to be bounded."""
     analysis = facts.analysis(image)
@@ -110,7 +120,7 @@ def read_measured(paths):
     return numbers, constants
 
 
-def judge(facts, found, numbers, constants, with_budgets):
+def judge(facts, found, numbers, constants, target, with_budgets):
     """Rows of the table, and what is wrong."""
     rows, wrong = [], []
     for name, value in facts.table["constants"].items():
@@ -118,7 +128,7 @@ def judge(facts, found, numbers, constants, with_budgets):
             wrong.append(f"the constant {name} is {constants.get(name)}, not {value}")
     for entry, value in found:
         measured = numbers.get(entry.get("measured"))
-        row = {"name": entry["name"], "bound": value, "budget": entry.get("cortex_m7"),
+        row = {"name": entry["name"], "bound": value, "budget": entry.get(target),
                "measured": measured, "ratio": value / measured if measured else None}
         rows.append(row)
         if measured is not None and measured > value:
@@ -139,12 +149,12 @@ def print_table(rows):
               f"{text('measured', ',d'):>11} {text('ratio', '.2f'):>6}")
 
 
-def print_budgets(rows):
+def print_budgets(rows, target):
     """Rounded up to three digits."""
     for row in rows:
         wanted = row["bound"] * 105 // 100
         digit = 10 ** max(0, len(str(wanted)) - 3)
-        print(f'{row["name"]}: cortex_m7 = {-(-wanted // digit) * digit}')
+        print(f'{row["name"]}: {target} = {-(-wanted // digit) * digit}')
 
 
 def read_change(text):
@@ -163,20 +173,26 @@ def main(arguments):
     parser.add_argument("--set", action="append", type=read_change, default=[])
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--budgets", action="store_true")
+    parser.add_argument("--schedule", action="store_true")
     parser.add_argument("image")
     options = parser.parse_args(arguments)
     try:
         facts = Facts(options.facts, options.set)
         numbers, constants = read_measured(options.measured)
-        found = bounds(facts, Image(options.image, facts.table["stops"]))
+        image = Image(options.image, facts.table["stops"])
+        if options.schedule:
+            print_schedule(Schedule(facts, bounds_with(options.facts), image), numbers)
+            return 0
+        found = bounds(facts, image)
+        target = "cortex_m7" if image.machine == EM_ARM else "aarch64"
     except (OSError, KeyError, tomllib.TOMLDecodeError, Refused) as reason:
         print(f"timing: {reason}", file=sys.stderr)
         return 2 if isinstance(reason, OSError) else 1
-    rows, wrong = judge(facts, found, numbers, constants, not options.set)
+    rows, wrong = judge(facts, found, numbers, constants, target, not options.set)
     if options.json:
         print(json.dumps(rows, indent=1))
     elif options.budgets:
-        print_budgets(rows)
+        print_budgets(rows, target)
         return 0
     else:
         print_table(rows)

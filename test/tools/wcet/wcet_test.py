@@ -627,6 +627,38 @@ done f
 """
         self.assertEqual(self.analysis(text).bound("f"), 5 * (3 + 3) + 2 + 1 + 3)
 
+    def row_of(self, start="mov x0, #0", step="add x0, x0, #16", between="cmp x0, #0x200"):
+        text = f"""
+function f
+  {start}
+  record 512
+1: ldr q0, [x1, x0]
+  str q0, [x2, x0]
+  {step}
+  {between}
+  b.ne 1b
+  ret
+done f
+"""
+        return self.analysis(text).bound("f")
+
+    def test_vector_loop_over_a_whole_row_is_counted(self):
+        self.assertEqual(self.row_of(), 1 + 32 * 5 + 1)
+        self.assertEqual(self.row_of(between="cmp x0, #0x40"), 1 + 4 * 5 + 1)
+        # A pointer and its end, which come from the same register.
+        self.assertEqual(self.row_of(start="add x4, x0, #64", between="cmp x4, x0"), 1 + 4 * 5 + 1)
+
+    def test_vector_loop_of_unknown_length_has_its_record(self):
+        least = 1 + 513 * 5 + 1
+        self.assertEqual(self.row_of(start="nop"), least)
+        self.assertEqual(self.row_of(step="add x0, x0, x5"), least)
+        self.assertEqual(self.row_of(step="add w0, w0, #16", start="mov w0, w6"), least)
+        self.assertEqual(self.row_of(between="cmp x0, x7"), least)
+        # Whose flags the branch looks at is another question.
+        self.assertEqual(self.row_of(between="cmp x0, #0x200\n  tst x5, #1"), least + 513)
+        # Never equal: 0x208 is no multiple of the step.
+        self.assertEqual(self.row_of(between="cmp x0, #0x208"), least)
+
     def test_size_is_a_constant_before_the_call(self):
         memset = """
 function memset

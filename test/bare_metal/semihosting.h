@@ -6,7 +6,7 @@
 
 // Arm semihosting, as far as a test program needs it (Arm, "Semihosting for AArch32 and AArch64").
 
-namespace hardpack::cortex_m7 {
+namespace hardpack::bare_metal {
 
 // Writes zero-terminated text to the debugger's console.
 void Write(const char* text);
@@ -24,4 +24,4 @@ int32_t OpenToRead(const char* path);
 // The next bytes of the file. False: it holds fewer.
 bool Read(int32_t file, std::span<uint8_t> bytes);
 
-}  // namespace hardpack::cortex_m7
+}  // namespace hardpack::bare_metal

@@ -1,27 +1,28 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
-# A mission that was driven on this machine is decided again on a Cortex-M7: from the bytes of its
+# A mission that was driven on this machine is decided again on a bare processor: from the bytes of its
 # flight log, every frame and every tick's decision hash. Arguments: this machine's release build, the
-# Cortex-M7's replay_tape, where to leave what it said. Skipped (77) where that build has no hardpack.
+# cross build's replay_tape, the configuration, where to leave what it said. Skipped (77) where that build
+# has no hardpack.
 set -euo pipefail
 host=$1
 replay_tape=$2
-measured=$3
+config=$3
+measured=$4
 ticks=700  # it has planned, driven off and reached its speed
-if [ ! -x "$host/tools/hardpack" ] || [ ! -x "$host/test/cortex_m7/write_tape" ]; then
+if [ ! -x "$host/tools/hardpack" ] || [ ! -x "$host/test/bare_metal/write_tape" ]; then
   echo "no hardpack in $host"
   exit 77
 fi
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 run() {
-  qemu-system-arm -M mps2-an500 -nographic -monitor none -serial none -icount shift=7 \
-    -semihosting-config enable=on,target=native,arg="$1" -kernel "$replay_tape" 2>&1 </dev/null
+  "$(dirname "$0")/run.sh" "$replay_tape" "$1" 2>&1
 }
 
-"$host/tools/hardpack" sim --world rock_pile --seed 2 --labels 100 --limit 8 --out "$folder/run" \
+"$host/tools/hardpack" sim --world rock_pile --seed 2 --labels 100 --limit 8 --config "$config" --out "$folder/run" \
   --json >"$folder/run.json" || true
-"$host/test/cortex_m7/write_tape" "$folder"/run/*.pcap $ticks "$folder/tape"
+"$host/test/bare_metal/write_tape" "$folder"/run/*.pcap $ticks "$folder/tape"
 run "$folder/tape" | tee "$folder/said"
 grep -q "^ticks $ticks$" "$folder/said"
 cp "$folder/said" "$measured"
@@ -31,7 +32,7 @@ cp "$folder/said" "$measured"
 # is a tape that ends too early.
 first_hash=$((16 + 2224 + 16))  # tape.h: TapeHead, VehicleConfig, TapeTick::decision_hash
 short=$folder/short
-"$host/test/cortex_m7/write_tape" "$folder"/run/*.pcap 20 "$short"
+"$host/test/bare_metal/write_tape" "$folder"/run/*.pcap 20 "$short"
 run "$short" >"$short.said"
 if grep -qF "$(grep '^decision hash' "$folder/said")" "$short.said"; then exit 1; fi
 fails_with() {  # <exit code> <text>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdint>
 
-#include "test/cortex_m7/semihosting.h"
-#include "test/cortex_m7/stack.h"
+#include "test/bare_metal/semihosting.h"
+#include "test/bare_metal/stack.h"
 
 // Start-up code of a bare-metal Cortex-M7: vectors, memory, FPU, and where faults go.
 
@@ -18,76 +18,9 @@ extern uint32_t psram_begin[], psram_end[];
 [[noreturn]] void FaultHandler();
 }
 
-namespace hardpack::cortex_m7 {
-namespace {
-
-constexpr uint32_t kStackPaint = 0x57ac57acu;
-
-enum SemihostingCall : int {
-  kOpen = 0x01,
-  kWrite0 = 0x04,
-  kRead = 0x06,
-  kGetCommandLine = 0x15,
-  kExitExtended = 0x20
-};
-
-uint32_t AddressOf(const void* place) {
-  return reinterpret_cast<uint32_t>(place);
-}
-
-int Semihosting(SemihostingCall call, const void* argument) {
-  register int r0 asm("r0") = call;
-  register const void* r1 asm("r1") = argument;
-  asm volatile("bkpt 0xab" : "+r"(r0) : "r"(r1) : "memory");
-  return r0;
-}
-
-}  // namespace
-
-void Write(const char* text) {
-  Semihosting(kWrite0, text);
-}
-
-void Exit(int code) {
-  constexpr uint32_t kApplicationExit = 0x20026u;
-  const uint32_t block[2] = {kApplicationExit, static_cast<uint32_t>(code)};
-  Semihosting(kExitExtended, block);
-  for (;;) {
-  }
-}
-
-bool GetCommandLine(std::span<char> line) {
-  uint32_t block[2] = {AddressOf(line.data()), static_cast<uint32_t>(line.size())};
-  return Semihosting(kGetCommandLine, block) == 0;
-}
-
-int32_t OpenToRead(const char* path) {
-  constexpr uint32_t kReadBinary = 1;
-  const uint32_t block[3] = {AddressOf(path), kReadBinary, __builtin_strlen(path)};
-  return Semihosting(kOpen, block);
-}
-
-bool Read(int32_t file, std::span<uint8_t> bytes) {
-  if (bytes.empty()) return true;
-  const uint32_t block[3] = {static_cast<uint32_t>(file), AddressOf(bytes.data()), bytes.size()};
-  return Semihosting(kRead, block) == 0;  // else what is missing
-}
-
-uint32_t stack_size_bytes() {
-  return static_cast<uint32_t>(stack_top - stack_bottom) * sizeof(uint32_t);
-}
-
-uint32_t stack_peak_bytes() {
-  const uint32_t* word = stack_bottom;
-  while (word < stack_top && *word == kStackPaint) ++word;
-  return static_cast<uint32_t>(stack_top - word) * sizeof(uint32_t);
-}
-
-}  // namespace hardpack::cortex_m7
-
-using hardpack::cortex_m7::Exit;
-using hardpack::cortex_m7::kStackPaint;
-using hardpack::cortex_m7::Write;
+using hardpack::bare_metal::Exit;
+using hardpack::bare_metal::kStackPaint;
+using hardpack::bare_metal::Write;
 
 // The FPU is off after reset and compiled code may use its registers at any point, so it is
 // switched on (CPACR, coprocessors 10 and 11) before the first compiled function.

@@ -13,7 +13,7 @@
 
 #include "port_linux/configuration.h"
 #include "port_linux/ouster_metadata.h"
-#include "test/cortex_m7/tape.h"
+#include "test/bare_metal/tape.h"
 #include "tools/capture/flight_reader.h"
 #include "tools/replay/replay.h"
 

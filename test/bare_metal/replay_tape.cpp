@@ -7,14 +7,14 @@
 #include "core/base/assert.h"
 #include "core/base/status.h"
 #include "hal/vehicle_loop/vehicle_loop.h"
-#include "test/cortex_m7/instruction_clock.h"
-#include "test/cortex_m7/print.h"
-#include "test/cortex_m7/semihosting.h"
-#include "test/cortex_m7/stack.h"
-#include "test/cortex_m7/tape.h"
+#include "test/bare_metal/instruction_clock.h"
+#include "test/bare_metal/print.h"
+#include "test/bare_metal/semihosting.h"
+#include "test/bare_metal/stack.h"
+#include "test/bare_metal/tape.h"
 #include "test/decision/storage.h"
 
-// A recorded mission on a bare Cortex-M7: VehicleLoop is given, tick by tick, the bytes of a tape
+// A recorded mission on a bare processor: VehicleLoop is given, tick by tick, the bytes of a tape
 // (tape.h), and has to send the frames and to come to the decision hash that are on it. Prints what
 // the ticks took. The command line is the tape's path. Exit code 1: decided otherwise; 2: no tape.
 
@@ -24,7 +24,7 @@ const uint8_t kFreshMemory = 0;
 
 }  // namespace hardpack::decision
 
-namespace hardpack::cortex_m7 {
+namespace hardpack::bare_metal {
 namespace {
 
 HP_BIG_MEMORY decision::Storage<VehicleLoop> loop_memory;
@@ -124,7 +124,7 @@ bool IsPossible(const TapeTick& tick) {
 template <typename T>
 void ReadInto(int32_t file, T& thing) {
   const std::span<uint8_t> bytes(reinterpret_cast<uint8_t*>(&thing), sizeof(T));
-  if (!cortex_m7::Read(file, bytes)) GiveUp("the tape ends too early");
+  if (!bare_metal::Read(file, bytes)) GiveUp("the tape ends too early");
 }
 
 // Returns the ticks that are on the tape.
@@ -174,10 +174,10 @@ void ReplayTape() {
   PrintNumber("stack_peak_bytes", stack_peak_bytes());
 }
 
-}  // namespace hardpack::cortex_m7
+}  // namespace hardpack::bare_metal
 
 int main() {
-  hardpack::SetAssertionHook(hardpack::cortex_m7::OnAssertion);
-  hardpack::cortex_m7::ReplayTape();
+  hardpack::SetAssertionHook(hardpack::bare_metal::OnAssertion);
+  hardpack::bare_metal::ReplayTape();
   return 0;
 }

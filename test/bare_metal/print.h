@@ -3,11 +3,11 @@
 
 #include <cstdint>
 
-#include "test/cortex_m7/semihosting.h"
+#include "test/bare_metal/semihosting.h"
 
 // Lines of output, each a text and a number.
 
-namespace hardpack::cortex_m7 {
+namespace hardpack::bare_metal {
 
 inline void PrintLine(const char* line) {
   Write(line);
@@ -37,4 +37,4 @@ inline void PrintHex(const char* text, uint64_t value) {
   PrintLine(digits);
 }
 
-}  // namespace hardpack::cortex_m7
+}  // namespace hardpack::bare_metal

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the bounds of a tick mean in time on one processor: an estimate, by the cost model that
+config/timing.toml states ([schedule]). Instructions are bounded; cycles are not.
+
+A tick begins every period, or when the one before has ended. So what the lidar's light tells waits for
+the rest of its packet, for the directions beside its own that its class depends on, for the tick that
+has just begun, and for the tick that decides; then for the frames before its own on the bus. The
+reaction radius is the way driven meanwhile (docs/safety.md).
+"""
+
+from image import Refused
+
+
+class Schedule:
+    def __init__(self, facts, bounds_with, image):
+        """bounds_with: a function of changed parameters that gives {name: bound}."""
+        self.of = facts.table.get("schedule")
+        if self.of is None:
+            raise Refused("the facts have no schedule")
+        changed = {name: self.of[name] for name in ("directions", "planning_units")}
+        self.bounds = bounds_with(image, changed)
+        self.constants = facts.table["constants"]
+
+    def ms(self, instructions):
+        cycles = instructions * self.of["cycles_of_10_instructions"] / 10
+        return cycles / (self.of["clock_mhz"] * 1000)
+
+    def plan_ticks(self, units, transitions):
+        """Ticks that so many units take, when each stage may leave most of its last portion unused."""
+        portion = self.constants["portion_units"]
+        portions = -(-units // portion) + transitions
+        return -(-portions // -(-self.of["planning_units"] // portion))
+
+    def latency_ms(self, tick_ms):
+        """From a return's light to the frame on the bus, when no tick takes longer."""
+        lidar = (self.of["packet_columns"] + self.of["waited_columns"]) / self.of["columns_per_s"]
+        waiting = max(tick_ms, self.of["period_ms"])
+        return 1000 * lidar + waiting + tick_ms + self.of["bus_us"] / 1000
+
+    def radius_m(self, latency_ms):
+        return self.of["speed_mmps"] / 1000 * latency_ms / 1000
+
+    def lines(self, measured):
+        """(what, by the bounds, as counted) as text. measured: {name: number}."""
+        worst = self.ms(self.bounds["the worst tick"])
+        counted = measured.get("instructions_worst_tick")
+        mean = measured.get("instructions_mean_tick")
+        counted_ms = self.ms(counted) if counted else None
+        rounds = measured.get("rounds_of_planning")
+        latency = self.latency_ms(worst)
+        counted_latency = self.latency_ms(counted_ms) if counted else None
+
+        def text(value, unit, form=".1f"):
+            return "-" if value is None else f"{format(value, form)} {unit}"
+        return [
+            ("tick period", text(self.of["period_ms"], "ms", "d"), ""),
+            ("units of planning in a tick", str(self.of["planning_units"]), ""),
+            ("a tick without planning", text(self.ms(self.bounds["a tick without planning"]), "ms"), "-"),
+            ("a tick, mean", "", text(self.ms(mean) if mean else None, "ms")),
+            ("the worst tick", text(worst, "ms"), text(counted_ms, "ms")),
+            ("ticks for a whole plan", str(self.plan_ticks(self.constants["plan_units"],
+                                                           self.constants["plan_transitions"])),
+             text(measured["ticks"] / rounds if rounds else None, "(mean)")),
+            ("from a return's light to a frame", text(latency, "ms"), text(counted_latency, "ms")),
+            (f"reaction radius at {self.of['speed_mmps'] / 1000:g} m/s",
+             text(self.radius_m(latency), "m", ".2f"),
+             text(self.radius_m(counted_latency) if counted else None, "m", ".2f")),
+        ]
+
+
+def print_schedule(schedule, measured):
+    print(f"an estimate: {schedule.of['processor']}, "
+          f"{schedule.of['cycles_of_10_instructions'] / 10} cycles an instruction")
+    print(f"{'':36} {'by the bounds':>14} {'as counted':>12}")
+    for what, bound, counted in schedule.lines(measured):
+        print(f"{what:36} {bound:>14} {counted:>12}")
