@@ -52,8 +52,10 @@ TOKEN = re.compile(r"""
 NOT_IN = re.compile(r"\b(static_assert|HP_ASSERT|HP_LOOP_BOUND|HP_LOOP_BOUND_INNER|template|operator|"
                     r"using|namespace|static_cast|reinterpret_cast|std::span|std::array)\b")
 
-# Programs of tests behind those of a file's own stage, the quickest first.
-BEHIND = ["core_autonomy_test", "hal_vehicle_loop_test"]
+# Programs of tests behind those of a file's own stage, the quickest first. What `decision` prints has to
+# be as it is recorded.
+DECISION = "decision"
+BEHIND = [DECISION, "core_autonomy_test", "hal_vehicle_loop_test"]
 
 
 def tokens_of(text):
@@ -116,7 +118,7 @@ class Tree:
                 target.write_bytes(text)
         if not (self.build / "build.ninja").exists():
             subprocess.run(["cmake", "-S", self.sources, "-B", self.build, "-G", "Ninja",
-                            "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG",
+                            "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DNDEBUG",
                             "-DHARDPACK_COUNT_LOOPS=OFF", "-DCMAKE_CXX_COMPILER=g++"],
                            check=True, stdout=subprocess.DEVNULL)
 
@@ -135,13 +137,15 @@ class Tree:
         own = f"{layer}_{stage}_test"
         behind = [p for p in BEHIND if p != own]
         if layer == "hal" and stage != "vehicle_loop":
-            behind = ["hal_vehicle_loop_test"]
+            behind = [DECISION, "hal_vehicle_loop_test"]
         known = self.ninja("-t", "targets", "all").stdout
         return [p for p in [own, *behind] if f"\n{p}: " in known or f"/{p}: " in known]
 
     def fails(self, program):
         """Why the tests of a program notice; None where they do not."""
         binary = self.build / "test" / program
+        if program == DECISION:
+            binary = self.build / "test" / "decision" / "decision"
         environment = {**os.environ, "GTEST_BRIEF": "1",
                        "HARDPACK_DATA": os.environ.get("HARDPACK_DATA", "")}
         try:
@@ -151,6 +155,9 @@ class Tree:
                                  check=False)
         except subprocess.TimeoutExpired:
             return f"{program}: no end"
+        if program == DECISION and run.returncode == 0:
+            recorded = (self.sources / "test" / "decision" / "recorded.txt").read_text("utf-8")
+            return None if run.stdout == recorded else f"{program}: not as recorded"
         if run.returncode == 0:
             return None
         match = re.search(r"\[  FAILED  \] (\S+)", run.stdout)

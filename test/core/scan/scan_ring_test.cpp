@@ -142,6 +142,17 @@ TEST_F(ScanRingTest, ConfigureEmptiesIt) {
   EXPECT_EQ(counters().missing_columns, 0u);
 }
 
+TEST_F(ScanRingTest, ConfigureLeavesNoReturnInAnySlot) {
+  ASSERT_EQ(ring_->Configure(16, 512), Status::kOk);
+  for (int turn = 0; turn < ring_->slots() / 512; ++turn) {
+    for (int id = 0; id < 512; ++id) ASSERT_EQ(Push(turn, id), Status::kOk);
+  }
+  ASSERT_EQ(ring_->Configure(16, 512), Status::kOk);
+  for (int slot = 0; slot < ring_->slots(); ++slot) {
+    for (int row = 0; row < 16; ++row) ASSERT_EQ(ring_->at(slot, row).range_mm(), 0u) << slot;
+  }
+}
+
 TEST_F(ScanRingTest, RefusesBadColumnsAndCountsThem) {
   ASSERT_EQ(ring_->Configure(16, 512, 10, 20), Status::kOk);
   EXPECT_EQ(Push(0, 512), Status::kBadColumn);

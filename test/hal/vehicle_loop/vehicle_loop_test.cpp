@@ -294,6 +294,21 @@ TEST(VehicleLoop, DecidesTheSameTwice) {
   EXPECT_EQ(hash[0], hash[1]);
 }
 
+// Every decision of two drives as it was when it was last changed on purpose: what says otherwise
+// is a change to look at, and then to write down here. The simulated vehicle is the same to the bit
+// everywhere.
+TEST(VehicleLoop, DecidesAsRecorded) {
+  ClosedLoop straight;
+  straight.DriveTo(12.0f, 0.0f);
+  straight.Ticks(300);
+  EXPECT_EQ(straight.loop().decision_hash(), 0x313fdf7a3d2c8401u);
+
+  ClosedLoop around("at 0 box 8 0 1.5 1.5");
+  around.DriveTo(18.0f, 0.0f);
+  around.Ticks(1500);
+  EXPECT_EQ(around.loop().decision_hash(), 0x8142cab33c8e8588u);
+}
+
 // The image of the state is the state: a copy of its bytes goes on as the original does.
 TEST(VehicleLoop, GoesOnFromACopyOfItsBytes) {
   ClosedLoop drive;
