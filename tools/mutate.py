@@ -119,7 +119,7 @@ class Tree:
         if not (self.build / "build.ninja").exists():
             subprocess.run(["cmake", "-S", self.sources, "-B", self.build, "-G", "Ninja",
                             "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DNDEBUG",
-                            "-DHARDPACK_COUNT_LOOPS=OFF", "-DCMAKE_CXX_COMPILER=g++"],
+                            "-DCMAKE_CXX_COMPILER=g++"],
                            check=True, stdout=subprocess.DEVNULL)
 
     def ninja(self, *targets):
