@@ -7,7 +7,7 @@ usage() {
 usage: tools/fuzz.sh [--minutes N] [--build DIR] [--data DIR] [TARGET]...
 
 Fuzzes with libFuzzer, both sanitizers and float-cast-overflow (clang++; preset fuzz): every codec, the
-parsers of files, planning, and the whole tick. The minutes (default 10) are shared among the targets;
+parsers of files, planning, and the whole tick; every loop of core and hal is held to its record. The minutes (default 10) are shared among the targets;
 without any named, all of test/fuzz are run. What they find interesting is kept in BUILD/corpus and is
 where the next run begins; the first one begins with seeds made of recordings (--data, default as the
 tests: ../shared/data), where there are some.
