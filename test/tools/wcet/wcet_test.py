@@ -604,6 +604,99 @@ class Command(Processor):
         self.assertEqual(self.run_wcet("--help").returncode, 0)
 
 
+FACTS = """
+stops = []
+[parameters]
+directions = 4
+planning_units = 640
+[constants]
+portion_units = 64
+plan_units = 6400
+plan_transitions = 10
+[schedule]
+processor = "a made one"
+clock_mhz = 0.01
+cycles_of_10_instructions = 20
+period_ms = {period}
+directions = 4
+planning_units = 128
+columns_per_s = 10000
+packet_columns = 10
+waited_columns = 20
+bus_us = 500
+speed_mmps = 5000
+[[units]]
+of = ["f"]
+most = "ceil(planning_units, portion_units)"
+because = "a test"
+[[bounds]]
+name = "a tick without planning"
+function = "f"
+kind = "idle"
+cortex_m7 = 1000
+[[bounds]]
+name = "the worst tick"
+function = "f"
+kind = "call"
+cortex_m7 = 1000
+"""
+
+
+class Schedule(Command):
+    """tools/wcet/timing.py --schedule, on numbers that can be followed by hand."""
+
+    def schedule(self, period, measured=""):
+        self.analysis("""
+function f
+  record 1000
+1: cmp r0, #0
+  beq.n 2f
+  nop
+  b.n 1b
+2: bx lr
+done f
+""")
+        facts = os.path.join(self.folder, "facts.toml")
+        with open(facts, "w", encoding="utf-8") as file:
+            file.write(FACTS.format(period=period))
+        numbers = os.path.join(self.folder, "measured")
+        with open(numbers, "w", encoding="utf-8") as file:
+            file.write(measured)
+        command = os.path.join(os.environ["HARDPACK_SOURCE"], "tools", "wcet", "timing.py")
+        done = subprocess.run([sys.executable, command, "--schedule", "--facts", facts, "--measured",
+                               numbers, os.path.join(self.folder, "a")], capture_output=True,
+                              text=True, check=False)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return {line[:36].strip(): line[36:].split() for line in done.stdout.splitlines()[2:]}
+
+    def test_by_the_bounds(self):
+        table = self.schedule(period=1)
+        # A tick has two rounds of 4 instructions and 3 at its end: 22 cycles of a tenth of a ms.
+        self.assertEqual(table["the worst tick"], ["2.2", "ms", "-"])
+        self.assertEqual(table["a tick without planning"], ["0.6", "ms", "-"])
+        # 100 portions and 10 that are not full, two a tick.
+        self.assertEqual(table["ticks for a whole plan"], ["55", "-"])
+        # 30 columns are 3 ms; the tick that has begun, the one that decides, half a ms of bus.
+        self.assertEqual(table["from a return's light to a frame"], ["7.9", "ms", "-"])
+        self.assertEqual(table["reaction radius at 5 m/s"], ["0.04", "m", "-"])
+        # A tick that ends before its period does is waited for until then.
+        self.assertEqual(self.schedule(period=5)["from a return's light to a frame"],
+                         ["10.7", "ms", "-"])
+
+    def test_as_counted(self):
+        table = self.schedule(period=1, measured="ticks 70\nrounds_of_planning 20\n"
+                              "instructions_mean_tick 5\ninstructions_worst_tick 50\n")
+        self.assertEqual(table["a tick, mean"], ["1.0", "ms"])
+        self.assertEqual(table["the worst tick"][-2:], ["10.0", "ms"])
+        self.assertEqual(table["ticks for a whole plan"][-2:], ["3.5", "(mean)"])
+        self.assertEqual(table["from a return's light to a frame"][-2:], ["23.5", "ms"])
+        self.assertEqual(table["reaction radius at 5 m/s"][-2:], ["0.12", "m"])
+
+    # Of the class that it is made of.
+    test_says_bounds_and_reasons = None
+    test_bad_input = None
+
+
 class A64(Processor):
     prefix = "aarch64-linux-gnu-"
     macros = MACROS.format(word=".quad", thumb="")
