@@ -52,10 +52,11 @@ TOKEN = re.compile(r"""
 NOT_IN = re.compile(r"\b(static_assert|HP_ASSERT|HP_LOOP_BOUND|HP_LOOP_BOUND_INNER|template|operator|"
                     r"using|namespace|static_cast|reinterpret_cast|std::span|std::array)\b")
 
-# Programs of tests behind those of a file's own stage, the quickest first. What `decision` prints has to
-# be as it is recorded.
+# Programs of tests behind those of a file's own stage, what notices soonest first: `decision`, whose
+# output has to be as it is recorded, two whole drives, and all the rest. Behind a colon: a filter.
 DECISION = "decision"
-BEHIND = [DECISION, "core_autonomy_test", "hal_vehicle_loop_test"]
+DRIVES = "hal_vehicle_loop_test:VehicleLoop.DecidesAsRecorded"
+BEHIND = [DECISION, DRIVES, "core_autonomy_test", "hal_vehicle_loop_test"]
 
 
 def tokens_of(text):
@@ -137,19 +138,21 @@ class Tree:
         own = f"{layer}_{stage}_test"
         behind = [p for p in BEHIND if p != own]
         if layer == "hal" and stage != "vehicle_loop":
-            behind = [DECISION, "hal_vehicle_loop_test"]
+            behind = [DECISION, DRIVES, "hal_vehicle_loop_test"]
         known = self.ninja("-t", "targets", "all").stdout
-        return [p for p in [own, *behind] if f"\n{p}: " in known or f"/{p}: " in known]
+        return [p for p in [own, *behind]
+                if f"\n{target_of(p)}: " in known or f"/{target_of(p)}: " in known]
 
     def fails(self, program):
         """Why the tests of a program notice; None where they do not."""
-        binary = self.build / "test" / program
+        target, _, only = program.partition(":")
+        binary = self.build / "test" / target
         if program == DECISION:
             binary = self.build / "test" / "decision" / "decision"
         environment = {**os.environ, "GTEST_BRIEF": "1",
                        "HARDPACK_DATA": os.environ.get("HARDPACK_DATA", "")}
         try:
-            run = subprocess.run([binary, "--gtest_fail_fast"], cwd=self.build,
+            run = subprocess.run([binary, "--gtest_fail_fast", f"--gtest_filter={only or '*'}"], cwd=self.build,
                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                                  errors="replace", timeout=TIME_LIMIT_S, env=environment,
                                  check=False)
@@ -162,6 +165,10 @@ class Tree:
             return None
         match = re.search(r"\[  FAILED  \] (\S+)", run.stdout)
         return f"{program}: {match.group(1) if match else 'it ended with ' + str(run.returncode)}"
+
+
+def target_of(program):
+    return program.partition(":")[0]
 
 
 def judge(tree, name, text, place):
@@ -177,7 +184,7 @@ def judge(tree, name, text, place):
         if object_file.read_bytes() == before:
             return {"outcome": "none", "by": "same code"}
         for program in tree.programs_of(name):
-            if tree.ninja(program).returncode != 0:
+            if tree.ninja(target_of(program)).returncode != 0:
                 return {"outcome": "none", "by": "does not compile"}
             noticed = tree.fails(program)
             if noticed:
@@ -227,7 +234,7 @@ def main(arguments):
     print(f"seed {options.seed}: {len(places)} places, {wanted} faults to plant", flush=True)
     tree = Tree(folder)
     programs = sorted({p for name, _ in places for p in tree.programs_of(name)})
-    built = tree.ninja(*programs)
+    built = tree.ninja(*{target_of(program) for program in programs})
     if built.returncode != 0:
         print(built.stdout[-4000:], file=sys.stderr)
         return 2
