@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Plants single-token faults in core and hal, and counts how many of them the tests notice.
 
-usage: tools/mutate.py [--mutants N] [--seed N] [--shard K/N] [--only REGEX] [--build DIR]
-                       [--out FILE]
+usage: tools/mutate.py [--mutants N] [--seed N] [--jobs N | --shard K/N] [--only REGEX]
+                       [--build DIR] [--out FILE]
 
 In a copy of the sources under --build (default build/mutate) one token at a time is changed: a
 comparison, a sign, a logical operator, a number, a truth value. A fault that does not compile, or
@@ -13,6 +13,7 @@ it. What survives is listed with its place and its change.
 
   --mutants N   faults to plant (default 300)
   --seed N      of the draw (default 1); the same seed and sources are the same faults
+  --jobs N      so many shards at a time (default: one a processor)
   --shard K/N   only each N-th of them, beginning with the K-th
   --only REGEX  only in files whose path matches
   --out FILE    a line of JSON for each fault, as it is judged
@@ -29,6 +30,7 @@ import re
 import shutil
 import subprocess
 import sys
+import threading
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -109,6 +111,9 @@ class Tree:
         self.sources = folder / "sources"
         self.build = folder / "build"
         folder.mkdir(parents=True, exist_ok=True)
+        if shutil.which("ccache"):  # what is mended is compiled again
+            os.environ.setdefault("CMAKE_CXX_COMPILER_LAUNCHER", "ccache")
+            os.environ.setdefault("CCACHE_DIR", str(folder / "ccache"))
         files = subprocess.run(["git", "ls-files"], cwd=ROOT, check=True, capture_output=True,
                                text=True).stdout.split()
         for name in files:
@@ -216,18 +221,60 @@ def read_shard(text):
     return int(first) - 1, int(count)
 
 
+def summarise(counts):
+    """Prints what came out, and returns the exit code."""
+    judged = counts["noticed"] + counts["survived"]
+    share = counts["noticed"] / judged if judged else 0.0
+    print(f"noticed {counts['noticed']} of {judged} ({100 * share:.1f} %); {counts['none']} were none",
+          flush=True)
+    return 0 if share >= ENOUGH else 1
+
+
+def run_shards(options):
+    """All shards as processes of this program, their survivors as they come, and the sum."""
+    command = [sys.executable, __file__, "--mutants", str(options.mutants), "--seed",
+               str(options.seed), "--only", options.only, "--build", str(options.build)]
+    if options.out:
+        command += ["--out", str(options.out)]
+    shards = [subprocess.Popen([*command, "--shard", f"{k + 1}/{options.jobs}"],
+                               stdout=subprocess.PIPE, text=True) for k in range(options.jobs)]
+    counts = {"noticed": 0, "survived": 0, "none": 0}
+    threads = [threading.Thread(target=follow, args=(shard.stdout, counts)) for shard in shards]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    codes = [shard.wait() for shard in shards]
+    return 2 if 2 in codes else summarise(counts)
+
+
+def follow(lines, counts):
+    for line in lines:
+        match = re.match(r"noticed (\d+) of (\d+) .*; (\d+) were none$", line)
+        if match:
+            noticed, judged, none = map(int, match.groups())
+            counts["noticed"] += noticed
+            counts["survived"] += judged - noticed
+            counts["none"] += none
+        else:
+            print(line, end="", flush=True)
+
+
 def main(arguments):
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter,
                                      usage=argparse.SUPPRESS)
     parser.add_argument("--mutants", type=int, default=300)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--shard", type=read_shard, default=(0, 1))
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--shard", type=read_shard)
     parser.add_argument("--only", default="")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "mutate")
     parser.add_argument("--out", type=pathlib.Path)
     options = parser.parse_args(arguments)
-    first, shards = options.shard
+    if options.shard is None and options.jobs > 1:
+        return run_shards(options)
+    first, shards = options.shard or (0, 1)
     folder = options.build.resolve() / str(first)
     places = draw(options)[first::shards]
     wanted = (options.mutants - first + shards - 1) // shards
@@ -259,11 +306,7 @@ def main(arguments):
                 file.write(json.dumps(result) + "\n")
         if result["outcome"] == "survived":
             print(f"survived: {name}:{line}: {place[1]} -> {place[2]}", flush=True)
-    judged = counts["noticed"] + counts["survived"]
-    share = counts["noticed"] / judged if judged else 0.0
-    print(f"noticed {counts['noticed']} of {judged} ({100 * share:.1f} %); {counts['none']} were none")
-    shutil.rmtree(folder / "sources", ignore_errors=True) if judged == 0 else None
-    return 0 if share >= ENOUGH else 1
+    return summarise(counts)
 
 
 if __name__ == "__main__":
