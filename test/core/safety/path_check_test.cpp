@@ -274,8 +274,13 @@ TEST(PathCheck, LetsAVehicleDriveOutOfAnOverlapAtItsStart) {
   const PathCheckResult out = Check(ground, StraightPath({0.0f, 0.1f, 0.0f}, 30, 0.25f));
   EXPECT_EQ(out.status, Status::kStartInObstacle);
   EXPECT_LT(out.smallest_clearance_m, 0.0f);
-  EXPECT_GE(out.overlap_points, 2);
-  EXPECT_LE(out.overlap_points, 4);
+  // Up to the end of the chord of a quarter of a metre where it overlaps last.
+  int chord = -1;
+  for (int i = 0; i < 400; ++i) {
+    const bool overlaps = PoseClearance_m(ground, VehicleParams{}, 0.0025 * i, 0.1, 0.0) <= 0.0;
+    chord = overlaps ? i / 100 : chord;
+  }
+  EXPECT_EQ(out.overlap_points, chord + 2);
   // Into it:
   EXPECT_EQ(Check(ground, StraightPath({0.0f, 0.1f, kPi}, 30, 0.25f)).status, Status::kCollision);
   // Out of it but not clear of it at the end:
