@@ -168,10 +168,10 @@ class Truth {
     constexpr int kAround_cells = 8;
     const PlaneCell cell = CellOf(point);
     float lowest_m = kNoGround_m;
-    for (int32_t y = cell.second - kAround_cells; y <= cell.second + kAround_cells; ++y) {
-      for (int32_t x = cell.first - kAround_cells; x <= cell.first + kAround_cells; ++x) {
-        const auto here = ground_.find({x, y});
-        if (here == ground_.end()) continue;
+    for (int32_t x = cell.first - kAround_cells; x <= cell.first + kAround_cells; ++x) {
+      const auto behind = ground_.upper_bound({x, cell.second + kAround_cells});
+      for (auto here = ground_.lower_bound({x, cell.second - kAround_cells}); here != behind;
+           ++here) {
         for (const Vec3& hit : here->second) {
           const float dx_m = hit.x_m - point.x_m;
           const float dy_m = hit.y_m - point.y_m;

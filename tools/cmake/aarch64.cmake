@@ -5,8 +5,7 @@ set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)
 # At -O3 this g++ 12 sees overlapping copies in std::string that are none (GCC's bug 105651); the
 # native builds keep the warning.
-include(${CMAKE_CURRENT_LIST_DIR}/analysable_flags.cmake)
-set(CMAKE_CXX_FLAGS_INIT "-Wno-restrict ${HARDPACK_ANALYSABLE_FLAGS}")
+set(CMAKE_CXX_FLAGS_INIT "-Wno-restrict")
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-static")
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64)
 

@@ -23,6 +23,12 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_compile_options(hardpack_core_options INTERFACE -Wstack-usage=512)
   endif()
 endif()
+# What flies on an aarch64 is bounded as it is (docs/timing.md); a Cortex-M7's toolchain has the options
+# for whatever it compiles.
+if(CMAKE_CROSSCOMPILING AND CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
+  include(${CMAKE_CURRENT_LIST_DIR}/analysable_flags.cmake)
+  target_compile_options(hardpack_core_options INTERFACE ${HARDPACK_ANALYSABLE_FLAGS})
+endif()
 
 # Eigen, for core/odometry/covariance.cpp alone: headers only, the host's serve every target. Without
 # vectors and without a heap; what it does in loops is unrolled.

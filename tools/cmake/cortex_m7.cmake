@@ -5,8 +5,9 @@ set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR cortex-m7)
 set(CMAKE_CXX_COMPILER arm-none-eabi-g++)
 include(${CMAKE_CURRENT_LIST_DIR}/analysable_flags.cmake)
+list(JOIN HARDPACK_ANALYSABLE_FLAGS " " analysable)
 set(CMAKE_CXX_FLAGS_INIT
-  "-mcpu=cortex-m7 -mthumb -mfpu=fpv5-sp-d16 -mfloat-abi=hard ${HARDPACK_ANALYSABLE_FLAGS} \
+  "-mcpu=cortex-m7 -mthumb -mfpu=fpv5-sp-d16 -mfloat-abi=hard ${analysable} \
 -fcallgraph-info=su,da -fstack-usage")  # the compiler's own account of frames and calls
 set(CMAKE_CROSSCOMPILING_EMULATOR
   qemu-system-arm -M mps2-an500 -nographic -monitor none -serial none
