@@ -6,12 +6,14 @@
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <system_error>
 #include <tuple>
 #include <vector>
 
+#include "core/scan/scan.h"
 #include "port_linux/read_file.h"
 
 namespace hardpack::ouster {
@@ -384,6 +386,21 @@ void ReadGeometry(FieldReader& reader, Metadata& metadata) {
                                             static_cast<float>(m[11] / kMillimetersPerMeter)};
 }
 
+// A direction is complete when all its beams have looked along it (core/scan).
+void CheckSpread(FieldReader& reader, const Metadata& metadata) {
+  if (!reader.ok() || metadata.columns_per_frame > kMaxColumnsPerRevolution) return;
+  const auto beams = static_cast<size_t>(metadata.beams);
+  const auto model = std::make_unique<BeamModel>();
+  const Status status =
+      MakeBeamModel({metadata.beam_altitude_deg, beams}, {metadata.beam_azimuth_deg, beams},
+                    metadata.columns_per_frame, metadata.lidar_origin_to_beam_origin_m,
+                    metadata.sensor_from_lidar, *model);
+  if (IsUsable(status)) return;
+  reader.Fail("beam_azimuth_angles", "spread over more than " + std::to_string(kMaxColumnShift) +
+                                         " of " + std::to_string(metadata.columns_per_frame) +
+                                         " columns");
+}
+
 ReadOutcome ReadFields(const Json& root, std::string_view name, Metadata& metadata) {
   FieldReader reader(root, name);
   Metadata read;
@@ -393,6 +410,7 @@ ReadOutcome ReadFields(const Json& root, std::string_view name, Metadata& metada
   ReadFirmware(reader, read);
   ReadIdentity(reader, read);
   ReadGeometry(reader, read);
+  CheckSpread(reader, read);
   if (reader.ok()) metadata = read;
   return reader.outcome();
 }

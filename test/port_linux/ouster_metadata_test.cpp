@@ -143,6 +143,10 @@ TEST(OusterMetadata, NamesFileAndFieldOfWhatIsWrong) {
   ExpectRefused(R"({"beam_altitude_angles": )" + Angles(64) + R"(, "beam_azimuth_angles": )" +
                     Angles(65) + "}",
                 "scan.json: beam_azimuth_angles: 65 numbers, expected 64");
+  // A beam that looks 67 degrees aside, 191 columns of 1024.
+  std::string aside = With("");
+  aside.replace(aside.find("-3.1"), 4, "64.0");
+  ExpectRefused(aside, "scan.json: beam_azimuth_angles: spread over more than 128 of 1024 columns");
   ExpectRefused("{" + Beams(63) + "}",
                 "scan.json: beam_altitude_angles: 63 beams, expected 16, 32, 64 or 128");
   ExpectRefused("{" + Beams(129) + "}",
