@@ -4,13 +4,16 @@ set -euo pipefail
 
 usage() {
   cat <<'TEXT'
-usage: tools/fuzz.sh [--minutes N] [--build DIR] [--data DIR] [TARGET]...
+usage: tools/fuzz.sh [--minutes N] [--seed N] [--build DIR] [--data DIR] [TARGET]...
 
 Fuzzes with libFuzzer, both sanitizers and float-cast-overflow (clang++; preset fuzz): every codec, the
 parsers of files, planning, and the whole tick; every loop of core and hal is held to its record. The minutes (default 10) are shared among the targets;
 without any named, all of test/fuzz are run. What they find interesting is kept in BUILD/corpus and is
 where the next run begins; the first one begins with seeds made of recordings (--data, default as the
 tests: ../shared/data), where there are some.
+
+With a --seed the inputs are the same every time, as far as the minutes reach, where BUILD/corpus begins
+empty: what fails then has been changed. Without, others are tried each time.
 
 For each target it prints its runs, runs a second, and the edges of the code that were reached. An
 input that fails is kept as BUILD/failed/TARGET-*; run the target with it to see it again.
@@ -23,10 +26,12 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 build=$root/build/fuzz
 data=$root/../shared/data
 minutes=10
+seed=0
 targets=()
 while [ $# -gt 0 ]; do
   case $1 in
     --minutes) minutes=${2:?--minutes needs a number}; shift ;;
+    --seed) seed=${2:?--seed needs a number}; shift ;;
     --build) build=${2:?--build needs a folder}; shift ;;
     --data) data=${2:?--data needs a folder}; shift ;;
     --help | -h) usage; exit 0 ;;
@@ -43,6 +48,10 @@ if [ ${#targets[@]} -eq 0 ]; then
   for source in "$root"/test/fuzz/*_fuzz.cpp; do
     targets+=("$(basename "$source" _fuzz.cpp)")
   done
+fi
+if ! [[ $seed =~ ^[0-9]+$ ]]; then
+  echo "fuzz: $seed is no seed" >&2
+  exit 2
 fi
 for target in "${targets[@]}"; do
   if [ ! -f "$root/test/fuzz/${target}_fuzz.cpp" ]; then
@@ -65,7 +74,7 @@ for target in "${targets[@]}"; do
   mkdir -p "$corpus" "$build/seeds/$target"
   log=$build/$target.log
   # Of leaks nothing is said: each input's memory is given back, and the rest is the process's.
-  if "$build/test/fuzz/${target}_fuzz" -max_total_time="$seconds" -timeout=60 -rss_limit_mb=4096 \
+  if "$build/test/fuzz/${target}_fuzz" -max_total_time="$seconds" -seed="$seed" -timeout=60 -rss_limit_mb=4096 \
     -max_len=25000 -print_final_stats=1 -artifact_prefix="$build/failed/$target-" \
     "$corpus" "$build/seeds/$target" >"$log" 2>&1; then
     outcome=fine
