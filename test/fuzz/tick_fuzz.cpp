@@ -323,8 +323,8 @@ class Play {
     Require(is_young(loop_->replanner().committed().checked_ns, safety.max_plan_age_s));
     Require(bus_ == CanBusState::kActive || bus_ == CanBusState::kWarning ||
             bus_ == CanBusState::kPassive);
-    // The drives are judged anew when they are commanded: what has just fallen silent is sent zero, and
-    // is a fault in the next tick.
+    // The drives are judged anew when they are commanded: what has just fallen silent is sent zero,
+    // and is a fault in the next tick.
     const WheelCommand sent = loop_->drives().commanded();
     Require(loop_->drives().ready() || (sent.left_radps == 0.0f && sent.right_radps == 0.0f));
   }
