@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 # A mission that was driven on this machine is decided again on a bare processor: from the bytes of its
 # flight log, every frame and every tick's decision hash. Arguments: this machine's release build, the
-# cross build's replay_tape, the configuration, where to leave what it said. Skipped (77) where that build
-# has no hardpack.
+# cross build's replay_tape, where to leave what it said, a configuration if there is one. Skipped (77)
+# where that build has no hardpack.
 set -euo pipefail
 host=$1
 replay_tape=$2
-config=$3
-measured=$4
+measured=$3
+configuration=${4-}
 ticks=700  # it has planned, driven off and reached its speed
 if [ ! -x "$host/tools/hardpack" ] || [ ! -x "$host/test/bare_metal/write_tape" ]; then
   echo "no hardpack in $host"
@@ -20,8 +20,8 @@ run() {
   "$(dirname "$0")/run.sh" "$replay_tape" "$1" 2>&1
 }
 
-"$host/tools/hardpack" sim --world rock_pile --seed 2 --labels 100 --limit 8 --config "$config" --out "$folder/run" \
-  --json >"$folder/run.json" || true
+"$host/tools/hardpack" sim --world rock_pile --seed 2 --labels 100 --limit 8 \
+  ${configuration:+--config "$configuration"} --out "$folder/run" --json >"$folder/run.json" || true
 "$host/test/bare_metal/write_tape" "$folder"/run/*.pcap $ticks "$folder/tape"
 run "$folder/tape" | tee "$folder/said"
 grep -q "^ticks $ticks$" "$folder/said"

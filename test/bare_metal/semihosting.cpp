@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "test/bare_metal/semihosting.h"
 
-#include "test/bare_metal/stack.h"
+#include "test/bare_metal/startup.h"
 
 namespace hardpack::bare_metal {
 namespace {
@@ -34,10 +34,6 @@ int Semihosting(SemihostingCall call, const void* argument) {
 }
 
 }  // namespace
-
-extern "C" {
-extern uint32_t stack_bottom[], stack_top[];
-}
 
 void Write(const char* text) {
   Semihosting(kWrite0, text);
@@ -81,3 +77,8 @@ uint32_t stack_peak_bytes() {
 }
 
 }  // namespace hardpack::bare_metal
+
+void FaultHandler() {
+  hardpack::bare_metal::Write("fault: the processor took an exception\n");
+  hardpack::bare_metal::Exit(3);
+}

@@ -1,24 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdint>
+#include "test/bare_metal/startup.h"
 
-#include "test/bare_metal/semihosting.h"
-#include "test/bare_metal/stack.h"
+#include <cstdint>
 
 // Start-up code of a bare 64-bit Arm on QEMU's virt board (EL1): memory, FPU, and where faults go.
 
-int main();
-
 extern "C" {
-extern uint32_t stack_bottom[], stack_top[];
 extern uint64_t bss_begin[], bss_end[];
-[[noreturn]] void ResetHandler();
-[[noreturn]] void Start();
-[[noreturn]] void FaultHandler();
 }
-
-using hardpack::bare_metal::Exit;
-using hardpack::bare_metal::kStackPaint;
-using hardpack::bare_metal::Write;
 
 namespace {
 
@@ -74,12 +63,7 @@ vectors:
 // Loops store through volatile, so that they do not become calls of memset.
 void Start() {
   uint32_t* const used = static_cast<uint32_t*>(__builtin_frame_address(0)) - 32;
-  for (volatile uint32_t* word = stack_bottom; word < used; ++word) *word = kStackPaint;
+  hardpack::bare_metal::PaintStack(used);
   for (volatile uint64_t* word = bss_begin; word < bss_end; ++word) *word = 0;
-  Exit(main());
-}
-
-void FaultHandler() {
-  Write("fault: the processor took an exception\n");
-  Exit(3);
+  hardpack::bare_metal::Exit(main());
 }

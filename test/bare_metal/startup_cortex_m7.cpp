@@ -1,26 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdint>
+#include "test/bare_metal/startup.h"
 
-#include "test/bare_metal/semihosting.h"
-#include "test/bare_metal/stack.h"
+#include <cstdint>
 
 // Start-up code of a bare-metal Cortex-M7: vectors, memory, FPU, and where faults go.
 
-int main();
-
 extern "C" {
-extern uint32_t stack_bottom[], stack_top[];
 extern uint32_t data_begin[], data_end[], data_load[];
 extern uint32_t bss_begin[], bss_end[];
 extern uint32_t psram_begin[], psram_end[];
-[[noreturn]] void ResetHandler();
-[[noreturn]] void Start();
-[[noreturn]] void FaultHandler();
 }
-
-using hardpack::bare_metal::Exit;
-using hardpack::bare_metal::kStackPaint;
-using hardpack::bare_metal::Write;
 
 // The FPU is off after reset and compiled code may use its registers at any point, so it is
 // switched on (CPACR, coprocessors 10 and 11) before the first compiled function.
@@ -39,17 +28,12 @@ __attribute__((naked)) void ResetHandler() {
 // code may need what is being set up here.
 void Start() {
   uint32_t* const used = static_cast<uint32_t*>(__builtin_frame_address(0)) - 16;
-  for (volatile uint32_t* word = stack_bottom; word < used; ++word) *word = kStackPaint;
+  hardpack::bare_metal::PaintStack(used);
   for (volatile uint32_t* word = bss_begin; word < bss_end; ++word) *word = 0;
   for (volatile uint32_t* word = psram_begin; word < psram_end; ++word) *word = 0;
   const uint32_t* source = data_load;
   for (volatile uint32_t* word = data_begin; word < data_end; ++word) *word = *source++;
-  Exit(main());
-}
-
-void FaultHandler() {
-  Write("fault: the processor took an exception\n");
-  Exit(3);
+  hardpack::bare_metal::Exit(main());
 }
 
 namespace {

@@ -3,5 +3,5 @@
 # no jumps through tables, loops that stay one loop with the record that stands before them, no loop
 # that becomes a call of memset; and debug information, which tells whose line a jump is of.
 set(HARDPACK_ANALYSABLE_FLAGS -g -fno-jump-tables -fno-reorder-blocks-and-partition
-  -fno-tree-loop-distribute-patterns -fno-thread-jumps -fno-split-loops -fno-split-paths
+  -fno-tree-loop-distribute-patterns -fno-thread-jumps -fno-split-loops
   -fno-unswitch-loops -fno-predictive-commoning)

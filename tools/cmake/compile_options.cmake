@@ -27,7 +27,9 @@ endif()
 # for whatever it compiles.
 if(CMAKE_CROSSCOMPILING AND CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
   include(${CMAKE_CURRENT_LIST_DIR}/analysable_flags.cmake)
-  target_compile_options(hardpack_core_options INTERFACE ${HARDPACK_ANALYSABLE_FLAGS})
+  # A path that is split there enters a loop behind its header.
+  target_compile_options(hardpack_core_options INTERFACE ${HARDPACK_ANALYSABLE_FLAGS}
+    -fno-split-paths)
 endif()
 
 # Eigen, for core/odometry/covariance.cpp alone: headers only, the host's serve every target. Without

@@ -8,17 +8,12 @@ has just begun, and for the tick that decides; then for the frames before its ow
 reaction radius is the way driven meanwhile (docs/safety.md).
 """
 
-from image import Refused
-
 
 class Schedule:
-    def __init__(self, facts, bounds_with, image):
-        """bounds_with: a function of changed parameters that gives {name: bound}."""
-        self.of = facts.table.get("schedule")
-        if self.of is None:
-            raise Refused("the facts have no schedule")
-        changed = {name: self.of[name] for name in ("directions", "planning_units")}
-        self.bounds = bounds_with(image, changed)
+    def __init__(self, facts, tick, bounds):
+        """tick: the configuration's [tick]. bounds: {name: instructions} with it."""
+        self.of = {**facts.table["schedule"], **tick}
+        self.bounds = bounds
         self.constants = facts.table["constants"]
 
     def ms(self, instructions):

@@ -32,7 +32,8 @@ from bound import Analysis
 from image import EM_ARM, Image, Refused
 from schedule import Schedule, print_schedule
 
-FACTS = pathlib.Path(__file__).resolve().parents[2] / "config" / "timing.toml"
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+FACTS = ROOT / "config" / "timing.toml"
 OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul}
 
 
@@ -78,14 +79,6 @@ class Facts:
         return scopes
 
 
-def bounds_with(facts_path):
-    """A function that gives {name: bound} of an image, with changed parameters."""
-    def of(image, changed):
-        facts = Facts(facts_path, tuple(changed.items()))
-        return {entry["name"]: value for entry, value in bounds(facts, image)}
-    return of
-
-
 def bounds(facts, image):
     """[(entry, bound)] of what is to be bounded."""
     analysis = facts.analysis(image)
@@ -101,6 +94,15 @@ def bounds(facts, image):
             value = analysis.bound(entry["function"])
         found.append((entry, value))
     return found
+
+
+def schedule(facts, path, image):
+    """With the bounds of the configuration that the facts name."""
+    with open(ROOT / facts.table["schedule"]["configuration"], "rb") as file:
+        tick = tomllib.load(file)["tick"]
+    changed = [(name, value) for name, value in tick.items() if name in facts.table["parameters"]]
+    found = bounds(Facts(path, changed), image)
+    return Schedule(facts, tick, {entry["name"]: value for entry, value in found})
 
 
 def read_measured(paths):
@@ -181,7 +183,7 @@ def main(arguments):
         numbers, constants = read_measured(options.measured)
         image = Image(options.image, facts.table["stops"])
         if options.schedule:
-            print_schedule(Schedule(facts, bounds_with(options.facts), image), numbers)
+            print_schedule(schedule(facts, options.facts, image), numbers)
             return 0
         found = bounds(facts, image)
         target = "cortex_m7" if image.machine == EM_ARM else "aarch64"
