@@ -66,7 +66,7 @@ BUILTIN_HOME = "core/base/"
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 STAGE = re.compile(r"hp_stage\(\s*(\w+)\s+(\w+)([^)]*)\)")
-CONTROL = re.compile(r"\b(if|for|while|switch|else|do|HP_LOOP_BOUND|HP_LOOP_BOUND_INNER)\b")
+CONTROL = re.compile(r"\b(if|for|while|switch|else|do|HP_LOOP_BOUND\w*)\b")
 TYPE_OR_SCOPE = re.compile(r"\b(namespace|class|struct|enum|union|extern)\b")
 
 

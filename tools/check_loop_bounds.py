@@ -4,15 +4,17 @@
 
 usage: tools/check_loop_bounds.py FILE...     objects (ld -r output included) or linked images
 
-A record is two words, the address of a loop's entry and its bound, in .note.hardpack.loops, or that
-of the loops directly inside it, in .note.hardpack.inner. There must be records in all; each bound must be positive; each address must lie in executable code. Reads
-32 and 64 bit little-endian ELF. Exits 1 and names the record when one is not so.
+A record is two words, the address of a loop's entry and its bound, in .note.hardpack.loops, that of
+the loops directly inside it, in .note.hardpack.inner, or the beams that both are of, in
+.note.hardpack.beams. There must be records in all; each bound must be positive; each address must
+lie in executable code. Reads 32 and 64 bit little-endian ELF. Exits 1 and names the record when one
+is not so.
 """
 
 import struct
 import sys
 
-SECTIONS = (".note.hardpack.loops", ".note.hardpack.inner")
+SECTIONS = (".note.hardpack.loops", ".note.hardpack.inner", ".note.hardpack.beams")
 ET_REL = 1
 SHT_RELA, SHT_REL = 4, 9
 SHF_EXECINSTR = 4

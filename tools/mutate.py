@@ -51,7 +51,7 @@ TOKEN = re.compile(r"""
   | (?P<operator><<=|>>=|<=>|->|::|\+\+|--|<=|>=|==|!=|&&|\|\||\+=|-=|\*=|/=|\|=|&=|<<|>>|[-+*/<>|&!])
 """, re.VERBOSE | re.MULTILINE | re.DOTALL)
 # Where a change is no fault of the program: what is checked or said rather than done.
-NOT_IN = re.compile(r"\b(static_assert|HP_ASSERT|HP_LOOP_BOUND|HP_LOOP_BOUND_INNER|template|operator|"
+NOT_IN = re.compile(r"\b(static_assert|HP_ASSERT|HP_LOOP_BOUND\w*|template|operator|"
                     r"using|namespace|static_cast|reinterpret_cast|std::span|std::array)\b")
 
 # Programs of tests behind those of a file's own stage, what notices soonest first: `decision`, whose

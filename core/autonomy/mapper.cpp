@@ -156,7 +156,7 @@ Status Mapper::AddColumn(const LidarColumn& column, uint64_t time_ns) {
   if (!configured_) return Status::kNotStarted;
   fresh_.Clear();
   if (restarting_) return Status::kSensorRestarted;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int row = 0; row < model_.beams; ++row) self_[row] = 0;
   const std::span<const uint8_t> self(self_, static_cast<size_t>(model_.beams));
   const Result<int64_t> sequence = ring_.SequenceOf(column.frame_id, column.measurement_id);
@@ -177,7 +177,9 @@ Status Mapper::AddColumn(const LidarColumn& column, uint64_t time_ns) {
     return known;
   }
   const int64_t newest = ring_.newest_sequence();
-  if (DirectionsFor(sequence.value(), newest) > directions_left_) {
+  const int64_t needed =
+      DirectionsFor(sequence.value(), newest) + (IsOccupantRaw(sequence.value()) ? 1 : 0);
+  if (needed > directions_left_) {
     ++counters_.columns_over_limit;
     return Status::kCapacityExceeded;
   }
@@ -191,6 +193,11 @@ Status Mapper::AddColumn(const LidarColumn& column, uint64_t time_ns) {
   if (fold_next_ < 0 || sequence.value() < fold_next_) fold_next_ = sequence.value();
   ClassDirections(sequence.value(), newest);
   return Status::kOk;
+}
+
+bool Mapper::IsOccupantRaw(int64_t sequence) const {
+  const ScanColumn& occupant = ring_.column(ring_.SlotOf(sequence));
+  return occupant.sequence != sequence && occupant.state == ColumnState::kRaw;
 }
 
 // A slot is needed again before its column has been folded: only where the ring holds less than the
@@ -207,7 +214,7 @@ void Mapper::FoldOccupant(int64_t sequence) {
 void Mapper::MarkSelf(const LidarColumn& column) {
   const SinCosPair encoder = EncoderSinCos(model_, column.measurement_id);
   const LidarMountParams& mount = params_.mount;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int row = 0; row < model_.beams; ++row) {
     const uint32_t range_mm = NearestRange(column, row);
     const float range_m = FromMillimeters(range_mm);
@@ -237,9 +244,9 @@ void Mapper::ClassDirections(int64_t sequence, int64_t newest) {
   ClassUpTo(sequence - model_.max_column_shift);
 }
 
-// How many those are.
+// How many those are; 1 for a late column, which is classed as hard in the place of one.
 int64_t Mapper::DirectionsFor(int64_t sequence, int64_t newest) const {
-  if (sequence <= newest) return 0;
+  if (sequence <= newest) return 1;
   if (next_direction_ < 0) return 1;
   const int64_t complete = sequence - model_.max_column_shift - next_direction_ + 1;
   const int64_t rest = newest + Segmenter::kLag - next_direction_ + 1;
@@ -265,8 +272,9 @@ void Mapper::ClassUpTo(int64_t last) {
 void Mapper::ClassAsHard(int slot, int64_t looked) {
   const ScanColumn& column = ring_.column(slot);
   if (column.state != ColumnState::kRaw) return;
+  --directions_left_;
   bool any = false;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int row = 0; row < model_.beams; ++row) {
     PackedReturn packed = ring_.at(slot, row);
     if (packed.range_mm() == 0 || packed.self()) continue;
@@ -313,7 +321,7 @@ Mapper::Direction& Mapper::DirectionOf(int64_t sequence) {
   view_.beams = model_.beams;
   view_.sensor_height_m = fan.sensor_odom.z_m - ground_m;
   const int measurement_id = ring_.MeasurementIdOf(sequence);
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int beam = 0; beam < model_.beams; ++beam) {
     LookWithBeam(beam, measurement_id, pose, direction);
     view_.height_m[beam] = direction.point_odom[beam].z_m - ground_m;
@@ -331,11 +339,11 @@ Mapper::Direction& Mapper::DirectionOf(int64_t sequence) {
 // known not to be blocked: without this what stood against the sky would stay for ever.
 void Mapper::PassThroughNothing(Direction& direction) {
   float furthest_m = 0.0f;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int beam = 0; beam < model_.beams; ++beam) {
     furthest_m = Max(furthest_m, direction.fan.level_m[beam]);
   }
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int beam = 0; beam < model_.beams; ++beam) {
     const bool up = direction.fan.slope[beam] >= 0.0f;
     if (up && direction.nothing[beam]) direction.fan.level_m[beam] = furthest_m;
@@ -379,7 +387,7 @@ void Mapper::LookWithBeam(int beam, int own_id, const Transform3& pose, Directio
   const DirectionClasses& classes = segmenter_.result();
   const auto revolution = RevolutionOf(direction.sequence);
   crossed_before_ = heights_.crossed_cells();
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int beam = 0; beam < model_.beams; ++beam) {
     if (direction.fan.level_m[beam] > 0.0f) ClassReturn(direction, beam, classes);
     if (classes.what[beam] == ReturnClass::kGround) FileGround(direction, beam, classes);
@@ -387,6 +395,13 @@ void Mapper::LookWithBeam(int beam, int own_id, const Transform3& pose, Directio
   // A fan off the map, or one that is not finite, ages nothing.
   static_cast<void>(heights_.Age(direction.fan, revolution, params_.mapping.ageing_revolutions));
   if (ring_.Holds(direction.sequence)) FinishColumn(ring_.SlotOf(direction.sequence));
+}
+
+// Differences, because the counter wraps.
+bool Mapper::MayCross() const {
+  const uint32_t crossed = heights_.crossed_cells();
+  return crossed - crossed_before_ <= kMaxCrossed_cells &&
+         (!is_limited_ || static_cast<int32_t>(crossing_ends_ - crossed) > 0);
 }
 
 // Ground that geometry has found. Where labels are to come only that it was observed: its height is

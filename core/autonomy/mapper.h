@@ -64,15 +64,19 @@ class Mapper {
   static constexpr float kMaxSpeed_mps = 15.0f;
   // Ground under the vehicle, which stands on it.
   static constexpr float kStandingRadius_m = 0.7f;
-  // Columns folded by one Advance at most: more than come in 10 ms from any sensor.
+  // Columns that one tick folds at most, those aside that are due whether it has time or not: more
+  // than come in 10 ms from any sensor.
   static constexpr int kMaxFolds = 256;
   // So many columns in a row that are all too late are the sensor's count, and the ring is ahead.
   static constexpr int kMaxLateRun = 32;
   // Directions classed by one AddColumn at most: those that wait when a column ends a gap.
   static constexpr int kMaxDirections = kMaxColumnShift + Segmenter::kLag + 2;
   // Cells between returns that one direction files as ground or forgets, but for the last stretch:
-  // a line from the middle of the map crosses no more than kMapSize_cells.
+  // a line from the middle of the map crosses no more than kMapSize_cells. And that one tick does:
+  // those of 128 directions that see as far as the map's edge, and more where what they see is
+  // near.
   static constexpr uint32_t kMaxCrossed_cells = 3 * kMapSize_cells / 2;
+  static constexpr uint32_t kMaxCrossedInTick_cells = 128 * kMapSize_cells;
 
   // Sets everything up for one sensor and empties the map. kParameterOutOfRange (mount,
   // segmentation, mapping or costmap); kInvalidArgument: label table, an empty model or a window
@@ -82,11 +86,16 @@ class Mapper {
                    const LabelTable& table, const BeamModel& model, int window_first,
                    int window_last);
 
-  // From now on AddColumn and Advance class no more than so many directions, until the next call;
-  // without it there is no limit. What keeps a tick's work within bounds: no limit that is below
-  // kMaxDirections is of use.
+  // From now on AddColumn and Advance class no more than so many directions (a column that came too
+  // late for its own counts as one), cross no more than
+  // kMaxCrossedInTick_cells, let no more than kMaxAged_cells age, and Advance folds no column when
+  // kMaxFolds are folded, until the next call; without it there is no limit. What keeps a tick's
+  // work within bounds: no limit that is below kMaxDirections is of use.
   void BeginTick(int directions) {
     directions_left_ = directions;
+    folds_left_ = kMaxFolds;
+    crossing_ends_ = heights_.crossed_cells() + kMaxCrossedInTick_cells;
+    is_limited_ = true;
     heights_.BeginTick(kMaxAged_cells);
   }
   // Cells with an obstacle that age in a tick at most: what a revolution of 1024 columns in 0.1 s
@@ -115,9 +124,9 @@ class Mapper {
   Status AddLabels(const ColumnLabels& labels);
 
   // Once a tick, after what came in it: folds what has waited for its labels for too long, the
-  // oldest first, and ends the revolution of a sensor that is silent. Cost: at most kMaxFolds
-  // columns; at the end of a revolution kMaxDirections directions, and with use_labels 0 as many
-  // columns, besides.
+  // oldest first, at most kMaxFolds columns, and ends the revolution of a sensor that is silent.
+  // Cost: those columns; at the end of a revolution kMaxDirections directions, and with use_labels
+  // 0 as many columns, besides.
   void Advance(uint64_t now_ns);
 
   // The end of a recording: classes and folds everything. Not for on board: its cost is the ring.
@@ -177,6 +186,7 @@ class Mapper {
   void BeginRestart();
   void ClassDirections(int64_t sequence, int64_t newest);
   int64_t DirectionsFor(int64_t sequence, int64_t newest) const;
+  bool IsOccupantRaw(int64_t sequence) const;
   int64_t DirectionsToEnd() const;
   void ClassUpTo(int64_t last);
   void ClassAsHard(int slot, int64_t looked);
@@ -188,7 +198,7 @@ class Mapper {
   void PassThroughNothing(Direction& direction);
   void UseClasses();
   void FileGround(const Direction& direction, int beam, const DirectionClasses& classes);
-  bool MayCross() const { return heights_.crossed_cells() - crossed_before_ <= kMaxCrossed_cells; }
+  bool MayCross() const;
   void ClassReturn(const Direction& direction, int beam, const DirectionClasses& classes);
   ReturnClass FiledClass(PackedReturn packed) const;
   bool IsOverhead(PackedReturn packed) const;
@@ -203,8 +213,11 @@ class Mapper {
   bool configured_ = false;
   bool restarting_ = false;  // the sensor has; what is pending is being folded
   bool silent_ = true;
+  bool is_limited_ = false;              // BeginTick was called
   uint32_t crossed_before_ = 0;          // cells, when the direction that is classed began
+  uint32_t crossing_ends_ = 0;           // cells crossed, where the tick's are used up
   int32_t directions_left_ = INT32_MAX;  // of this tick
+  int32_t folds_left_ = INT32_MAX;       // the same; below 0 by what was due
   int32_t late_run_ = 0;                 // columns refused as late, in a row
   int64_t next_direction_ = -1;          // to be looked along; -1: the next column says
   int64_t fold_next_ = -1;               // no column before it is pending; -1: none has come

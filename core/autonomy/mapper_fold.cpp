@@ -16,7 +16,7 @@ Status Mapper::AddLabels(const ColumnLabels& labels) {
   const Status found = ring_.FindForLabels(labels.frame_id, labels.measurement_id, sequence);
   if (!IsUsable(found)) return found;
   const int slot = ring_.SlotOf(sequence);
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int row = 0; row < model_.beams; ++row) {
     PackedReturn packed = ring_.at(slot, row);
     if (packed.range_mm() == 0) continue;
@@ -59,9 +59,10 @@ Vec3 Mapper::PointOdom(const ScanColumn& column, int row, PackedReturn packed) c
 
 // Not inlined: its calls are counted (config/timing.toml).
 [[gnu::noinline]] void Mapper::Fold(int slot) {
+  --folds_left_;
   const ScanColumn& column = ring_.column(slot);
   const uint32_t revolution = RevolutionOf(column.sequence);
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int row = 0; row < model_.beams; ++row) {
     const PackedReturn packed = ring_.at(slot, row);
     const ReturnClass what = FiledClass(packed);
@@ -106,12 +107,13 @@ void Mapper::Advance(uint64_t now_ns) {
 bool Mapper::FoldPending(uint64_t now_ns, uint64_t deadline_ns) {
   const int64_t newest = ring_.newest_sequence();
   if (fold_next_ < 0) return true;
-  int folded = 0;
+  // Without a tick's limit one call has its own.
+  if (!is_limited_) folds_left_ = kMaxFolds;
   int passed = 0;
   // Not from the newest revolutions on: what a jump of the frame counter has left behind is still
   // in the ring.
   HP_LOOP_BOUND(ScanRing::kMaxColumns)
-  for (; fold_next_ <= newest && folded < kMaxFolds && passed < ScanRing::kMaxColumns;
+  for (; fold_next_ <= newest && folds_left_ > 0 && passed < ScanRing::kMaxColumns;
        ++fold_next_, ++passed) {
     if (!ring_.Holds(fold_next_)) continue;
     const int slot = ring_.SlotOf(fold_next_);
@@ -119,7 +121,6 @@ bool Mapper::FoldPending(uint64_t now_ns, uint64_t deadline_ns) {
     if (column.state == ColumnState::kFolded) continue;
     if (column.state == ColumnState::kRaw || column.time_ns + deadline_ns > now_ns) return false;
     Fold(slot);
-    ++folded;
   }
   return fold_next_ > newest;
 }
@@ -147,7 +148,7 @@ void Mapper::MarkPending(int slot, uint32_t since, CostmapBuilder& builder) cons
       column.state == ColumnState::kFolded && static_cast<int32_t>(column.fold_count - since) >= 0;
   if (column.state != ColumnState::kClassed && !folded_since) return;
   const GridWindow& window = builder.result().window;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int row = 0; row < model_.beams; ++row) {
     const PackedReturn packed = ring_.at(slot, row);
     if (!MayBeObstacle(packed)) continue;

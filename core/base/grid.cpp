@@ -21,10 +21,6 @@ int32_t OriginFor(int32_t middle) {
 
 }  // namespace
 
-Cell CellAt(Vec2 point_odom) {
-  return {FloorToInt(point_odom.x_m * kCellsPerMeter), FloorToInt(point_odom.y_m * kCellsPerMeter)};
-}
-
 Vec2 CellCenter(Cell cell) {
   return {(static_cast<float>(cell.x) + 0.5f) / kCellsPerMeter,
           (static_cast<float>(cell.y) + 0.5f) / kCellsPerMeter};

@@ -5,6 +5,7 @@
 
 #include "core/base/assert.h"
 #include "core/base/pose.h"
+#include "core/base/saturate.h"
 
 namespace hardpack {
 
@@ -25,7 +26,10 @@ struct Cell {
 
 // The cell that a point lies in, to the rounding of the product: within 1e-7 of a point's own size
 // of a border it may be either neighbour. Saturates; NaN gives 0: callers validate points first.
-Cell CellAt(Vec2 point_odom);
+// Inline: every return goes through it, and more than once.
+inline Cell CellAt(Vec2 point_odom) {
+  return {FloorToInt(point_odom.x_m * kCellsPerMeter), FloorToInt(point_odom.y_m * kCellsPerMeter)};
+}
 
 // The middle of a cell, odom frame. CellAt(CellCenter(cell)) == cell within 2^22 cells (838 km) of
 // the origin.
@@ -36,10 +40,12 @@ Vec2 CellCenter(Cell cell);
 struct GridWindow {
   Cell origin;
 
+  // Modulo 2^32 an offset is less than the window's size only if it is so itself: all its cells are
+  // int32s.
   constexpr bool Contains(Cell cell) const {
-    const int64_t dx = int64_t{cell.x} - origin.x;
-    const int64_t dy = int64_t{cell.y} - origin.y;
-    return dx >= 0 && dx < kMapSize_cells && dy >= 0 && dy < kMapSize_cells;
+    const uint32_t dx = static_cast<uint32_t>(cell.x) - static_cast<uint32_t>(origin.x);
+    const uint32_t dy = static_cast<uint32_t>(cell.y) - static_cast<uint32_t>(origin.y);
+    return dx < kMapSize_cells && dy < kMapSize_cells;
   }
 
   // Row-major index, rows along y. Precondition: Contains(cell).

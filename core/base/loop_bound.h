@@ -24,7 +24,13 @@
 //   HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
 //   while (left != 0) Fill(TakeRun(left));
 //
-// During constant evaluation neither happens.
+// HP_LOOP_BOUND_BEAMS(n) and HP_LOOP_BOUND_INNER_BEAMS(n, m) stand before a loop over the beams of
+// the lidar that is configured: n, and m, are of kMaxBeams beams, and one less for each that it
+// lacks. .note.hardpack.beams tells so, with kMaxBeams as the second word, so that the analyser can
+// be told of how many beams its bounds are to be. The counting build is told by
+// LoopCounter::SetBeams.
+//
+// During constant evaluation none of this happens.
 
 #if defined(HP_COUNT_LOOPS)
 
@@ -35,16 +41,22 @@ namespace hardpack {
 // iteration too many is not a constant expression.
 class LoopCounter {
  public:
+  enum class Of { kAll, kBeams };
   constexpr LoopCounter(unsigned long long bound, const char* file, int line,
-                        unsigned long long inner = 0)
+                        unsigned long long inner = 0, Of of = Of::kAll)
       : bound_(bound), inner_(inner), file_(file), line_(line) {
-    if (!__builtin_is_constant_evaluated()) Enter();
+    if (__builtin_is_constant_evaluated()) return;
+    if (of == Of::kBeams) LessTheBeamsLacking();
+    Enter();
   }
   constexpr ~LoopCounter() {
     if (!__builtin_is_constant_evaluated()) Record();
   }
   LoopCounter(const LoopCounter&) = delete;
   LoopCounter& operator=(const LoopCounter&) = delete;
+
+  // Of this thread's lidar, until the next call; kMaxBeams without one.
+  static void SetBeams(int beams);
 
   // Before each iteration. Returns true, so that it can stand in a condition.
   constexpr bool Tick() {
@@ -53,6 +65,7 @@ class LoopCounter {
   }
 
  private:
+  void LessTheBeamsLacking();
   void Enter();
   void AddToOuter(const LoopCounter& outer) const;
   void Record() const;
@@ -71,6 +84,11 @@ class LoopCounter {
 #define HP_LOOP_BOUND(n) if (::hardpack::LoopCounter hp_loop{(n), __FILE__, __LINE__}; true)
 #define HP_LOOP_BOUND_INNER(n, m) \
   if (::hardpack::LoopCounter hp_loop{(n), __FILE__, __LINE__, (m)}; true)
+#define HP_LOOP_BOUND_BEAMS(n) HP_LOOP_BOUND_INNER_BEAMS(n, 0)
+#define HP_LOOP_BOUND_INNER_BEAMS(n, m)                                     \
+  if (::hardpack::LoopCounter hp_loop{(n), __FILE__, __LINE__, (m),         \
+                                      ::hardpack::LoopCounter::Of::kBeams}; \
+      true)
 
 #else
 
@@ -80,26 +98,36 @@ class LoopCounter {
 #define HP_LOOP_BOUND_WORD ".long"
 #endif
 
-#define HP_LOOP_BOUND(n)                                                      \
-  if (!__builtin_is_constant_evaluated()) {                                   \
-    asm volatile(                                                             \
-        "771:\n"                                                              \
-        ".pushsection .note.hardpack.loops,\"?\",%%note\n" HP_LOOP_BOUND_WORD \
-        " 771b, %c0\n"                                                        \
-        ".popsection\n" ::"i"(static_cast<unsigned long>(n)));                \
+// A record of two words in one of the sections; those of one place stand behind the same label.
+#define HP_LOOP_BOUND_RECORD(kind, operand)                                                    \
+  ".pushsection .note.hardpack." kind ",\"?\",%%note\n" HP_LOOP_BOUND_WORD " 771b, %c" operand \
+  "\n.popsection\n"
+
+#define HP_LOOP_BOUND(n)                                                                           \
+  if (!__builtin_is_constant_evaluated()) {                                                        \
+    asm volatile("771:\n" HP_LOOP_BOUND_RECORD("loops", "0")::"i"(static_cast<unsigned long>(n))); \
   }
 
-#define HP_LOOP_BOUND_INNER(n, m)                                             \
-  if (!__builtin_is_constant_evaluated()) {                                   \
-    asm volatile(                                                             \
-        "771:\n"                                                              \
-        ".pushsection .note.hardpack.loops,\"?\",%%note\n" HP_LOOP_BOUND_WORD \
-        " 771b, %c0\n"                                                        \
-        ".popsection\n"                                                       \
-        ".pushsection .note.hardpack.inner,\"?\",%%note\n" HP_LOOP_BOUND_WORD \
-        " 771b, %c1\n"                                                        \
-        ".popsection\n" ::"i"(static_cast<unsigned long>(n)),                 \
-        "i"(static_cast<unsigned long>(m)));                                  \
+#define HP_LOOP_BOUND_INNER(n, m)                                                            \
+  if (!__builtin_is_constant_evaluated()) {                                                  \
+    asm volatile("771:\n" HP_LOOP_BOUND_RECORD("loops", "0")                                 \
+                     HP_LOOP_BOUND_RECORD("inner", "1")::"i"(static_cast<unsigned long>(n)), \
+                 "i"(static_cast<unsigned long>(m)));                                        \
+  }
+
+#define HP_LOOP_BOUND_BEAMS(n)                                                               \
+  if (!__builtin_is_constant_evaluated()) {                                                  \
+    asm volatile("771:\n" HP_LOOP_BOUND_RECORD("loops", "0")                                 \
+                     HP_LOOP_BOUND_RECORD("beams", "1")::"i"(static_cast<unsigned long>(n)), \
+                 "i"(static_cast<unsigned long>(::hardpack::kMaxBeams)));                    \
+  }
+
+#define HP_LOOP_BOUND_INNER_BEAMS(n, m)                                                         \
+  if (!__builtin_is_constant_evaluated()) {                                                     \
+    asm volatile("771:\n" HP_LOOP_BOUND_RECORD("loops", "0") HP_LOOP_BOUND_RECORD("inner", "1") \
+                     HP_LOOP_BOUND_RECORD("beams", "2")::"i"(static_cast<unsigned long>(n)),    \
+                 "i"(static_cast<unsigned long>(m)),                                            \
+                 "i"(static_cast<unsigned long>(::hardpack::kMaxBeams)));                       \
   }
 
 #endif

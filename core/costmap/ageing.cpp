@@ -26,7 +26,7 @@ Status CheckFan(const SightFan& fan, float& furthest_m) {
     return Status::kNotFinite;
   }
   bool finite = true;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int beam = 0; beam < fan.beams; ++beam) {
     const float level_m = fan.level_m[beam];
     finite = finite && IsFinite(level_m) && (level_m <= 0.0f || IsFinite(fan.slope[beam]));
@@ -71,19 +71,16 @@ Status HeightGrid::Age(const SightFan& fan, uint32_t revolution, int ageing_revo
   sight.ageing_revolutions = ageing_revolutions;
 
   const int cells = CellsInReach(sight.direction, furthest_m);
+  const GridWindow window = window_;  // nothing that is stored below changes it
   CellWalk walk(sensor, sight.direction);
   HP_LOOP_BOUND(kMaxSight_cells)
   for (int i = 0; i < cells; ++i) {
-    if (!window_.Contains(walk.cell())) break;
-    const int slot = Slot(walk.cell());
-    if (HasObstacle(slot) && CanAge(slot, sight)) {
+    const Cell cell = walk.cell();
+    if (!window.Contains(cell)) break;
+    if (HasObstacle(Slot(cell)) && CanAge(Slot(cell), sight)) {
       if (aged_left_ == 0) break;
       --aged_left_;
-      const Vec2 middle = CellCenter(walk.cell());
-      AgeCell(slot,
-              (middle.x_m - sensor.x_m) * sight.direction.x_m +
-                  (middle.y_m - sensor.y_m) * sight.direction.y_m,
-              fan, sight);
+      AgeCell(cell, fan, sight);
     }
     walk.Next();
   }
@@ -97,8 +94,11 @@ bool HeightGrid::CanAge(int slot, const Sight& sight) const {
 }
 
 // Not inlined: its calls are counted (config/timing.toml).
-[[gnu::noinline]] void HeightGrid::AgeCell(int slot, float distance_m, const SightFan& fan,
-                                           const Sight& sight) {
+[[gnu::noinline]] void HeightGrid::AgeCell(Cell cell, const SightFan& fan, const Sight& sight) {
+  const int slot = Slot(cell);
+  const Vec2 middle = CellCenter(cell);
+  const float distance_m = (middle.x_m - fan.sensor_odom.x_m) * sight.direction.x_m +
+                           (middle.y_m - fan.sensor_odom.y_m) * sight.direction.y_m;
   const int misses = (seen_[slot] & kMissMask) / kMissOne;
   const bool is_new = ((seen_[slot] & kSightOdd) != 0) != sight.odd;
   const bool hard = highest_hard_cm_[slot] != kNone;
@@ -138,7 +138,7 @@ HeightGrid::Evidence HeightGrid::Look(const SightFan& fan, const Sight& sight,
   int32_t below = 0;
   int32_t above = 0;
   // No branches: it runs for every obstacle along every direction.
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int beam = 0; beam < fan.beams; ++beam) {
     const float level_m = fan.level_m[beam];
     const float slope = fan.slope[beam];
@@ -168,7 +168,7 @@ float HeightGrid::Cut_cm(const SightFan& fan, const Sight& sight, const Target& 
   const float top_cm = target.highest_cm - kEdge_cm;
   float lowest_through_cm = top_cm;
   float highest_end_cm = target.lowest_cm;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int beam = 0; beam < fan.beams; ++beam) {
     const float level_m = fan.level_m[beam];
     if (!(level_m > near_m)) continue;

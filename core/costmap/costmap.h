@@ -88,6 +88,12 @@ static_assert(std::is_trivially_copyable_v<Costmap>);
 // kParameterOutOfRange.
 Status CheckCostmapParams(const CostmapParams& params);
 
+// How much more of a disc's half chord is left at dx than at dx + 1, in cells.
+struct ChordSteps {
+  static constexpr int kMost = 15;
+  uint8_t of[kMost] = {};
+};
+
 // Builds a Costmap from a HeightGrid or from occupancy, resumable. A unit is one row of one pass;
 // kUnits units build a map from heights, kCellUnits from cells, whatever it holds. The time of a
 // unit is bounded by the work on a row; it is less where blocks of the row have no return that
@@ -141,7 +147,8 @@ class CostmapBuilder {
   const Costmap& result() const { return map_; }
 
  private:
-  static constexpr int kReach_cells = 15;  // the largest integer whose square is not saturated
+  // The largest integer whose square is not saturated.
+  static constexpr int kReach_cells = ChordSteps::kMost;
   static_assert(kReach_cells <= PaddedRow<uint8_t>::kMargin);
   static constexpr int kBlock_cells = 64;  // of a row, classed together
   static constexpr int kBlocks = kMapSize_cells / kBlock_cells;
@@ -236,7 +243,7 @@ class CostmapBuilder {
   PaddedRow<uint8_t> row_flags_;
   Blocks group_blocks_[kMapSize_cells / kGroup_rows] = {};  // those that hold an obstacle
   bool any_returns_[kBlocks] = {};                          // of a row's blocks, while classing
-  uint8_t chord_steps_[kReach_cells] = {};                  // see FillChord
+  ChordSteps chord_steps_;                                  // see FillChord
   // The layers' costs by squared distance, outside the region and behind these inside. Of the hard
   // layer first where the ground is unknown, with what that costs, and then where it is not.
   uint16_t hard_cost_q8_[4 * kDistances2] = {};

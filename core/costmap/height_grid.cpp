@@ -6,6 +6,7 @@
 #include "core/base/saturate.h"
 #include "core/base/units.h"
 #include "core/costmap/cell_walk.h"
+#include "core/costmap/rows.h"
 
 namespace hardpack {
 namespace {
@@ -63,14 +64,14 @@ void FillCells(T* to, int cells, T value) {
 }  // namespace
 
 HeightGrid::HeightGrid() : window_(GridWindow::CenteredAt({})) {
-  Clear(0, 0, kMapSize_cells, kMapSize_cells);
+  ClearRows(0, kMapSize_cells);
 }
 
 Status HeightGrid::Reset(Vec2 center_odom) {
   if (!IsFinite(center_odom.x_m) || !IsFinite(center_odom.y_m)) return Status::kNotFinite;
   window_ = GridWindow::CenteredAt(center_odom);
   datum_cm_ = 0;
-  Clear(0, 0, kMapSize_cells, kMapSize_cells);
+  ClearRows(0, kMapSize_cells);
   return Status::kOk;
 }
 
@@ -83,8 +84,9 @@ Status HeightGrid::Recenter(Vec2 center_odom) {
   const int columns = dx < 0 ? -dx : dx;
   const int rows = dy < 0 ? -dy : dy;
   // Rows that come in, over the full width; then, in the rows that stay, columns that come in.
-  Clear(0, dy > 0 ? kMapSize_cells - rows : 0, kMapSize_cells, rows);
-  Clear(dx > 0 ? kMapSize_cells - columns : 0, dy > 0 ? 0 : rows, columns, kMapSize_cells - rows);
+  ClearRows(dy > 0 ? kMapSize_cells - rows : 0, rows);
+  ClearColumns(dx > 0 ? kMapSize_cells - columns : 0, columns, dy > 0 ? 0 : rows,
+               kMapSize_cells - rows);
   return Status::kOk;
 }
 
@@ -96,16 +98,6 @@ int16_t HeightGrid::Stored(float z_m) const {
 
 int16_t HeightGrid::Told(int16_t stored_cm) const {
   return static_cast<int16_t>(stored_cm == kNone ? kNone : stored_cm + datum_cm_);
-}
-
-bool HeightGrid::HasObstacle(int slot) const {
-  return ((highest_hard_cm_[slot] ^ kNone) | (highest_soft_cm_[slot] ^ kNone)) != 0;
-}
-
-// No misses, and none any more in this revolution.
-void HeightGrid::MakeYoung(int slot, bool odd) {
-  seen_[slot] =
-      static_cast<uint8_t>((seen_[slot] & ~(kMissMask | kSightOdd)) | (odd ? kSightOdd : 0));
 }
 
 Status HeightGrid::Insert(const Vec3& point_odom, ReturnClass return_class, uint32_t revolution) {
@@ -345,12 +337,25 @@ void HeightGrid::ReadObstacles(Cell first, HeightRow lowest_hard_cm, HeightRow h
   CopyRow(highest_soft_cm_, first, kNone, highest_soft_cm);
 }
 
-void HeightGrid::Clear(int dx, int dy, int width, int height) {
+void HeightGrid::ClearRows(int dy, int rows) {
   HP_LOOP_BOUND(kMapSize_cells)
-  for (int row = 0; row < height; ++row) {
+  for (int row = 0; row < rows; ++row) {
+    const int first = Slot({0, window_.origin.y + dy + row});
+    FillRow(lowest_cm_ + first, kNone);
+    FillRow(lowest_hard_cm_ + first, kNone);
+    FillRow(highest_hard_cm_ + first, kNone);
+    FillRow(highest_soft_cm_ + first, kNone);
+    FillRow(seen_ + first, uint8_t{0});
+  }
+}
+
+void HeightGrid::ClearColumns(int dx, int columns, int dy, int rows) {
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int row = 0; row < rows; ++row) {
+    const int first = Slot({0, window_.origin.y + dy + row});
     HP_LOOP_BOUND(kMapSize_cells)
-    for (int column = 0; column < width; ++column) {
-      const int slot = Slot({window_.origin.x + dx + column, window_.origin.y + dy + row});
+    for (int column = 0; column < columns; ++column) {
+      const int slot = first + Slot({window_.origin.x + dx + column, 0});
       lowest_cm_[slot] = kNone;
       lowest_hard_cm_[slot] = kNone;
       highest_hard_cm_[slot] = kNone;

@@ -255,12 +255,17 @@ class HeightGrid {
   template <typename T>
   void CopyRow(const T* plane, Cell first, T empty, std::span<T, kMapSize_cells> row) const;
 
-  // Empties width x height cells, their lowest corner at offset (dx, dy) from the window's origin.
-  void Clear(int dx, int dy, int width, int height);
+  // Empties so many rows, or their part of so many columns, from offset (dx, dy) to the window's
+  // origin on.
+  void ClearRows(int dy, int rows);
+  void ClearColumns(int dx, int columns, int dy, int rows);
 
   int16_t Stored(float z_m) const;
   int16_t Told(int16_t stored_cm) const;
-  bool HasObstacle(int slot) const;
+  // Inline: the sight lines ask it of every cell.
+  bool HasObstacle(int slot) const {
+    return ((highest_hard_cm_[slot] ^ kNone) | (highest_soft_cm_[slot] ^ kNone)) != 0;
+  }
   bool IsNewlyFiled(int slot, bool odd);
   void FileGround(int slot, int16_t height_cm, bool odd);
   void FileHard(int slot, int16_t height_cm, bool odd, bool person);
@@ -271,11 +276,15 @@ class HeightGrid {
   void ForgetCell(int slot);
   bool NeedsNone(Cell cell, int known) const;
   void TakeAsGround(Cell cell, float z_m);
-  void MakeYoung(int slot, bool odd);
+  // No misses, and none any more in this revolution.
+  void MakeYoung(int slot, bool odd) {
+    seen_[slot] =
+        static_cast<uint8_t>((seen_[slot] & ~(kMissMask | kSightOdd)) | (odd ? kSightOdd : 0));
+  }
   template <int kMost_m>
   Status AssumeAround(const Vec3& center_odom, float radius_m, Vec2 slope);
   bool CanAge(int slot, const Sight& sight) const;
-  void AgeCell(int slot, float distance_m, const SightFan& fan, const Sight& sight);
+  void AgeCell(Cell cell, const SightFan& fan, const Sight& sight);
   static Evidence Look(const SightFan& fan, const Sight& sight, const Target& target);
   static float Cut_cm(const SightFan& fan, const Sight& sight, const Target& target);
   void CutDown(int slot, bool hard, float cut_cm);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <limits>
 
@@ -17,6 +18,18 @@ struct Columns {
   int begin = 0;
   int end = 0;
 };
+
+// Runs of blocks that follow one another, at most; and a bit for each block.
+inline constexpr int kRuns = kMapSize_cells / kRowBlock_cells / 2;
+inline constexpr unsigned kAllBlocks = 0xffff;
+
+// Takes the first blocks that follow one another out of a row's `blocks`, of which there are some.
+inline Columns TakeRun(unsigned& blocks) {
+  const int first = std::countr_zero(blocks);
+  const int last = first + std::countr_one(blocks >> first);
+  blocks &= ~0u << last;
+  return {first * kRowBlock_cells, last * kRowBlock_cells};
+}
 
 // A row that is looked at to both sides. Beyond either end a margin stands for what lies beyond the
 // map.

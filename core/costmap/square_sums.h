@@ -100,14 +100,14 @@ inline uint8_t SmallestBeside(const uint8_t* center, const uint8_t* steps) {
 // Inlined, so that the static bound sees the runs of a row as parts of it.
 template <int kReach>
 [[gnu::always_inline]] inline void SmallestPlusSteps(const uint8_t* __restrict row,
-                                                     const uint8_t* __restrict steps,
-                                                     Columns columns, uint8_t* __restrict to) {
+                                                     const ChordSteps& steps, Columns columns,
+                                                     uint8_t* __restrict to) {
   // By blocks, of which every one is whole vectors: no code for a rest, and half the stack.
   HP_LOOP_BOUND(kMapSize_cells / kRowBlock_cells)
   for (int begin = columns.begin; begin < columns.end; begin += kRowBlock_cells) {
     HP_LOOP_BOUND(kRowBlock_cells)
     for (int x = begin; x < begin + kRowBlock_cells; ++x) {
-      const int beside = SmallestBeside<1, kReach>(row + x, steps) + steps[0];
+      const int beside = SmallestBeside<1, kReach>(row + x, steps.of) + steps.of[0];
       to[x] = Smaller(row[x], static_cast<uint8_t>(beside));
     }
   }

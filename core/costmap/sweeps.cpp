@@ -11,8 +11,6 @@
 //
 // Blocks of cells that lie too far from every obstacle of a layer are left out: what they hold is
 // filled in.
-#include <bit>
-
 #include "core/base/loop_bound.h"
 #include "core/base/saturate.h"
 #include "core/costmap/costmap.h"
@@ -28,18 +26,6 @@ constexpr uint8_t kNoEdge = kFar - 1;
 
 // Costs in one round: a loop over single cells takes as many instructions again to count them.
 constexpr int kAtOnce = 8;
-
-// Runs of blocks that follow one another, at most; and a bit for each block.
-constexpr int kRuns = kMapSize_cells / kRowBlock_cells / 2;
-constexpr unsigned kAllBlocks = 0xffff;
-
-// Takes the first blocks that follow one another out of a row's `blocks`, of which there are some.
-inline Columns TakeRun(unsigned& blocks) {
-  const int first = std::countr_zero(blocks);
-  const int last = first + std::countr_one(blocks >> first);
-  blocks &= ~0u << last;
-  return {first * kRowBlock_cells, last * kRowBlock_cells};
-}
 
 // Fills the blocks of a row that are not among these.
 void FillOutside(unsigned blocks, uint8_t value, uint8_t* row) {
@@ -93,6 +79,16 @@ void SweepBack(const uint8_t* __restrict hard_plane, const uint8_t* __restrict s
     hard2[x] = Squared(distance);
     soft[x] = Smaller(soft_plane[x], static_cast<uint8_t>(soft[x] + 1));
   }
+}
+
+// What of the disc's half chord is used up to reach the nearest soft cell along the row, in the
+// blocks. steps: a copy, or what is written could be among them, and nothing would be done several
+// at a time.
+template <int kReach>
+[[gnu::always_inline]] inline void ReachAlongRow(const uint8_t* soft, const ChordSteps steps,
+                                                 unsigned blocks, uint8_t* used) {
+  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells / kRowBlock_cells)
+  while (blocks != 0) SmallestPlusSteps<kReach>(soft, steps, TakeRun(blocks), used);
 }
 
 // Adds the regions to flags, from squared distances to hard cells and from what of the disc's half
@@ -227,7 +223,7 @@ void CostmapBuilder::FillChord() {
   for (int dx = 0; dx < kReach_cells; ++dx) {
     const int left2 = radius2_cells2_ - Square(dx + 1);
     const int next = left2 < 0 ? -1 : RootOf(left2);
-    chord_steps_[dx] = static_cast<uint8_t>(chord - next);
+    chord_steps_.of[dx] = static_cast<uint8_t>(chord - next);
     chord = next;
   }
 }
@@ -313,16 +309,12 @@ void CostmapBuilder::FindRegions(int row) {
 
   left = near.soft;
   FillOutside(left, kFar2, b);
-  HP_LOOP_BOUND_INNER(kRuns, kRowBlocks)
-  while (left != 0) {
-    const Columns columns = TakeRun(left);
-    if (radius_cells_ <= 5) {
-      SmallestPlusSteps<5>(soft, chord_steps_, columns, b);
-    } else if (radius_cells_ <= 10) {
-      SmallestPlusSteps<10>(soft, chord_steps_, columns, b);
-    } else {
-      SmallestPlusSteps<15>(soft, chord_steps_, columns, b);
-    }
+  if (radius_cells_ <= 5) {
+    ReachAlongRow<5>(soft, chord_steps_, left, b);
+  } else if (radius_cells_ <= 10) {
+    ReachAlongRow<10>(soft, chord_steps_, left, b);
+  } else {
+    ReachAlongRow<15>(soft, chord_steps_, left, b);
   }
 
   left = near.hard | near.soft;

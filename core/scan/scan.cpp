@@ -21,7 +21,7 @@ bool IsFiniteTransform(const Transform3& transform) {
 }
 
 Status CheckBeams(std::span<const float> altitude_deg, std::span<const float> azimuth_deg) {
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (size_t row = 0; row < altitude_deg.size(); ++row) {
     if (!IsFinite(altitude_deg[row]) || !IsFinite(azimuth_deg[row])) return Status::kNotFinite;
     if (Abs(altitude_deg[row]) > kMaxAltitude_deg || Abs(azimuth_deg[row]) > kMaxAzimuth_deg) {
@@ -38,7 +38,7 @@ Status SetColumnShifts(std::span<const float> azimuth_deg, int columns, BeamMode
   const int32_t first = RoundToInt(-azimuth_deg[0] * columns_per_deg);
   int32_t least = 0;
   int32_t most = 0;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (size_t row = 0; row < azimuth_deg.size(); ++row) {
     const int32_t apart = (RoundToInt(-azimuth_deg[row] * columns_per_deg) - first) % columns;
     const int32_t ahead = apart < 0 ? apart + columns : apart;
@@ -48,7 +48,7 @@ Status SetColumnShifts(std::span<const float> azimuth_deg, int columns, BeamMode
     most = shift > most ? shift : most;
   }
   if (most - least > kMaxColumnShift) return Status::kInvalidArgument;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (size_t row = 0; row < azimuth_deg.size(); ++row) model.column_shift[row] -= least;
   model.max_column_shift = most - least;
   return Status::kOk;
@@ -56,10 +56,10 @@ Status SetColumnShifts(std::span<const float> azimuth_deg, int columns, BeamMode
 
 // By insertion: beams of the same altitude stay in the order of their rows.
 void OrderByAltitude(std::span<const float> altitude_deg, BeamModel& model) {
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (size_t row = 0; row < altitude_deg.size(); ++row) {
     size_t place = row;
-    HP_LOOP_BOUND(kMaxBeams - 1)
+    HP_LOOP_BOUND_BEAMS(kMaxBeams - 1)
     while (place > 0 && altitude_deg[model.by_altitude[place - 1]] > altitude_deg[row]) {
       model.by_altitude[place] = model.by_altitude[place - 1];
       --place;
@@ -103,7 +103,7 @@ Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float>
   }
   OrderByAltitude(altitude_deg, model);
   SetEncoderAngles(columns_per_revolution, model);
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (size_t row = 0; row < altitude_deg.size(); ++row) {
     const SinCosPair altitude = SinCos(altitude_deg[row] * kRadPerDeg);
     const SinCosPair azimuth = SinCos(-azimuth_deg[row] * kRadPerDeg);
@@ -294,7 +294,7 @@ Status ScanRing::Push(const LidarColumn& column, uint64_t time_ns,
 }
 
 void ScanRing::FileReturns(const LidarColumn& column, int slot, std::span<const uint8_t> self) {
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int row = 0; row < beams_; ++row) {
     uint32_t range_mm = NearestRange(column, row);
     if (range_mm > kMaxPackedRange_mm) {

@@ -197,7 +197,7 @@ void GroundLine::Find(const GroundCandidates& candidates, float max_slope) {
   base_[0] = 0;
   beam_[0] = -1;
   int behind = 0;  // where the last one that was nearer than the line's end belonged
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int i = 0; i < candidates.count; ++i) {
     const float level_m = candidates.level_m[i];
     const float height_m = candidates.height_m[i];

@@ -71,19 +71,19 @@ Status Segmenter::Push(const DirectionView& view) {
 bool Segmenter::Take(const DirectionView& view, Direction& direction) const {
   float* range_m = direction.ranges.range_m + RangeColumn::kReach_beams;
   direction.sensor_height_m = view.sensor_height_m;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int beam = 0; beam < beams_; ++beam) {
     direction.level_m[beam] = view.level_m[beam];
     direction.height_m[beam] = view.height_m[beam];
     direction.slope[beam] = view.slope[beam];
   }
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int beam = 0; beam < beams_; ++beam) {
     range_m[beam] = view.seen[beam] ? view.range_m[beam] : RangeColumn::kNoReturn_m;
   }
   // A number less itself is not 0 when it is not finite. Branchless, over all beams.
   uint32_t bad = 0;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int beam = 0; beam < beams_; ++beam) {
     const float range = range_m[beam];
     const float level = direction.level_m[beam];
@@ -93,7 +93,7 @@ bool Segmenter::Take(const DirectionView& view, Direction& direction) const {
     bad |= (none == 0.0f ? 0u : 1u) & (range != RangeColumn::kNoReturn_m ? 1u : 0u);
   }
   direction.top = beams_;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   while (direction.top > 0 && !view.seen[direction.top - 1]) --direction.top;
   return bad == 0u && IsFinite(view.sensor_height_m);
 }
@@ -122,7 +122,7 @@ void Segmenter::Class() {
 void Segmenter::FindLine(const Direction& direction) {
   const float* range_m = direction.ranges.range_m + RangeColumn::kReach_beams;
   int count = 0;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int beam = 0; beam < beams_; ++beam) {
     candidates_.level_m[count] = direction.level_m[beam];
     candidates_.height_m[count] = direction.height_m[beam];
@@ -139,7 +139,7 @@ void Segmenter::FindLine(const Direction& direction) {
 void Segmenter::FileHeights(const Direction& direction) {
   const float* range_m = direction.ranges.range_m + RangeColumn::kReach_beams;
   int point = 0;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int beam = 0; beam < beams_; ++beam) {
     result_.what[beam] = ReturnClass::kIgnored;
     result_.ground_known[beam] = false;
@@ -165,7 +165,7 @@ void Segmenter::FileGround(const Direction& direction) {
   gaps_before_[0] = gaps_;
   gaps_.count = 0;
   // Between the beams of the line each beam is looked at once.
-  HP_LOOP_BOUND_INNER(kMaxBeams, kMaxBeams)
+  HP_LOOP_BOUND_INNER_BEAMS(kMaxBeams, kMaxBeams)
   for (int point = 1; point < line_.size(); ++point) {
     const int beam = line_.beam(point);
     result_.what[beam] = ReturnClass::kGround;
@@ -234,7 +234,7 @@ bool Segmenter::IsLong(const Direction& direction, int point, float factor) cons
 // hide the ground behind it.
 [[gnu::always_inline]] inline bool Segmenter::StandsBetween(int near_beam, int beam) const {
   bool stands = false;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int between = near_beam + 1; between < beam; ++between) {
     const bool seen = result_.what[between] != ReturnClass::kIgnored;
     stands = stands || (seen && !(above_m_[between] < -params_.ground_band_m));
@@ -245,7 +245,7 @@ bool Segmenter::IsLong(const Direction& direction, int point, float factor) cons
 void Segmenter::RememberTall(const Direction& direction) {
   HP_LOOP_BOUND(kTallSteps)
   for (uint8_t& left : tall_) left = left > 0 ? static_cast<uint8_t>(left - 1) : uint8_t{0};
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int beam = 0; beam < beams_; ++beam) {
     if (result_.what[beam] != ReturnClass::kHard) continue;
     if (!(above_m_[beam] > params_.max_soft_height_m)) continue;
@@ -274,7 +274,7 @@ bool Segmenter::MayBeSoft(const Direction& direction, int beam) const {
 // Counts the kinds of returns of the same thing around each of the beams from low to high.
 void Segmenter::CountAround(const Direction& direction, int low, int high) {
   const float* center_m = direction.ranges.range_m + kSpread;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int beam = low; beam <= high; ++beam) around_[beam] = 0;
   HP_LOOP_BOUND(2 * kSpread + 1)
   for (int across = -kSpread; across <= kSpread; ++across) {
@@ -286,7 +286,7 @@ void Segmenter::CountAround(const Direction& direction, int low, int high) {
       const float apart_m = range_m[beam + up] - center_m[beam];
       return look[beam + up] & (apart_m * apart_m <= kSameThing_m * kSameThing_m ? ~0u : 0u);
     };
-    HP_LOOP_BOUND(kMaxBeams)
+    HP_LOOP_BOUND_BEAMS(kMaxBeams)
     for (int beam = low; beam <= high; ++beam) {
       around_[beam] +=
           (count(beam, -2) + count(beam, -1)) + (count(beam, 1) + count(beam, 2)) + count(beam, 0);
@@ -296,14 +296,14 @@ void Segmenter::CountAround(const Direction& direction, int low, int high) {
 
 void Segmenter::FileSoft(const Direction& direction) {
   int low = 0;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   while (low < beams_ && !MayBeSoft(direction, low)) ++low;
   int high = beams_ - 1;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   while (high > low && !MayBeSoft(direction, high)) --high;
   if (low >= beams_) return;
   CountAround(direction, low, high);
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int beam = low; beam <= high; ++beam) {
     const uint32_t sum = around_[beam];
     const bool leaves =

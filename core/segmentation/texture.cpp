@@ -70,7 +70,7 @@ void TextureFinder::Find(const RangeColumn* const (&columns)[kColumns], int beam
   const float* c = columns[2]->range_m + kReach;
   const float* d = columns[3]->range_m + kReach;
   const float* e = columns[4]->range_m + kReach;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int i = 0; i < beams; ++i) {
     const float center = c[i];
     counts_[i] =
@@ -79,7 +79,7 @@ void TextureFinder::Find(const RangeColumn* const (&columns)[kColumns], int beam
         Pair(center, b[i], d[i], rough2) + Pair(center, b[i + 1], d[i - 1], rough2) +
         Pair(center, b[i + 2], d[i - 2], rough2);
   }
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int i = 0; i < beams; ++i) {
     const float center = c[i];
     counts_[i] += Pair(center, a[i - 2], e[i + 2], rough2) +
@@ -87,7 +87,7 @@ void TextureFinder::Find(const RangeColumn* const (&columns)[kColumns], int beam
                   Pair(center, a[i + 1], e[i - 1], rough2) +
                   Pair(center, a[i + 2], e[i - 2], rough2);
   }
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int i = 0; i < beams; ++i) {
     const float x = c[i];
     const float beside = Min(Nearest(x, b[i], d[i]), Nearest(x, a[i], e[i]));
@@ -95,11 +95,11 @@ void TextureFinder::Find(const RangeColumn* const (&columns)[kColumns], int beam
     const float below = Min(Nearest(x, b[i - 1], d[i - 1]), Nearest(x, a[i - 1], e[i - 1]));
     nearest_m2_[i] = Min(Min(Nearest(x, c[i - 1], c[i + 1]), beside), Min(above, below));
   }
-  HP_LOOP_BOUND(kMaxBeams + 2 * kReach)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams + 2 * kReach)
   for (int i = -kReach; i < beams + kReach; ++i) {
     furthest_m_[i + kReach] = Max(Max(Max(a[i], b[i]), Max(d[i], e[i])), c[i]);
   }
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int i = 0; i < beams; ++i) {
     const float* f = furthest_m_ + i + kReach;
     const float furthest_m = Max(Max(Max(f[-2], f[-1]), Max(f[1], f[2])), f[0]);
@@ -114,7 +114,7 @@ void TextureFinder::Find(const RangeColumn* const (&columns)[kColumns], int beam
 
 void TextureFinder::Judge(int beams, float alone2, Texture& texture) {
   constexpr int kReach = RangeColumn::kReach_beams;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int i = 0; i < beams; ++i) {
     const uint32_t tight = counts_[i] % kAround;
     const uint32_t around = counts_[i] / kAround;

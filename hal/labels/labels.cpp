@@ -105,7 +105,7 @@ Status DecodeColumn(const Header& header, std::span<const uint8_t> datagram, int
   column.frame_id = header.frame_id;
   column.measurement_id = static_cast<uint16_t>(header.first_measurement + index);
   column.beams = header.beams;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (size_t row = 0; row < codes.size(); ++row) column.label[row] = codes[row];
   return Status::kOk;
 }

@@ -70,7 +70,7 @@ ByteReader PixelOf(std::span<const uint8_t> pixels, int32_t row) {
 
 void DecodeSinglePixels(const WordFormat& format, int32_t beams, std::span<const uint8_t> pixels,
                         LidarColumn& column) {
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int32_t row = 0; row < beams; ++row) {
     ByteReader pixel = PixelOf<12>(pixels, row);
     const uint32_t word = pixel.U32(0);
@@ -83,7 +83,7 @@ void DecodeSinglePixels(const WordFormat& format, int32_t beams, std::span<const
 }
 
 void DecodeRng15Pixels(int32_t beams, std::span<const uint8_t> pixels, LidarColumn& column) {
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int32_t row = 0; row < beams; ++row) {
     const uint32_t word = PixelOf<4>(pixels, row).U32(0);
     column.range_mm[row] = (word & 0x7fffu) * 8;
@@ -99,7 +99,7 @@ template <size_t kReturn>
 void DecodeDualReturn(int32_t beams, std::span<const uint8_t> pixels,
                       uint32_t (&range_mm)[kMaxBeams], uint8_t (&flags)[kMaxBeams],
                       uint16_t (&reflectivity)[kMaxBeams], uint16_t (&signal)[kMaxBeams]) {
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int32_t row = 0; row < beams; ++row) {
     ByteReader pixel = PixelOf<16>(pixels, row);
     const uint32_t word = pixel.U32(4 * kReturn);
@@ -115,7 +115,7 @@ void DecodeDualPixels(int32_t beams, std::span<const uint8_t> pixels, LidarColum
                       column.signal);
   DecodeDualReturn<1>(beams, pixels, column.second_range_mm, column.second_flags,
                       column.second_reflectivity, column.second_signal);
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int32_t row = 0; row < beams; ++row) column.near_ir[row] = PixelOf<16>(pixels, row).U16(12);
 }
 

@@ -57,6 +57,8 @@ class StreamParser {
   // What Feed takes at least once Next has said that there is nothing more: any datagram of an
   // Ethernet goes in at once.
   static constexpr size_t kFeedBytes = 1536;
+  // Bytes that wait at most.
+  static constexpr size_t kCapacity = kMaxMessageBytes + kFeedBytes;
 
   // Takes as many bytes as there is room for, from the front, and says how many. The others are to
   // be given again after Next has said kTruncated. Cost: one step a byte taken, and once in
@@ -80,8 +82,6 @@ class StreamParser {
   const StreamCounters& counters() const { return counters_; }
 
  private:
-  static constexpr size_t kCapacity = kMaxMessageBytes + kFeedBytes;
-
   Status NextBinary(InsSample& sample);
   Status NextAscii(InsSample& sample);
   Status Count(Status decoded);

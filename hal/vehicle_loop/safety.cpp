@@ -64,7 +64,7 @@ void VehicleLoop::TestReturns(bool are_new) {
 // Not inlined: its calls are counted (config/timing.toml).
 [[gnu::noinline]] void VehicleLoop::TestColumn(int slot, uint32_t max_range_mm) {
   const int beams = mapper_.model().beams;
-  HP_LOOP_BOUND(kMaxBeams)
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int row = 0; row < beams; ++row) {
     Vec2 point_odom;
     const uint8_t flags = mapper_.ObstacleOf(slot, row, max_range_mm, point_odom);

@@ -103,6 +103,7 @@ Status VehicleLoop::Tick(const TickInput& input, TickOutput& output) {
   columns_left_ = config_.onboard.tick.directions;
   labels_left_ = config_.onboard.tick.directions;
   ins_.BeginTick(kMaxInsMessages);
+  may_resume_ = true;
 
   TakeFrames(input);
   TakeDatagrams(input, InputSource::kIns);
@@ -220,9 +221,11 @@ Status VehicleLoop::ObserveLidarClock(std::span<const uint8_t> bytes) {
 Status VehicleLoop::TakeLidar(std::span<const uint8_t> bytes) {
   ouster::PacketHeader header;
   Status status = lidar_packets_.Check(bytes, header);
-  if (status == Status::kSensorRestarted && supervisor_.mode() == Mode::kStandby) {
+  if (status == Status::kSensorRestarted && supervisor_.mode() == Mode::kStandby && may_resume_) {
     // Its clock began anew. What the sensor is and where it sits is taken to be as it was: the
-    // operator sees the count, and has to arm again.
+    // operator sees the count, and has to arm again. Once in a tick: two sensors that send by turns
+    // are none that restarts.
+    may_resume_ = false;
     ++counters_.lidar_restarts;
     lidar_packets_.Resume();
     lidar_time_.Reset();

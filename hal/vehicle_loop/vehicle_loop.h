@@ -228,6 +228,7 @@ class VehicleLoop {
   control::OperatorCommand command_;
   FixedVector<Goal, control::kMaxWaypoints> goals_;
   int32_t goal_index_ = 0;
+  bool may_resume_ = true;    // the lidar has not restarted in this tick
   int32_t columns_left_ = 0;  // of the lidar, that this tick takes ...
   int32_t labels_left_ = 0;   // ... and of labels
   InsSample newest_ins_;

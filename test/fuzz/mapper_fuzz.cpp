@@ -20,6 +20,7 @@
 #include "core/costmap/costmap.h"
 #include "core/scan/scan.h"
 #include "test/fuzz/mapper_script.h"
+#include "test/loop_count/counted_beams.h"
 
 namespace hardpack {
 namespace {
@@ -113,6 +114,7 @@ class Drive {
   void Configure() {
     if (configures_++ >= kMostConfigures) return;
     EndBuild();
+    CountedBeams::Set(kMaxBeams);
     MakeSetup(script_, setup_);
     const Setup& s = setup_;
     const Status done =
@@ -120,6 +122,7 @@ class Drive {
     Require(IsOneOf(done, {Status::kOk, Status::kParameterOutOfRange, Status::kInvalidArgument,
                            Status::kCapacityExceeded}));
     Require(mapper_.started() == IsUsable(done));
+    if (IsUsable(done)) CountedBeams::Set(s.model.beams);
     if (has_twin_) {
       twin_ = stages_.fresh;
       Require(twin_.Configure(s.params, s.rule, s.table, s.model, s.window_first, s.window_last) ==

@@ -19,6 +19,7 @@
 #include "hal/vehicle_loop/vehicle_loop.h"
 #include "port_linux/ouster_metadata.h"
 #include "test/fuzz/mapper_script.h"
+#include "test/loop_count/counted_beams.h"
 #include "tools/sim/scripted_vehicle.h"
 
 namespace hardpack {
@@ -58,6 +59,7 @@ class Recorder {
     config_.onboard.tick.planning_units = 512;
     Require(ouster::ParseMetadata(vehicle_->lidar().MetadataJson(), "fuzz", config_.lidar).ok());
     Require(loop_->Configure(config_) == Status::kOk);
+    CountedBeams::Set(config_.lidar.beams);
   }
 
   void BringUp() {

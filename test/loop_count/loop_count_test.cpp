@@ -4,6 +4,7 @@
 
 #include "core/base/loop_bound.h"
 #include "gtest/gtest.h"
+#include "test/loop_count/counted_beams.h"
 
 namespace hardpack {
 namespace {
@@ -100,6 +101,40 @@ TEST(LoopCountDeathTest, StopsInnerLoopsThatRunMoreOftenInAll) {
               "the loop runs more often than 4 in all of that of .*loop_count_test.cpp");
   EXPECT_EXIT(RunShared({0, 0, 0}, 2), testing::KilledBySignal(SIGABRT),
               "more often than 4 in all");
+}
+
+// Of a lidar with so many beams, and one more than it has.
+int RunOverBeams(int beams) {
+  int runs = 0;
+  HP_LOOP_BOUND_BEAMS(kMaxBeams + 1)
+  for (int beam = 0; beam <= beams; ++beam) ++runs;
+  return runs;
+}
+
+int RunOverBeamsOf(int groups, int beams) {
+  int runs = 0;
+  HP_LOOP_BOUND_INNER_BEAMS(kMaxBeams, kMaxBeams)
+  for (int group = 0; group < groups; ++group) {
+    HP_LOOP_BOUND(kMaxBeams)
+    for (int beam = 0; beam < beams; ++beam) ++runs;
+  }
+  return runs;
+}
+
+TEST(LoopCount, LetsLoopsOverBeamsRunAsOftenAsTheLidarHasThem) {
+  EXPECT_EQ(RunOverBeams(kMaxBeams), kMaxBeams + 1);
+  EXPECT_EQ(RunOverBeamsOf(1, kMaxBeams), kMaxBeams);
+  const CountedBeams counted(16);
+  EXPECT_EQ(RunOverBeams(16), 17);
+  EXPECT_EQ(RunOverBeamsOf(2, 8), 16);
+}
+
+TEST(LoopCountDeathTest, StopsALoopOverMoreBeamsThanTheLidarHas) {
+  ExpectStop([] { RunOverBeams(kMaxBeams + 1); });
+  const CountedBeams counted(16);
+  ExpectStop([] { RunOverBeams(17); });
+  ExpectStop([] { RunOverBeamsOf(17, 0); });
+  EXPECT_EXIT(RunOverBeamsOf(2, 9), testing::KilledBySignal(SIGABRT), "more often than 16 in all");
 }
 
 TEST(LoopCount, LeavesLoopsOfTestsUncounted) {

@@ -10,6 +10,7 @@
 #include <cstdlib>
 
 #include "core/base/loop_bound.h"
+#include "core/measurements/measurements.h"
 
 namespace hardpack {
 namespace {
@@ -78,6 +79,17 @@ thread_local const LoopCounter* g_open[kMostOpen];
 thread_local int g_opened = 0;
 thread_local InnerSum g_sums[kMostSums];
 thread_local int g_summed = 0;
+thread_local int g_beams = kMaxBeams;
+
+void LoopCounter::SetBeams(int beams) {
+  g_beams = beams;
+}
+
+void LoopCounter::LessTheBeamsLacking() {
+  const auto lacking = static_cast<unsigned long long>(kMaxBeams - g_beams);
+  bound_ = bound_ > lacking ? bound_ - lacking : 0;
+  if (inner_ > 0) inner_ = inner_ > lacking ? inner_ - lacking : 0;
+}
 
 void LoopCounter::Enter() {
   if (g_opened == kMostOpen) {

@@ -35,6 +35,14 @@ constexpr uint32_t Mixed(int32_t x, int32_t y) {
   return bits ^ bits >> 13;
 }
 
+// How far a cell lies from the line through the middle along (along_x, along_y), a vector of so
+// many cells' length, squared, at most 2^20.
+constexpr int32_t BesideLine2(int32_t x, int32_t y, int32_t along_x, int32_t along_y,
+                              int32_t length) {
+  const int32_t across = ((x - kMiddle) * along_y - (y - kMiddle) * along_x) / length;
+  return across * across;
+}
+
 inline constexpr AdversarialMap kAdversarialMaps[] = {
     {"empty", [](int32_t x, int32_t y) { return Wall(false, x, y); }},
     {"all_obstacle", [](int32_t x, int32_t y) { return Wall(true, x, y); }},
@@ -55,6 +63,19 @@ inline constexpr AdversarialMap kAdversarialMaps[] = {
        const uint8_t flags = Wall(Mixed(x, y) % 1000u < 8u, x, y);
        return static_cast<uint8_t>((flags & Costmap::kHard) != 0 ? flags | Costmap::kPerson
                                                                  : int{flags});
+     }},
+    // People on both sides of the ways to the goals, as near as the largest vehicle passes.
+    {"crowd_beside",
+     [](int32_t x, int32_t y) {
+       constexpr int32_t kRoom2 = 18 * 18;
+       const bool is_way =
+           BesideLine2(x, y, 225, 220, 314) < kRoom2 || BesideLine2(x, y, -240, 100, 260) < kRoom2;
+       const int32_t dx = x - kMiddle;
+       const int32_t dy = y - kMiddle;
+       const bool is_free = is_way || dx * dx + dy * dy < 30 * 30;
+       return is_free
+                  ? uint8_t{Costmap::kObserved}
+                  : static_cast<uint8_t>(Costmap::kHard | Costmap::kPerson | Costmap::kObserved);
      }},
     {"soft_random",
      [](int32_t x, int32_t y) {

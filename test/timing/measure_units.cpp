@@ -11,8 +11,9 @@
 #include "test/timing/adversarial_maps.h"
 
 // The most instructions that one step of each of the planner's stages takes on the adversarial
-// maps, counted exactly: tools/wcet/timing.py holds the static bounds against them. Each map twice:
-// steps of one unit, and whole portions, from the middle to a corner, by either optimizer.
+// maps, counted exactly: tools/wcet/timing.py holds the static bounds against them. Each map for
+// the default vehicle and for the largest one, in steps of one unit and in whole portions, from the
+// middle to a corner and to a side, by either optimizer.
 
 namespace hardpack::decision {
 
@@ -64,12 +65,32 @@ PlanRequest RequestFor(int goal) {
   return request;
 }
 
-void PlanOn(const AdversarialMap& map, int method, int goal, int units, Counts& counts) {
+// As large as a vehicle may be, planned for as widely as may be: what looks around it looks
+// furthest.
+void MakeLargest(PlannerParams& params) {
+  params.vehicle.length_m = 6.0f;
+  params.vehicle.width_m = 4.0f;
+  params.vehicle.footprint_disc_radius_m = PathCheck::kMaxFootprint_m;
+  params.vehicle.footprint_disc_offset_m = PathCheck::kMaxFootprint_m;
+  params.vehicle.pivot_radius_m = 2.5f;
+  params.costmap.planning_radius_m = 2.0f;
+  params.costmap.hard_slope_per_m *= 0.4f;  // the same costs inside
+  params.costmap.soft_slope_per_m *= 0.4f;
+}
+
+struct Round {
+  int method = 0;
+  int goal = 0;
+  bool is_largest = false;
+};
+
+void PlanOn(const AdversarialMap& map, const Round& round, int units, Counts& counts) {
   Planner& planner = planner_memory.Construct();
   PlannerParams params;
-  params.optimizer.method = method;
+  params.optimizer.method = round.method;
+  if (round.is_largest) MakeLargest(params);
   const GridWindow window = GridWindow::CenteredAt({0.1f, 0.1f});
-  if (!IsUsable(planner.BeginCells(window, params, RequestFor(goal)))) bare_metal::Exit(5);
+  if (!IsUsable(planner.BeginCells(window, params, RequestFor(round.goal)))) bare_metal::Exit(5);
   for (int32_t y = 0; y < kMapSize_cells; ++y) {
     for (int32_t x = 0; x < kMapSize_cells; ++x) {
       planner.costmap_builder().SetCell(y * kMapSize_cells + x, map.flags(x, y));
@@ -103,7 +124,10 @@ void MeasureWith(const char* prefix, int units) {
   PlanOnHeights(units, counts);
   for (const AdversarialMap& map : kAdversarialMaps) {
     for (int method = 0; method < 2; ++method) {
-      for (int goal = 0; goal < 2; ++goal) PlanOn(map, method, goal, units, counts);
+      for (int goal = 0; goal < 2; ++goal) {
+        PlanOn(map, {method, goal, false}, units, counts);
+        PlanOn(map, {method, goal, true}, units, counts);
+      }
     }
   }
   for (int stage = 0; stage < kStages; ++stage) {
@@ -124,11 +148,12 @@ void PrintConstants() {
   print("datagrams", VehicleLoop::kMaxDatagramsPerTick);
   print("ins_feeds", VehicleLoop::kMaxInsFeeds);
   print("ins_looks", VehicleLoop::kMaxInsMessages);
-  print("folds", Mapper::kMaxFolds);
   print("aged_cells", Mapper::kMaxAged_cells);
   print("crossed_cells", Mapper::kMaxCrossed_cells);
+  print("tick_crossed_cells", Mapper::kMaxCrossedInTick_cells);
+  print("ins_bytes", VehicleLoop::kMaxInsDatagram_bytes);
+  print("ins_waiting", vectornav::StreamParser::kCapacity);
   print("bridge_cells", HeightGrid::kMaxBridge_cells);
-  print("map_cells", kMapSize_cells);
   print("corridor_tests", Corridor::kMaxTests);
   print("corridor_rows", Corridor::kMaxMarked_rows);
   print("person_cells", SpeedCaps::kMaxPersonCells);

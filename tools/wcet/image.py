@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 
 RECORDS = ".note.hardpack.loops"
 INNER = ".note.hardpack.inner"
+BEAMS = ".note.hardpack.beams"
 EM_ARM, EM_AARCH64 = 40, 183
 STT_FUNC = 2
 
@@ -93,11 +94,12 @@ class Image:
     """A linked image for a Cortex-M (Thumb-2) or for aarch64.
 
     stops: names of functions that do not return. What calls them ends there.
+    beams: of the lidar that the bounds are to be of; None: of one with as many as can be.
     """
 
     PREFIXES = {EM_ARM: "arm-none-eabi-", EM_AARCH64: "aarch64-linux-gnu-"}
 
-    def __init__(self, path, stops=()):
+    def __init__(self, path, stops=(), beams=None):
         self.path = path
         with open(path, "rb") as file:
             elf = Elf(file.read())
@@ -109,6 +111,8 @@ class Image:
         self.prefix = self.PREFIXES[elf.machine]
         self.records = self._read_records(elf, RECORDS)
         self.inner = self._read_records(elf, INNER)
+        if beams is not None:
+            self._lack_beams(self._read_records(elf, BEAMS), beams)
         self.functions = self._read_functions(elf)
         self._starts = [f.start for f in self.functions]
         self.by_start = {f.start: f for f in self.functions}
@@ -127,6 +131,19 @@ class Image:
             address, bound = struct.unpack_from(form, data, at)
             records.setdefault(address, []).append(bound)
         return records
+
+    def _lack_beams(self, capacities, beams):
+        """Each beam that the lidar lacks is one round less of the loops over beams. Where loops share
+        an address, and only some of them are such, none is."""
+        for address, capacity in capacities.items():
+            if len(capacity) != len(self.records[address]):
+                continue
+            lacking = max(capacity) - beams
+            if lacking < 0:
+                raise Refused(f"{self.path}: {beams} beams are more than its {max(capacity)}")
+            for records in (self.records, self.inner):
+                if address in records:
+                    records[address] = [max(n - lacking, 0) for n in records[address]]
 
     def _read_functions(self, elf):
         """One for each start address, by address; of several names the shortest."""

@@ -23,7 +23,7 @@ traversed at most n times for each entry.
 import re
 from dataclasses import dataclass, field
 
-from counted_loops import back_edges
+from counted_loops import back_edges, lanes
 from image import EM_AARCH64, Refused
 
 RECORDED = re.compile(r"(^|/)(core|hal)/")  # files whose loops all have records
@@ -67,7 +67,7 @@ class LoopBounds:
         self._places[loop.header] = ({self.graph.blocks[loop.header].start} if at_header else
                                      {address for _, address, _ in before or ()})
         if at_header:
-            n = self._own(loop, at_header, before)
+            n = self._own(loop, at_header, before) // lanes(self.graph, loop)
             counted = back_edges(self.graph, loop)
             self._of[loop.header] = Bound([loop], [loop], n if counted is None else min(n, counted))
         elif before is not None:
@@ -92,7 +92,8 @@ class LoopBounds:
         if (inner and all(inner) and self._of[outer.header].loops == [outer] and
                 all(len(self.image.records[place]) == 1 for place in places)):
             bound.outer = outer
-            bound.in_all = max(max(n) for n in inner)
+            bound.in_all = max(max(n) for n in inner) // \
+                min(lanes(self.graph, loop) for loop in bound.loops)
 
     @staticmethod
     def _own(loop, at_header, before):
@@ -111,6 +112,10 @@ class LoopBounds:
         counted = back_edges(self.graph, loop)
         if counted is not None:
             self._of[loop.header] = Bound([loop], [loop], counted)
+            return
+        if lanes(self.graph, loop) > 1:  # one of several, with a bound of its own
+            n = max(n for _, _, n in before) // lanes(self.graph, loop)
+            self._of[loop.header] = Bound([loop], [loop], n)
             return
         if bound is None:
             bound = Bound([], [], max(n for _, _, n in before),

@@ -82,8 +82,8 @@ class Registers:
 
     def _assign(self, name, operands):
         match = re.match(rf"(\w+), (?:(\w+), )?{NUMBER}(, lsl #\d+)?$", operands)
-        if match and name in ("add", "adds", "addw", "sub", "subs", "subw") and not match.group(4):
-            offset = int(match.group(3), 0)
+        if match and name in ("add", "adds", "addw", "sub", "subs", "subw"):
+            offset = int(match.group(3), 0) << int((match.group(4) or "#0").rsplit("#", 1)[1])
             self.set_sum(match.group(1), match.group(2) or match.group(1),
                          offset if name.startswith("add") else -offset)
             return True

@@ -64,12 +64,24 @@ class Facts:
                 raise Refused(f"{name} is not one of the parameters")
         self.values = {**self.table["constants"], **self.table["parameters"], **dict(changed)}
 
+    def image(self, path):
+        return Image(path, self.table["stops"], beams=self.values["beams"])
+
     def analysis(self, image, **units):
         """units: other numbers of rounds than the file's, by function."""
         rounds = {name: evaluate(entry["most"], self.values)
                   for entry in self.table["units"] for name in entry["of"]}
         return Analysis(image, units={**rounds, **units.get("units", {})},
                         calls=self._scoped("calls"), rounds=self._scoped("rounds"))
+
+    def idle_analysis(self, image):
+        """Of a tick that has nothing to plan."""
+        planner = self.table["idle"]["within"]
+        analysis = self.analysis(image, units={planner: 0})
+        start = image.named(planner).start
+        nothing = {image.named(name).start: 0 for name in self.table["idle"]["of"]}
+        analysis.calls[start] = {**analysis.calls.get(start, {}), **nothing}
+        return analysis
 
     def _scoped(self, kind):
         scopes = {}
@@ -82,8 +94,7 @@ class Facts:
 def bounds(facts, image):
     """[(entry, bound)] of what is to be bounded."""
     analysis = facts.analysis(image)
-    planner = facts.table["units"][0]["of"][0]
-    idle = facts.analysis(image, units={planner: 0})
+    idle = facts.idle_analysis(image)
     found = []
     for entry in facts.table["bounds"]:
         if entry["kind"] == "round":
@@ -97,11 +108,12 @@ def bounds(facts, image):
 
 
 def schedule(facts, path, image):
-    """With the bounds of the configuration that the facts name."""
+    """With the bounds of the configuration that the facts name, of the image at a path."""
     with open(ROOT / facts.table["schedule"]["configuration"], "rb") as file:
         tick = tomllib.load(file)["tick"]
     changed = [(name, value) for name, value in tick.items() if name in facts.table["parameters"]]
-    found = bounds(Facts(path, changed), image)
+    of_schedule = Facts(path, [*changed, ("beams", facts.table["schedule"]["beams"])])
+    found = bounds(of_schedule, of_schedule.image(image))
     return Schedule(facts, tick, {entry["name"]: value for entry, value in found})
 
 
@@ -181,10 +193,10 @@ def main(arguments):
     try:
         facts = Facts(options.facts, options.set)
         numbers, constants = read_measured(options.measured)
-        image = Image(options.image, facts.table["stops"])
         if options.schedule:
-            print_schedule(schedule(facts, options.facts, image), numbers)
+            print_schedule(schedule(facts, options.facts, options.image), numbers)
             return 0
+        image = facts.image(options.image)
         found = bounds(facts, image)
         target = "cortex_m7" if image.machine == EM_ARM else "aarch64"
     except (OSError, KeyError, tomllib.TOMLDecodeError, Refused) as reason:

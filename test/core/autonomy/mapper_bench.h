@@ -10,6 +10,7 @@
 
 #include "core/autonomy/mapper.h"
 #include "test/core/autonomy/perception_scene.h"
+#include "test/loop_count/counted_beams.h"
 
 // The mapper, column by column: what the tests of its statuses, counters and order feed it with.
 
@@ -133,6 +134,7 @@ class MapperBench {
   std::unique_ptr<Mapper> mapper = std::make_unique<Mapper>();
 
  private:
+  CountedBeams counted_{kBeams};
   uint64_t next_pose_ns_ = Chain::Nanoseconds(0.0);
   std::unique_ptr<CostmapBuilder> builder_ = std::make_unique<CostmapBuilder>();
 };

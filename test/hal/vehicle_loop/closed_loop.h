@@ -17,6 +17,7 @@
 #include "hal/control/messages.h"
 #include "hal/vehicle_loop/vehicle_loop.h"
 #include "port_linux/ouster_metadata.h"
+#include "test/loop_count/counted_beams.h"
 #include "tools/sim/script.h"
 #include "tools/sim/scripted_vehicle.h"
 
@@ -62,6 +63,7 @@ class ClosedLoop {
     config_ =
         std::make_unique<VehicleConfig>(ConfigFor(settings_, vehicle_->lidar().MetadataJson()));
     EXPECT_EQ(loop_->Configure(*config_), Status::kOk);
+    counted_.Set(config_->lidar.beams);
   }
 
   void Act(std::string_view script) {
@@ -177,6 +179,7 @@ class ClosedLoop {
   sim::Pose Pose() const { return vehicle_->vehicle().pose(); }
 
  private:
+  CountedBeams counted_{kMaxBeams};
   uint64_t now_ns_ = 100'000'000'000;
   uint64_t index_ = 0;
   uint32_t sequence_ = 0;

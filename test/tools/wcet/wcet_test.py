@@ -1,90 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The static timing analyser (tools/wcet) on functions whose bound is known by hand, and on every
-kind that it must refuse. Written in assembly, so that what is counted is what stands here; for
-Thumb-2 and for A64.
+"""The static timing analyser (tools/wcet) on Thumb-2 functions whose bound is known by hand, and on
+every kind that it must refuse."""
 
-HARDPACK_SOURCE: the source tree. Cases of a processor whose assembler is not installed are
-skipped.
-"""
-
-import os
-import shutil
-import subprocess
-import sys
-import tempfile
 import unittest
 
-sys.path.insert(0, os.path.join(os.environ["HARDPACK_SOURCE"], "tools", "wcet"))
-
-import bound  # noqa: E402
-import image  # noqa: E402
-
-# A record as HP_LOOP_BOUND writes it (core/base/loop_bound.h), and a function.
-MACROS = """
-.macro record n
-771: .pushsection .note.hardpack.loops,"",%note
-  {word} 771b, \\n
-  .popsection
-.endm
-.macro record_inner n, m
-771: .pushsection .note.hardpack.loops,"",%note
-  {word} 771b, \\n
-  .popsection
-  .pushsection .note.hardpack.inner,"",%note
-  {word} 771b, \\m
-  .popsection
-.endm
-.macro function name
-  .p2align 2
-  .globl \\name
-  .type \\name, %function
-  {thumb}
-\\name:
-.endm
-.macro done name
-  .size \\name, . - \\name
-.endm
-"""
+from assembled import OfThumb, image
 
 
-class Processor(unittest.TestCase):
-    prefix = ""
-    flags = ()
-    macros = ""
-
-    @classmethod
-    def setUpClass(cls):
-        if not cls.prefix:
-            raise unittest.SkipTest("what the processors have in common")
-        if shutil.which(cls.prefix + "as") is None:
-            raise unittest.SkipTest(f"there is no {cls.prefix}as")
-        cls.folder = tempfile.mkdtemp()
-
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.folder)
-
-    def analysis(self, text, stops=(), **options):
-        """Of the program that the text, the functions of one file, makes."""
-        source, made = os.path.join(self.folder, "a.s"), os.path.join(self.folder, "a")
-        with open(source, "w", encoding="utf-8") as file:
-            file.write(self.macros + text)
-        subprocess.run([self.prefix + "as", *self.flags, source, "-o", made + ".o"], check=True)
-        subprocess.run([self.prefix + "ld", "-Ttext=0x8000", "-e0x8000", made + ".o", "-o", made],
-                       check=True)
-        return bound.Analysis(image.Image(made, stops), **options)
-
-    def expect_refused(self, text, words, name="f"):
-        with self.assertRaises(image.Refused) as caught:
-            self.analysis(text).bound(name)
-        self.assertIn(words, str(caught.exception))
-
-
-class Thumb(Processor):
-    prefix = "arm-none-eabi-"
-    flags = ("-mcpu=cortex-m7", "-mthumb")
-    macros = ".syntax unified\n" + MACROS.format(word=".long", thumb=".thumb_func")
+class Thumb(OfThumb):
 
     def test_straight_line(self):
         self.assertEqual(self.analysis("function f\n movs r0, #1\n adds r0, #2\n bx lr\ndone f\n")
@@ -565,6 +489,26 @@ function f
 done f
 """, "where no function begins")
 
+    def test_beams_that_the_lidar_lacks(self):
+        text = """
+function f
+  movs r1, #10
+  record_beams 130, 128
+1: adds r0, #1
+  subs r1, #1
+  bne 1b
+  bx lr
+done f
+"""
+        self.assertEqual(self.analysis(text).bound("f"), 1 + 131 * 3 + 1)
+        self.assertEqual(self.analysis(text, beams=128).bound("f"), 1 + 131 * 3 + 1)
+        self.assertEqual(self.analysis(text, beams=64).bound("f"), 1 + 67 * 3 + 1)
+        with self.assertRaises(image.Refused):
+            self.analysis(text, beams=129)
+        # Of two loops at one address nobody knows which one it is.
+        both = text.replace("  record_beams", "  record 20\n  record_beams")
+        self.assertEqual(self.analysis(both, beams=64).bound("f"), self.analysis(both).bound("f"))
+
     def test_refuses_what_runs_on_behind_its_end(self):
         self.expect_refused("function f\n nop\ndone f\nfunction g\n bx lr\ndone g\n",
                             "runs on behind its end")
@@ -575,205 +519,6 @@ done f
 
     def test_refuses_unknown_name(self):
         self.expect_refused("function f\n bx lr\ndone f\n", "0 functions are called", name="g")
-
-
-class Command(Processor):
-    """tools/wcet/wcet.py as a process."""
-    prefix = Thumb.prefix
-    flags = Thumb.flags
-    macros = Thumb.macros
-
-    def run_wcet(self, *arguments):
-        command = os.path.join(os.environ["HARDPACK_SOURCE"], "tools", "wcet", "wcet.py")
-        return subprocess.run([sys.executable, command, *arguments], capture_output=True, text=True,
-                              check=False)
-
-    def test_says_bounds_and_reasons(self):
-        self.analysis("function f\n bx lr\ndone f\nfunction g\n bx r3\ndone g\n")
-        made = os.path.join(self.folder, "a")
-        done = self.run_wcet(made, "f")
-        self.assertEqual((done.returncode, done.stdout.split()), (0, ["1", "f"]))
-        done = self.run_wcet(made, "f", "g")
-        self.assertEqual((done.returncode, done.stdout.split()), (1, ["1", "f"]))
-        self.assertIn("wcet: g: g: indirect", done.stderr)
-
-    def test_bad_input(self):
-        self.assertEqual(self.run_wcet("/nowhere", "f").returncode, 2)
-        self.assertEqual(self.run_wcet().returncode, 2)
-        self.assertIn("neither", self.run_wcet(sys.executable, "f").stderr)
-        self.assertEqual(self.run_wcet("--help").returncode, 0)
-
-
-FACTS = """
-stops = []
-[parameters]
-directions = 4
-planning_units = 640
-[constants]
-portion_units = 64
-plan_units = 6400
-plan_transitions = 10
-[schedule]
-processor = "a made one"
-clock_mhz = 0.01
-cycles_of_10_instructions = 20
-configuration = "{configuration}"
-columns_per_s = 10000
-packet_columns = 10
-waited_columns = 20
-bus_us = 500
-speed_mmps = 5000
-[[units]]
-of = ["f"]
-most = "ceil(planning_units, portion_units)"
-because = "a test"
-[[bounds]]
-name = "a tick without planning"
-function = "f"
-kind = "idle"
-cortex_m7 = 1000
-[[bounds]]
-name = "the worst tick"
-function = "f"
-kind = "call"
-cortex_m7 = 1000
-"""
-
-
-class Schedule(Processor):
-    """tools/wcet/timing.py --schedule, on numbers that can be followed by hand."""
-    prefix = Thumb.prefix
-    flags = Thumb.flags
-    macros = Thumb.macros
-
-    def schedule(self, period, measured=""):
-        self.analysis("""
-function f
-  record 1000
-1: cmp r0, #0
-  beq.n 2f
-  nop
-  b.n 1b
-2: bx lr
-done f
-""")
-        configuration = os.path.join(self.folder, "tick.toml")
-        with open(configuration, "w", encoding="utf-8") as file:
-            file.write(f"[tick]\nperiod_ms = {period}\ndirections = 4\nplanning_units = 128\n")
-        facts = os.path.join(self.folder, "facts.toml")
-        with open(facts, "w", encoding="utf-8") as file:
-            file.write(FACTS.format(configuration=configuration))
-        numbers = os.path.join(self.folder, "measured")
-        with open(numbers, "w", encoding="utf-8") as file:
-            file.write(measured)
-        command = os.path.join(os.environ["HARDPACK_SOURCE"], "tools", "wcet", "timing.py")
-        done = subprocess.run([sys.executable, command, "--schedule", "--facts", facts, "--measured",
-                               numbers, os.path.join(self.folder, "a")], capture_output=True,
-                              text=True, check=False)
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
-        return {line[:36].strip(): line[36:].split() for line in done.stdout.splitlines()[2:]}
-
-    def test_by_the_bounds(self):
-        table = self.schedule(period=1)
-        # A tick has two rounds of 4 instructions and 3 at its end: 22 cycles of a tenth of a ms.
-        self.assertEqual(table["the worst tick"], ["2.2", "ms", "-"])
-        self.assertEqual(table["a tick without planning"], ["0.6", "ms", "-"])
-        # 100 portions and 10 that are not full, two a tick.
-        self.assertEqual(table["ticks for a whole plan"], ["55", "-"])
-        # 30 columns are 3 ms; the tick that has begun, the one that decides, half a ms of bus.
-        self.assertEqual(table["from a return's light to a frame"], ["7.9", "ms", "-"])
-        self.assertEqual(table["reaction radius at 5 m/s"], ["0.04", "m", "-"])
-        # A tick that ends before its period does is waited for until then.
-        self.assertEqual(self.schedule(period=5)["from a return's light to a frame"],
-                         ["10.7", "ms", "-"])
-
-    def test_as_counted(self):
-        table = self.schedule(period=1, measured="ticks 70\nrounds_of_planning 20\n"
-                              "instructions_mean_tick 5\ninstructions_worst_tick 50\n")
-        self.assertEqual(table["a tick, mean"], ["1.0", "ms"])
-        self.assertEqual(table["the worst tick"][-2:], ["10.0", "ms"])
-        self.assertEqual(table["ticks for a whole plan"][-2:], ["3.5", "(mean)"])
-        self.assertEqual(table["from a return's light to a frame"][-2:], ["23.5", "ms"])
-        self.assertEqual(table["reaction radius at 5 m/s"][-2:], ["0.12", "m"])
-
-
-class A64(Processor):
-    prefix = "aarch64-linux-gnu-"
-    macros = MACROS.format(word=".quad", thumb="")
-
-    def test_loop_with_call(self):
-        text = """
-function g
-  cbz x0, 1f
-  nop
-1: ret
-done g
-function f
-  record 4
-1: bl g
-  subs x1, x1, #1
-  b.ne 1b
-  tbz x2, #3, 2f
-  nop
-2: b g
-done f
-"""
-        self.assertEqual(self.analysis(text).bound("f"), 5 * (3 + 3) + 2 + 1 + 3)
-
-    def row_of(self, start="mov x0, #0", step="add x0, x0, #16", between="cmp x0, #0x200"):
-        text = f"""
-function f
-  {start}
-  record 512
-1: ldr q0, [x1, x0]
-  str q0, [x2, x0]
-  {step}
-  {between}
-  b.ne 1b
-  ret
-done f
-"""
-        return self.analysis(text).bound("f")
-
-    def test_vector_loop_over_a_whole_row_is_counted(self):
-        self.assertEqual(self.row_of(), 1 + 32 * 5 + 1)
-        self.assertEqual(self.row_of(between="cmp x0, #0x40"), 1 + 4 * 5 + 1)
-        # A pointer and its end, which come from the same register.
-        self.assertEqual(self.row_of(start="add x4, x0, #64", between="cmp x4, x0"), 1 + 4 * 5 + 1)
-
-    def test_vector_loop_of_unknown_length_has_its_record(self):
-        least = 1 + 513 * 5 + 1
-        self.assertEqual(self.row_of(start="nop"), least)
-        self.assertEqual(self.row_of(step="add x0, x0, x5"), least)
-        self.assertEqual(self.row_of(step="add w0, w0, #16", start="mov w0, w6"), least)
-        self.assertEqual(self.row_of(between="cmp x0, x7"), least)
-        # Whose flags the branch looks at is another question.
-        self.assertEqual(self.row_of(between="cmp x0, #0x200\n  tst x5, #1"), least + 513)
-        # Never equal: 0x208 is no multiple of the step.
-        self.assertEqual(self.row_of(between="cmp x0, #0x208"), least)
-
-    def test_size_is_a_constant_before_the_call(self):
-        memset = """
-function memset
-  add x3, x0, x2
-1: strb w1, [x0], #1
-  cmp x0, x3
-  b.ne 1b
-  ret
-done memset
-"""
-        for before, lines in (("mov w2, #8", 1), ("mov x19, #8\n mov x2, x19", 2),
-                              ("mov x2, #0\n movk x2, #8", 2), ("mov x2, xzr\n add x2, x2, #8", 2)):
-            text = f"{memset}function f\n stp x29, x30, [sp, #-16]!\n {before}\n bl memset\n" \
-                   " ldp x29, x30, [sp], #16\n ret\ndone f\n"
-            self.assertEqual(self.analysis(text).bound("f"), 1 + lines + 1 + 1 + 9 * 3 + 1 + 2)
-        self.expect_refused(f"{memset}function f\n ldr x2, [x1]\n b memset\ndone f\n",
-                            "a size that is no constant")
-
-    def test_refuses_indirect(self):
-        self.expect_refused("function f\n blr x3\n ret\ndone f\n", "indirect")
-        self.expect_refused("function f\n br x3\ndone f\n", "indirect")
-        self.expect_refused("function f\n ret x3\ndone f\n", "indirect")
 
 
 if __name__ == "__main__":

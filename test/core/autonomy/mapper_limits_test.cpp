@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "test/core/autonomy/mapper_bench.h"
+
+// What one tick takes at most (Mapper::BeginTick), and what becomes of the rest.
+
+namespace hardpack::perception {
+namespace {
+
+// Columns that wait for those ahead of them before their directions are complete.
+const int kWaiting = TheModel().max_column_shift;
+
+TEST(MapperLimits, ColumnsBeyondATicksDirectionsAreRefusedAndCounted) {
+  MapperBench bench(true);
+  bench.GiveAll(0, 99);
+  constexpr int kLimit = Mapper::kMaxDirections;
+  bench.mapper->BeginTick(kLimit);
+  bench.GiveAll(100, 100 + kLimit - 1);
+  EXPECT_EQ(bench.mapper->counters().columns_over_limit, 0u);
+  EXPECT_EQ(bench.Give(100 + kLimit), Status::kCapacityExceeded);
+  EXPECT_EQ(bench.mapper->counters().columns_over_limit, 1u);
+  EXPECT_EQ(bench.ColumnOf(100 + kLimit).state, ColumnState::kAbsent);
+  EXPECT_TRUE(bench.mapper->fresh().empty());
+  // The next tick goes on, with the column that was refused if it comes again.
+  bench.mapper->BeginTick(kLimit);
+  bench.GiveAll(100 + kLimit, 100 + kLimit + 50);
+  EXPECT_EQ(bench.mapper->counters().columns_over_limit, 1u);
+}
+
+TEST(MapperLimits, ALateColumnCountsAsADirection) {
+  MapperBench bench(true);
+  bench.GiveAll(0, 99);
+  bench.GiveAll(120, 219);  // 100 .. 119 are missing
+  bench.mapper->BeginTick(Mapper::kMaxDirections);
+  bench.GiveAll(220, 220 + Mapper::kMaxDirections - 11);
+  bench.GiveAll(100, 109);
+  EXPECT_EQ(bench.ColumnOf(109).state, ColumnState::kClassed);
+  EXPECT_EQ(bench.Give(110), Status::kCapacityExceeded);
+  EXPECT_EQ(bench.ColumnOf(110).state, ColumnState::kAbsent);
+  EXPECT_EQ(bench.mapper->counters().columns_over_limit, 1u);
+  bench.mapper->BeginTick(Mapper::kMaxDirections);
+  EXPECT_EQ(bench.Give(110), Status::kOk);
+}
+
+// A slot that is needed while its column waits for its class: both are work of the tick.
+TEST(MapperLimits, AColumnThatIsFoldedUnclassedCountsAsADirection) {
+  const auto directions_left = [](bool occupied) {
+    MapperBench bench(true);
+    const int slots = bench.mapper->ring().slots();
+    if (occupied) {  // raw: nothing comes behind it
+      EXPECT_EQ(bench.Give(0), Status::kOk);
+    }
+    bench.PosesFor(slots);
+    bench.mapper->BeginTick(Mapper::kMaxDirections);
+    int taken = 0;
+    while (bench.Give(slots + taken) == Status::kOk) ++taken;
+    EXPECT_EQ(bench.mapper->counters().folded_early, occupied ? 1u : 0u);
+    return taken;
+  };
+  const int free = directions_left(false);
+  EXPECT_EQ(free, Mapper::kMaxDirections);
+  // The gap ends the directions that the first one began, and it is itself classed as hard.
+  EXPECT_EQ(directions_left(true), free - (kWaiting + Segmenter::kLag) - 1);
+}
+
+TEST(MapperLimits, ATickFoldsSoManyColumnsThatAreOverdue) {
+  MapperBench bench(true);
+  constexpr int kGiven = 900;
+  constexpr uint32_t kFolds = Mapper::kMaxFolds;
+  bench.GiveAll(0, kGiven - 1);
+  const uint64_t late_ns = TimeOf_ns(kGiven) + 1'000'000'000u;
+  uint32_t folded = bench.Folded();
+  ASSERT_EQ(folded, 0u);
+  for (int tick = 0; tick < 3; ++tick) {
+    bench.mapper->BeginTick(Mapper::kMaxDirections);
+    bench.mapper->Advance(late_ns);
+    EXPECT_EQ(bench.Folded() - folded, kFolds) << tick;
+    folded = bench.Folded();
+    bench.mapper->Advance(late_ns);  // in the same tick
+    EXPECT_EQ(bench.Folded(), folded) << tick;
+  }
+  bench.mapper->BeginTick(Mapper::kMaxDirections);
+  bench.mapper->Advance(late_ns);
+  EXPECT_EQ(bench.Folded(), static_cast<uint32_t>(kGiven));
+  EXPECT_EQ(bench.Pending(), 0);
+}
+
+// Labels are taken however many come: what they fold leaves less for Advance.
+TEST(MapperLimits, WhatLabelsFoldCountsAmongATicksFolds) {
+  MapperBench bench(true);
+  bench.GiveAll(0, 899);
+  bench.mapper->BeginTick(Mapper::kMaxDirections);
+  constexpr int kLabelled = 200;
+  for (int index = 0; index < kLabelled; ++index) {
+    ASSERT_EQ(bench.mapper->AddLabels(bench.LabelsOf(500 + index, 0)), Status::kOk);
+  }
+  EXPECT_EQ(bench.Folded(), static_cast<uint32_t>(kLabelled));
+  bench.mapper->Advance(TimeOf_ns(900) + 1'000'000'000u);
+  EXPECT_EQ(bench.Folded(), static_cast<uint32_t>(Mapper::kMaxFolds));
+}
+
+TEST(MapperLimits, ATickCrossesSoManyCells) {
+  MapperBench bench(true);
+  bench.world.bodies.clear();
+  bench.mapper->BeginTick(1'000'000);
+  const uint32_t before = bench.mapper->heights().crossed_cells();
+  bench.GiveAll(0, 2 * kColumns);
+  const uint32_t limited = bench.mapper->heights().crossed_cells() - before;
+  EXPECT_LT(limited, Mapper::kMaxCrossedInTick_cells + HeightGrid::kMaxBridge_cells);
+  MapperBench other(true);
+  other.world.bodies.clear();
+  other.GiveAll(0, 2 * kColumns);
+  const uint32_t unlimited = other.mapper->heights().crossed_cells();
+  if (unlimited > Mapper::kMaxCrossedInTick_cells) {
+    EXPECT_GE(limited, Mapper::kMaxCrossedInTick_cells);
+  } else {
+    EXPECT_EQ(limited, unlimited);
+  }
+}
+
+}  // namespace
+}  // namespace hardpack::perception

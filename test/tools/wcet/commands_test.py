@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The commands of tools/wcet as processes."""
+
+import os
+import subprocess
+import sys
+import unittest
+
+from assembled import OfThumb
+
+
+class Command(OfThumb):
+    """tools/wcet/wcet.py as a process."""
+
+    def run_wcet(self, *arguments):
+        command = os.path.join(os.environ["HARDPACK_SOURCE"], "tools", "wcet", "wcet.py")
+        return subprocess.run([sys.executable, command, *arguments], capture_output=True, text=True,
+                              check=False)
+
+    def test_says_bounds_and_reasons(self):
+        self.analysis("function f\n bx lr\ndone f\nfunction g\n bx r3\ndone g\n")
+        made = os.path.join(self.folder, "a")
+        done = self.run_wcet(made, "f")
+        self.assertEqual((done.returncode, done.stdout.split()), (0, ["1", "f"]))
+        done = self.run_wcet(made, "f", "g")
+        self.assertEqual((done.returncode, done.stdout.split()), (1, ["1", "f"]))
+        self.assertIn("wcet: g: g: indirect", done.stderr)
+
+    def test_bad_input(self):
+        self.assertEqual(self.run_wcet("/nowhere", "f").returncode, 2)
+        self.assertEqual(self.run_wcet().returncode, 2)
+        self.assertIn("neither", self.run_wcet(sys.executable, "f").stderr)
+        self.assertEqual(self.run_wcet("--help").returncode, 0)
+
+
+FACTS = """
+stops = []
+[parameters]
+directions = 4
+planning_units = 640
+beams = 128
+[constants]
+portion_units = 64
+plan_units = 6400
+plan_transitions = 10
+[schedule]
+processor = "a made one"
+clock_mhz = 0.01
+cycles_of_10_instructions = 20
+configuration = "{configuration}"
+columns_per_s = 10000
+packet_columns = 10
+waited_columns = 20
+bus_us = 500
+speed_mmps = 5000
+beams = 64
+[idle]
+within = "f"
+of = [{idle}]
+[[units]]
+of = ["f"]
+most = "ceil(planning_units, portion_units)"
+because = "a test"
+[[bounds]]
+name = "a tick without planning"
+function = "f"
+kind = "idle"
+cortex_m7 = 1000
+[[bounds]]
+name = "the worst tick"
+function = "f"
+kind = "call"
+cortex_m7 = 1000
+"""
+
+
+class Schedule(OfThumb):
+    """tools/wcet/timing.py --schedule, on numbers that can be followed by hand."""
+
+    PROGRAM = """
+function f
+  record 1000
+1: cmp r0, #0
+  beq.n 2f
+  nop
+  b.n 1b
+2: bx lr
+done f
+"""
+
+    def schedule(self, period, measured="", program=PROGRAM, idle=""):
+        self.analysis(program)
+        configuration = os.path.join(self.folder, "tick.toml")
+        with open(configuration, "w", encoding="utf-8") as file:
+            file.write(f"[tick]\nperiod_ms = {period}\ndirections = 4\nplanning_units = 128\n")
+        facts = os.path.join(self.folder, "facts.toml")
+        with open(facts, "w", encoding="utf-8") as file:
+            file.write(FACTS.format(configuration=configuration, idle=idle))
+        numbers = os.path.join(self.folder, "measured")
+        with open(numbers, "w", encoding="utf-8") as file:
+            file.write(measured)
+        command = os.path.join(os.environ["HARDPACK_SOURCE"], "tools", "wcet", "timing.py")
+        done = subprocess.run([sys.executable, command, "--schedule", "--facts", facts, "--measured",
+                               numbers, os.path.join(self.folder, "a")], capture_output=True,
+                              text=True, check=False)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return {line[:36].strip(): line[36:].split() for line in done.stdout.splitlines()[2:]}
+
+    def test_by_the_bounds(self):
+        table = self.schedule(period=1)
+        # A tick has two rounds of 4 instructions and 3 at its end: 22 cycles of a tenth of a ms.
+        self.assertEqual(table["the worst tick"], ["2.2", "ms", "-"])
+        self.assertEqual(table["a tick without planning"], ["0.6", "ms", "-"])
+        # 100 portions and 10 that are not full, two a tick.
+        self.assertEqual(table["ticks for a whole plan"], ["55", "-"])
+        # 30 columns are 3 ms; the tick that has begun, the one that decides, half a ms of bus.
+        self.assertEqual(table["from a return's light to a frame"], ["7.9", "ms", "-"])
+        self.assertEqual(table["reaction radius at 5 m/s"], ["0.04", "m", "-"])
+        # A tick that ends before its period does is waited for until then.
+        self.assertEqual(self.schedule(period=5)["from a return's light to a frame"],
+                         ["10.7", "ms", "-"])
+
+    def test_without_planning_its_functions_are_not_called(self):
+        # A loop that looks at its units behind its first round.
+        program = """
+function g
+  nop
+  nop
+  bx lr
+done g
+function f
+  record 1000
+1: bl g
+  subs r0, #1
+  bne.n 1b
+  bx lr
+done f
+"""
+        table = self.schedule(period=1, program=program)
+        self.assertEqual(table["a tick without planning"][0], "1.4")  # 3 + 3 + 1
+        table = self.schedule(period=1, program=program, idle='"g"')
+        self.assertEqual(table["a tick without planning"][0], "0.8")
+        self.assertEqual(table["the worst tick"][0], "2.6")
+
+    def test_as_counted(self):
+        table = self.schedule(period=1, measured="ticks 70\nrounds_of_planning 20\n"
+                              "instructions_mean_tick 5\ninstructions_worst_tick 50\n")
+        self.assertEqual(table["a tick, mean"], ["1.0", "ms"])
+        self.assertEqual(table["the worst tick"][-2:], ["10.0", "ms"])
+        self.assertEqual(table["ticks for a whole plan"][-2:], ["3.5", "(mean)"])
+        self.assertEqual(table["from a return's light to a frame"][-2:], ["23.5", "ms"])
+        self.assertEqual(table["reaction radius at 5 m/s"][-2:], ["0.12", "m"])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)
