@@ -211,9 +211,9 @@ def check_loops(path, code):
         if code[code.rfind("\n", 0, match.start()) + 1:match.start()].strip():
             report(match.start(), "begin the loop on a line of its own")
         opening = matching(code, len(before) - 1, -1) if before.endswith(")") else -1
-        if opening < 0 or not re.search(r"\bHP_LOOP_BOUND(_INNER)?\s*$", code[:opening]):
+        if opening < 0 or not re.search(r"\bHP_LOOP_BOUND\w*\s*$", code[:opening]):
             report(match.start(), "put HP_LOOP_BOUND(n) on the line before this loop")
-    for match in re.finditer(r"\bHP_LOOP_BOUND(_INNER)?\s*\(", code):
+    for match in re.finditer(r"\bHP_LOOP_BOUND\w*\s*\(", code):
         end = matching(code, match.end() - 1, 1)
         if end < 0 or not re.match(r"\s*(for|while)\b", code[end + 1:]):
             report(match.start(), "HP_LOOP_BOUND belongs immediately before a loop")

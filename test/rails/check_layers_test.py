@@ -132,6 +132,10 @@ class CheckLayers(unittest.TestCase):
     def test_loops_and_their_bounds(self):
         bounded = SPDX + "void F() {\n  HP_LOOP_BOUND(3)\n  for (;;) {\n  }\n}\n"
         self.assertEqual(findings({"core/map/a.cpp": bounded}), [])
+        for bound in ("HP_LOOP_BOUND_INNER(3, 4)", "HP_LOOP_BOUND_BEAMS(3)",
+                      "HP_LOOP_BOUND_INNER_BEAMS(3, 4)"):
+            code = bounded.replace("HP_LOOP_BOUND(3)", bound)
+            self.assertEqual(findings({"core/map/a.cpp": code}), [])
         nested = (SPDX + "void F() {\n  HP_LOOP_BOUND(G(3) *\n                4)\n  while (a) {\n"
                          "    HP_LOOP_BOUND(2)\n    for (;;) {\n    }\n  }\n}\n")
         self.assertEqual(findings({"core/map/a.cpp": nested}), [])
