@@ -152,7 +152,6 @@ class CostmapBuilder {
   static_assert(kReach_cells <= PaddedRow<uint8_t>::kMargin);
   static constexpr int kBlock_cells = 64;  // of a row, classed together
   static constexpr int kBlocks = kMapSize_cells / kBlock_cells;
-  static constexpr int kRowBlocks = kMapSize_cells / kRowBlock_cells;
   static constexpr int kGroup_rows = 4;  // of which it is known in which blocks obstacles are
   static constexpr int kLayers = 2;
   static constexpr int kPaddedRows = 3;

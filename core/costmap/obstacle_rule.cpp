@@ -283,6 +283,9 @@ void CostmapBuilder::FlagRow(int row) {
       }
       continue;
     }
+    // Nothing else's memory: else the compiler would have to ask whether it overlaps what is read,
+    // with a slow loop for when it does.
+    uint8_t made[kBlock_cells];
     HP_LOOP_BOUND(kBlock_cells)
     for (int x = begin; x < begin + kBlock_cells; ++x) {
       const uint8_t person_seen = seen[x] & HeightGrid::kPersonMask;
@@ -290,10 +293,13 @@ void CostmapBuilder::FlagRow(int row) {
                         ((highest_hard[x] > high[x]) | ((person_seen | no_ground[x]) != 0));
       const bool soft = (highest_soft[x] > high[x]) & (highest_soft[x] != kNone) & !hard;
       const bool observed = hard | soft | ((seen[x] & kSeen) != 0);
-      flags[x] = static_cast<uint8_t>((hard ? Costmap::kHard : 0) | (soft ? Costmap::kSoft : 0) |
-                                      ((hard & (person_seen != 0)) ? Costmap::kPerson : 0) |
-                                      (observed ? Costmap::kObserved : 0));
+      made[x - begin] =
+          static_cast<uint8_t>((hard ? Costmap::kHard : 0) | (soft ? Costmap::kSoft : 0) |
+                               ((hard & (person_seen != 0)) ? Costmap::kPerson : 0) |
+                               (observed ? Costmap::kObserved : 0));
     }
+    HP_LOOP_BOUND(kBlock_cells)
+    for (int x = 0; x < kBlock_cells; ++x) flags[begin + x] = made[x];
   }
 }
 

@@ -12,15 +12,16 @@ namespace hardpack {
 
 // The sweeps leave out parts of a row in blocks of so many cells.
 inline constexpr int kRowBlock_cells = 32;
+inline constexpr int kRowBlocks = kMapSize_cells / kRowBlock_cells;
 
-// A part of a row.
+// A part of a row, of whole blocks.
 struct Columns {
   int begin = 0;
   int end = 0;
 };
 
 // Runs of blocks that follow one another, at most; and a bit for each block.
-inline constexpr int kRuns = kMapSize_cells / kRowBlock_cells / 2;
+inline constexpr int kRuns = kRowBlocks / 2;
 inline constexpr unsigned kAllBlocks = 0xffff;
 
 // Takes the first blocks that follow one another out of a row's `blocks`, of which there are some.

@@ -55,15 +55,23 @@ inline uint8_t SmallestBeside(const uint8_t* center) {
 
 // to[x] = min over |dx| <= kReach of row[x + dx] + (kBefore + |dx|)^2 - kBefore^2, saturated; the
 // row has margins. Once with kBefore = 0, or several times, each after the other's reach, it is
-// min over dx of row[x + dx] + dx^2. kMost: columns, at most.
-template <int kBefore, int kReach, int kMost = kMapSize_cells>
-inline void SmallestPlusSquare(const uint8_t* __restrict row, Columns columns,
-                               uint8_t* __restrict to) {
+// min over dx of row[x + dx] + dx^2. Of a block.
+template <int kBefore, int kReach>
+inline void SmallestPlusSquare(const uint8_t* __restrict row, int begin, uint8_t* __restrict to) {
   constexpr int kStep = Square(kBefore + 1) - Square(kBefore);
-  HP_LOOP_BOUND(kMost)
-  for (int x = columns.begin; x < columns.end; ++x) {
+  HP_LOOP_BOUND(kRowBlock_cells)
+  for (int x = begin; x < begin + kRowBlock_cells; ++x) {
     const int beside = SmallestBeside<kBefore, 1, kReach>(row + x) + kStep;
     to[x] = Smaller(row[x], static_cast<uint8_t>(beside));
+  }
+}
+
+template <int kBefore, int kReach>
+inline void SmallestPlusSquare(const uint8_t* __restrict row, Columns columns,
+                               uint8_t* __restrict to) {
+  HP_LOOP_BOUND(kRowBlocks)
+  for (int begin = columns.begin; begin < columns.end; begin += kRowBlock_cells) {
+    SmallestPlusSquare<kBefore, kReach>(row, begin, to);
   }
 }
 
@@ -73,13 +81,12 @@ inline void SmallestPlusSquare(const uint8_t* __restrict row, Columns columns,
                                uint8_t* __restrict to) {
   constexpr int kFirst = 5;
   constexpr int kNext2 = Square(kFirst + 1);
-  HP_LOOP_BOUND(kMapSize_cells / kRowBlock_cells)
+  HP_LOOP_BOUND(kRowBlocks)
   for (int begin = columns.begin; begin < columns.end; begin += kRowBlock_cells) {
-    const Columns block = {begin, begin + kRowBlock_cells};
-    SmallestPlusSquare<0, kFirst, kRowBlock_cells>(row, block, to);
+    SmallestPlusSquare<0, kFirst>(row, begin, to);
     if (LargestOf(to + begin) <= kNext2) continue;
     HP_LOOP_BOUND(kRowBlock_cells)
-    for (int x = block.begin; x < block.end; ++x) {
+    for (int x = begin; x < begin + kRowBlock_cells; ++x) {
       const int further = SmallestBeside<0, kFirst + 1, 15>(row + x) + kNext2;
       to[x] = Smaller(to[x], static_cast<uint8_t>(further));
     }
@@ -103,7 +110,7 @@ template <int kReach>
                                                      const ChordSteps& steps, Columns columns,
                                                      uint8_t* __restrict to) {
   // By blocks, of which every one is whole vectors: no code for a rest, and half the stack.
-  HP_LOOP_BOUND(kMapSize_cells / kRowBlock_cells)
+  HP_LOOP_BOUND(kRowBlocks)
   for (int begin = columns.begin; begin < columns.end; begin += kRowBlock_cells) {
     HP_LOOP_BOUND(kRowBlock_cells)
     for (int x = begin; x < begin + kRowBlock_cells; ++x) {

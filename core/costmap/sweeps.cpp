@@ -17,180 +17,13 @@
 #include "core/costmap/padded_row.h"
 #include "core/costmap/rows.h"
 #include "core/costmap/square_sums.h"
+#include "core/costmap/sweep_rows.h"
 
 namespace hardpack {
 namespace {
 
-constexpr uint8_t kFar = 16;  // squared, it is beyond the saturation
-constexpr uint8_t kNoEdge = kFar - 1;
-
 // Costs in one round: a loop over single cells takes as many instructions again to count them.
 constexpr int kAtOnce = 8;
-
-// Fills the blocks of a row that are not among these.
-void FillOutside(unsigned blocks, uint8_t value, uint8_t* row) {
-  unsigned left = ~blocks & kAllBlocks;
-  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
-  while (left != 0) {
-    const Columns columns = TakeRun(left);
-    HP_LOOP_BOUND(kMapSize_cells)
-    for (int x = columns.begin; x < columns.end; ++x) row[x] = value;
-  }
-}
-
-// 0 where a row has a flag, else one more than in the row before.
-inline uint8_t FromFlag(uint8_t flags, uint8_t flag, uint8_t before) {
-  const uint8_t further = Smaller(static_cast<uint8_t>(before + 1), kFar);
-  return (flags & flag) != 0 ? uint8_t{0} : further;
-}
-
-// 0 where one of two rows has a flag and the other has not, else one more than in the row before.
-inline uint8_t FromEdge(int changes, uint8_t flag, uint8_t before) {
-  const uint8_t further = Smaller(static_cast<uint8_t>(before + 1), kNoEdge);
-  return (changes & flag) == 0 ? further : uint8_t{0};
-}
-
-// Vertical distances to the cells of either kind, so far among the rows that have come. hard and
-// soft hold the row before, and then this one. Returns all flags that these kCells cells have.
-template <int kCells>
-uint8_t SweepFrom(const uint8_t* __restrict flags, uint8_t* __restrict hard,
-                  uint8_t* __restrict soft, uint8_t* __restrict hard_plane,
-                  uint8_t* __restrict soft_plane) {
-  uint8_t all = 0;
-  HP_LOOP_BOUND(kCells)
-  for (int x = 0; x < kCells; ++x) {
-    hard[x] = FromFlag(flags[x], Costmap::kHard, hard[x]);
-    soft[x] = FromFlag(flags[x], Costmap::kSoft, soft[x]);
-    hard_plane[x] = hard[x];
-    soft_plane[x] = soft[x];
-    all = static_cast<uint8_t>(all | flags[x]);
-  }
-  return all;
-}
-
-// The smaller of these and of those the other way; of the hard ones the squares.
-void SweepBack(const uint8_t* __restrict hard_plane, const uint8_t* __restrict soft_plane,
-               Columns columns, uint8_t* __restrict hard, uint8_t* __restrict soft,
-               uint8_t* __restrict hard2) {
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = columns.begin; x < columns.end; ++x) {
-    const uint8_t distance = Smaller(hard_plane[x], static_cast<uint8_t>(hard[x] + 1));
-    hard[x] = distance;
-    hard2[x] = Squared(distance);
-    soft[x] = Smaller(soft_plane[x], static_cast<uint8_t>(soft[x] + 1));
-  }
-}
-
-// What of the disc's half chord is used up to reach the nearest soft cell along the row, in the
-// blocks. steps: a copy, or what is written could be among them, and nothing would be done several
-// at a time.
-template <int kReach>
-[[gnu::always_inline]] inline void ReachAlongRow(const uint8_t* soft, const ChordSteps steps,
-                                                 unsigned blocks, uint8_t* used) {
-  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells / kRowBlock_cells)
-  while (blocks != 0) SmallestPlusSteps<kReach>(soft, steps, TakeRun(blocks), used);
-}
-
-// Adds the regions to flags, from squared distances to hard cells and from what of the disc's half
-// chord was used up to reach soft ones.
-void FlagRegions(const uint8_t* __restrict hard2, uint8_t radius2, const uint8_t* __restrict soft,
-                 uint8_t chord, Columns columns, uint8_t* __restrict flags) {
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = columns.begin; x < columns.end; ++x) {
-    const int lethal = hard2[x] <= radius2 ? Costmap::kLethal : 0;
-    const int region = soft[x] <= chord ? Costmap::kSoftRegion : 0;
-    flags[x] = static_cast<uint8_t>(flags[x] | lethal | region);
-  }
-}
-
-// Vertical distances to the regions' edges, on either side of them, less 1. Off the map there is no
-// edge.
-struct EdgeRows {
-  const uint8_t* flags;
-  const uint8_t* flags_before;
-};
-void SweepEdgesFrom(const EdgeRows& rows, const uint8_t* __restrict hard_before,
-                    const uint8_t* __restrict soft_before, Columns columns,
-                    uint8_t* __restrict hard, uint8_t* __restrict soft) {
-  const uint8_t* __restrict flags = rows.flags;
-  const uint8_t* __restrict flags_before = rows.flags_before;
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = columns.begin; x < columns.end; ++x) {
-    const int changes = flags[x] ^ flags_before[x];
-    hard[x] = FromEdge(changes, Costmap::kLethal, hard_before[x]);
-    soft[x] = FromEdge(changes, Costmap::kSoftRegion, soft_before[x]);
-  }
-}
-
-// The smaller of these, and of those the other way, and their squares.
-void SweepEdgesBack(const EdgeRows& rows, uint8_t flag, const uint8_t* __restrict plane,
-                    Columns columns, uint8_t* __restrict distance, uint8_t* __restrict squared) {
-  const uint8_t* __restrict flags = rows.flags;
-  const uint8_t* __restrict flags_before = rows.flags_before;
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = columns.begin; x < columns.end; ++x) {
-    const int changes = flags[x] ^ flags_before[x];
-    const uint8_t further = static_cast<uint8_t>(distance[x] + 1);
-    const uint8_t here = (changes & flag) == 0 ? further : uint8_t{0};
-    const uint8_t nearer = Smaller(plane[x], here);
-    distance[x] = nearer;
-    squared[x] = Squared(static_cast<uint8_t>(nearer + 1));
-  }
-}
-
-// What a region's edge along x, and vertical distances one cell beside, tell of the distance: to[x]
-// = 1 where a cell beside lies on the other side, else min over |dx| <= 1 of squared[x + dx] +
-// dx^2. Flags and squares have margins.
-void StepFromEdges(const uint8_t* __restrict flags, uint8_t region,
-                   const uint8_t* __restrict squared, Columns columns, uint8_t* __restrict to) {
-  constexpr uint8_t kLimit = kFar2 - 1;
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = columns.begin; x < columns.end; ++x) {
-    const int changes = (flags[x] ^ flags[x - 1]) | (flags[x] ^ flags[x + 1]);
-    const uint8_t beside = Smaller(Smaller(squared[x - 1], squared[x + 1]), kLimit);
-    const uint8_t nearest = Smaller(squared[x], static_cast<uint8_t>(beside + 1));
-    to[x] = (changes & region) == 0 ? nearest : uint8_t{1};
-  }
-}
-
-// Where in the tables of costs cells are looked up, see CostmapBuilder::AddCosts.
-template <int kCells>
-void HardEntries(const uint8_t* __restrict flags, const uint8_t* __restrict distance2,
-                 uint16_t* __restrict entries) {
-  static_assert(Costmap::kLethal << 4 == 256 && Costmap::kObserved << 6 == 512);
-  HP_LOOP_BOUND(kCells)
-  for (int x = 0; x < kCells; ++x) {
-    const uint16_t cell = flags[x];
-    const int inside = cell << 4 & 256;
-    const int observed = cell << 6 & 512;
-    entries[x] = static_cast<uint16_t>(distance2[x] | inside | observed);
-  }
-}
-
-template <int kCells>
-void SoftEntries(const uint8_t* __restrict flags, const uint8_t* __restrict distance2,
-                 uint16_t* __restrict entries) {
-  static_assert(Costmap::kSoftRegion << 3 == 256);
-  HP_LOOP_BOUND(kCells)
-  for (int x = 0; x < kCells; ++x) {
-    const uint16_t cell = flags[x];
-    entries[x] = static_cast<uint16_t>(distance2[x] | (cell << 3 & 256));
-  }
-}
-
-void KeepInside(const uint8_t* __restrict flags, const uint8_t* __restrict distance2,
-                uint8_t* __restrict depth2) {
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) {
-    const uint8_t inside2 = distance2[x];
-    depth2[x] = (flags[x] & Costmap::kLethal) != 0 ? inside2 : uint8_t{0};
-  }
-}
-
-void CopyRow(const uint8_t* __restrict from, uint8_t* __restrict to) {
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) to[x] = from[x];
-}
 
 // The largest whole number of cells whose square is not above distance2, but at most 15.
 int RootOf(int distance2) {
@@ -299,7 +132,7 @@ void CostmapBuilder::FindRegions(int row) {
   FillOutside(left, kFar, hard_row_);
   FillOutside(left, kFar, soft);
   FillOutside(left, kFar2, a);
-  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
+  HP_LOOP_BOUND_INNER(kRuns, kRowBlocks)
   while (left != 0) SweepBack(hard2, plane_ + begin, TakeRun(left), hard_row_, soft, a);
 
   left = near.hard;
@@ -318,7 +151,7 @@ void CostmapBuilder::FindRegions(int row) {
   }
 
   left = near.hard | near.soft;
-  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
+  HP_LOOP_BOUND_INNER(kRuns, kRowBlocks)
   while (left != 0) {
     FlagRegions(hard2, static_cast<uint8_t>(radius2_cells2_), b,
                 static_cast<uint8_t>(radius_cells_), TakeRun(left), map_.flags + begin);
@@ -340,7 +173,7 @@ void CostmapBuilder::SweepEdges(int row) {
   unsigned left = near.hard | near.soft;
   FillOutside(left, kNoEdge, map_.hard_depth2 + begin);
   FillOutside(left, kNoEdge, plane_ + begin);
-  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
+  HP_LOOP_BOUND_INNER(kRuns, kRowBlocks)
   while (left != 0) {
     SweepEdgesFrom({flags, first ? flags : flags + kMapSize_cells}, hard_above, soft_above,
                    TakeRun(left), map_.hard_depth2 + begin, plane_ + begin);
@@ -392,7 +225,7 @@ const uint8_t* CostmapBuilder::HardDistances(int row, unsigned blocks) {
   FillOutside(blocks, kFar2, a);
   FillOutside(blocks, kFar2, b);
   unsigned left = blocks;
-  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
+  HP_LOOP_BOUND_INNER(kRuns, kRowBlocks)
   while (left != 0) {
     const Columns columns = TakeRun(left);
     SweepEdgesBack(rows, Costmap::kLethal, map_.hard_depth2 + begin, columns, hard_row_, a);
@@ -401,7 +234,7 @@ const uint8_t* CostmapBuilder::HardDistances(int row, unsigned blocks) {
   }
   // Runs lie further apart than either looks.
   left = blocks;
-  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
+  HP_LOOP_BOUND_INNER(kRuns, kRowBlocks)
   while (left != 0) SmallestPlusSquare<8, 7>(a, TakeRun(left), b);
   return b;
 }
@@ -418,7 +251,7 @@ const uint8_t* CostmapBuilder::SoftDistances(int row, unsigned blocks) {
   FillOutside(blocks, kFar2, c);
   const bool two_steps = soft_reach_cells_ > 5 && soft_reach_cells_ <= 10;
   unsigned left = blocks;
-  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
+  HP_LOOP_BOUND_INNER(kRuns, kRowBlocks)
   while (left != 0) {
     const Columns columns = TakeRun(left);
     SweepEdgesBack(rows, Costmap::kSoftRegion, plane_ + begin, columns, soft_row_.cells(), c);
@@ -426,10 +259,10 @@ const uint8_t* CostmapBuilder::SoftDistances(int row, unsigned blocks) {
     SmallestPlusSquare<1, 4>(a, columns, c);
   }
   left = soft_reach_cells_ > 5 ? blocks : 0;
-  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
+  HP_LOOP_BOUND_INNER(kRuns, kRowBlocks)
   while (left != 0) SmallestPlusSquare<5, 5>(c, TakeRun(left), a);
   left = soft_reach_cells_ > 10 ? blocks : 0;
-  HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
+  HP_LOOP_BOUND_INNER(kRuns, kRowBlocks)
   while (left != 0) SmallestPlusSquare<10, 5>(a, TakeRun(left), c);
   return two_steps ? a : c;
 }

@@ -76,6 +76,7 @@ void MakeLargest(PlannerParams& params) {
   params.costmap.planning_radius_m = 2.0f;
   params.costmap.hard_slope_per_m *= 0.4f;  // the same costs inside
   params.costmap.soft_slope_per_m *= 0.4f;
+  params.optimizer.window_steps = 255;
 }
 
 struct Round {
