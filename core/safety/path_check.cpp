@@ -27,12 +27,14 @@ float AxisDistance(float u_cells, int32_t offset) {
 }
 
 // How many cells of a row are passed from one on, itself included, until the first hard one; more
-// than `most` where none of so many behind it is. step: 1 or -1.
-int32_t PassedToHard(const uint8_t* flags, int32_t most, int32_t step) {
-  int32_t passed = 0;
+// than `most` where none of so many behind it is.
+template <int kStep>
+inline int32_t PassedToHard(const uint8_t* flags, int32_t most) {
+  const uint8_t* const end = flags + kStep * (most + 1);
+  const uint8_t* at = flags;
   HP_LOOP_BOUND(PathCheck::kMaxScan_cells + 1)
-  while (passed <= most && (flags[passed * step] & Costmap::kHard) == 0) ++passed;
-  return passed;
+  while (at != end && (*at & Costmap::kHard) == 0) at += kStep;
+  return static_cast<int32_t>(at - flags) * kStep;
 }
 
 // Lowers nearest2_cells2 to the squared distance from a point to the nearest hard cell that is
@@ -44,8 +46,8 @@ int32_t PassedToHard(const uint8_t* flags, int32_t most, int32_t step) {
 // square lies at most half a diagonal from its own centre. So every hard square is at least
 // D - one diagonal away, and where that is no less than `nearest` nothing is scanned. A saturated D
 // is a lower bound still. Likewise a cell n columns (or rows) from c is at least n - 1 away, which
-// bounds the box that is scanned. Of a row's cells on one side of the point the first hard one is
-// the nearest.
+// bounds the box that is scanned. Of a row's cells on one side of the point
+// the first hard one is the nearest.
 template <Metric kMetric>
 void LowerToNearestHard(const Costmap& map, Vec2 point_odom, float& nearest2_cells2) {
   const Cell cell = map.window.Nearest(CellAt(point_odom));
@@ -58,18 +60,20 @@ void LowerToNearestHard(const Costmap& map, Vec2 point_odom, float& nearest2_cel
   const int32_t half = ClampInt(FloorToInt(reach_cells) + 1, 0, PathCheck::kMaxScan_cells);
   const Cell low = map.window.Nearest({cell.x - half, cell.y - half});
   const Cell high = map.window.Nearest({cell.x + half, cell.y + half});
+  const int32_t most_right = high.x - cell.x;
+  const int32_t most_left = cell.x - low.x;
   HP_LOOP_BOUND(2 * PathCheck::kMaxScan_cells + 1)
   for (int32_t y = low.y; y <= high.y; ++y) {
     const float dy = AxisDistance<kMetric>(v, y - cell.y);
     if (dy * dy >= nearest2_cells2) continue;
     const uint8_t* middle = &map.flags[map.window.Index({cell.x, y})];
-    const int32_t right = PassedToHard(middle, high.x - cell.x, 1);
-    const int32_t left = PassedToHard(middle, cell.x - low.x, -1);
-    if (right <= high.x - cell.x) {
+    const int32_t right = PassedToHard<1>(middle, most_right);
+    const int32_t left = PassedToHard<-1>(middle, most_left);
+    if (right <= most_right) {
       const float dx = AxisDistance<kMetric>(u, right);
       nearest2_cells2 = Min(nearest2_cells2, dx * dx + dy * dy);
     }
-    if (left <= cell.x - low.x) {
+    if (left <= most_left) {
       const float dx = AxisDistance<kMetric>(u, -left);
       nearest2_cells2 = Min(nearest2_cells2, dx * dx + dy * dy);
     }
