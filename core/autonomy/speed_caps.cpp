@@ -56,6 +56,8 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
   }
   HP_LOOP_BOUND(kMaxPathPoints)
   for (int k = 0; k < points_; ++k) {
+    x_m_[k] = path[k].x_m;
+    y_m_[k] = path[k].y_m;
     cap_mps_[k] = ReactionSpeedCap(params, along_m_[points_ - 1] - along_m_[k]);
     cause_[k] = CapCause::kPathEnd;
   }
@@ -83,7 +85,7 @@ Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
       LookAlong(map, vehicle, path, chord_);
       ++chord_;
     } else if (row_ <= high_.y) {
-      if (SearchRow(map, path)) {
+      if (SearchRow(map)) {
         column_ = low_.x;
         ++row_;
       }
@@ -178,7 +180,7 @@ bool SpeedCaps::HasLittleRoom(const Costmap& map, const VehicleParams& vehicle,
 
 // False: there were many cells of people, and the row is to be searched on. Not inlined, as
 // FilePerson: its calls are counted (config/timing.toml).
-[[gnu::noinline]] bool SpeedCaps::SearchRow(const Costmap& map, const WorldPath& path) {
+[[gnu::noinline]] bool SpeedCaps::SearchRow(const Costmap& map) {
   const uint8_t* flags = &map.flags[map.window.Index({low_.x, row_})];
   int filed = 0;
   HP_LOOP_BOUND(kMapSize_cells)
@@ -186,26 +188,28 @@ bool SpeedCaps::HasLittleRoom(const Costmap& map, const VehicleParams& vehicle,
     if ((flags[column_ - low_.x] & Costmap::kPerson) == 0) continue;
     if (filed == kMaxPersonCells) return false;
     ++filed;
-    FilePerson(CellCenter({column_, row_}), path);
+    FilePerson(CellCenter({column_, row_}));
   }
   return true;
 }
 
-// With every point that is no further away than its neighbours: a path may go by more than once.
-[[gnu::noinline]] void SpeedCaps::FilePerson(Vec2 person_odom, const WorldPath& path) {
-  const auto distance2_m2 = [&](int k) {
-    return Squared(person_odom.x_m - path[k].x_m) + Squared(person_odom.y_m - path[k].y_m);
-  };
-  float before_m2 = distance2_m2(0);
-  float here_m2 = before_m2;
+// With every point that is no further away than its neighbours: a path may go by more than once. Two
+// loops without branches, for several points at a time: a crowd has many cells.
+[[gnu::noinline]] void SpeedCaps::FilePerson(Vec2 person_odom) {
+  float* distance2 = distance2_m2_ + 1;
   HP_LOOP_BOUND(kMaxPathPoints)
   for (int k = 0; k < points_; ++k) {
-    const float behind_m2 = k + 1 < points_ ? distance2_m2(k + 1) : here_m2;
-    if (here_m2 <= before_m2 && here_m2 <= behind_m2) {
-      person2_m2_[k] = Min(person2_m2_[k], here_m2);
-    }
-    before_m2 = here_m2;
-    here_m2 = behind_m2;
+    distance2[k] = Squared(person_odom.x_m - x_m_[k]) + Squared(person_odom.y_m - y_m_[k]);
+  }
+  distance2[-1] = distance2[0];
+  distance2[points_] = distance2[points_ - 1];
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 0; k < points_; ++k) {
+    const float here_m2 = distance2[k];
+    const float known_m2 = person2_m2_[k];
+    const float nearer_m2 = Min(known_m2, here_m2);
+    const bool is_nearest = (here_m2 <= distance2[k - 1]) & (here_m2 <= distance2[k + 1]);
+    person2_m2_[k] = is_nearest ? nearer_m2 : known_m2;
   }
 }
 

@@ -85,13 +85,17 @@ class SpeedCaps {
   void LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m);
   void Lower(int point, float cap_mps, CapCause cause);
   bool HasLittleRoom(const Costmap& map, const VehicleParams& vehicle, const Pose2& pose) const;
-  bool SearchRow(const Costmap& map, const WorldPath& path);
-  void FilePerson(Vec2 person_odom, const WorldPath& path);
+  bool SearchRow(const Costmap& map);
+  void FilePerson(Vec2 person_odom);
   void CapForPersonAt(int point, const SpeedParams& params, const VehicleParams& vehicle);
 
+  float x_m_[kMaxPathPoints] = {};  // the path's points, odom frame
+  float y_m_[kMaxPathPoints] = {};
   float along_m_[kMaxPathPoints] = {};  // way from the start
   float cap_mps_[kMaxPathPoints] = {};
   float person2_m2_[kMaxPathPoints] = {};  // squared, to the nearest person filed with the point
+  // Of one person, to the points; before the first and behind the last those again.
+  float distance2_m2_[kMaxPathPoints + 2] = {};
   float reach_m_ = 0.0f;                   // people further from the path cap nothing
   CapCause cause_[kMaxPathPoints] = {};
   float speed_mps_ = 0.0f;

@@ -71,7 +71,9 @@ class Facts:
         """units: other numbers of rounds than the file's, by function."""
         rounds = {name: evaluate(entry["most"], self.values)
                   for entry in self.table["units"] for name in entry["of"]}
-        return Analysis(image, units={**rounds, **units.get("units", {})},
+        excluded = {name: 0 for entry in self.table.get("excluded", [])
+                    if self.values[entry["where"]] == 0 for name in entry["of"]}
+        return Analysis(image, given=excluded, units={**rounds, **units.get("units", {})},
                         calls=self._scoped("calls"), rounds=self._scoped("rounds"))
 
     def idle_analysis(self, image):
@@ -112,7 +114,9 @@ def schedule(facts, path, image):
     with open(ROOT / facts.table["schedule"]["configuration"], "rb") as file:
         tick = tomllib.load(file)["tick"]
     changed = [(name, value) for name, value in tick.items() if name in facts.table["parameters"]]
-    of_schedule = Facts(path, [*changed, ("beams", facts.table["schedule"]["beams"])])
+    changed += [(name, value) for name, value in facts.table["schedule"].items()
+                if name in facts.table["parameters"]]
+    of_schedule = Facts(path, changed)
     found = bounds(of_schedule, of_schedule.image(image))
     return Schedule(facts, tick, {entry["name"]: value for entry, value in found})
 
