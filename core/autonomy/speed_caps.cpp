@@ -193,8 +193,8 @@ bool SpeedCaps::HasLittleRoom(const Costmap& map, const VehicleParams& vehicle,
   return true;
 }
 
-// With every point that is no further away than its neighbours: a path may go by more than once. Two
-// loops without branches, for several points at a time: a crowd has many cells.
+// With every point that is no further away than its neighbours: a path may go by more than once.
+// Two loops without branches, for several points at a time: a crowd has many cells.
 [[gnu::noinline]] void SpeedCaps::FilePerson(Vec2 person_odom) {
   float* distance2 = distance2_m2_ + 1;
   HP_LOOP_BOUND(kMaxPathPoints)

@@ -96,7 +96,7 @@ class SpeedCaps {
   float person2_m2_[kMaxPathPoints] = {};  // squared, to the nearest person filed with the point
   // Of one person, to the points; before the first and behind the last those again.
   float distance2_m2_[kMaxPathPoints + 2] = {};
-  float reach_m_ = 0.0f;                   // people further from the path cap nothing
+  float reach_m_ = 0.0f;  // people further from the path cap nothing
   CapCause cause_[kMaxPathPoints] = {};
   float speed_mps_ = 0.0f;
   int32_t points_ = 0;

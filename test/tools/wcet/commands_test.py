@@ -40,6 +40,7 @@ stops = []
 directions = 4
 planning_units = 640
 beams = 128
+with_g = 1
 [constants]
 portion_units = 64
 plan_units = 6400
@@ -55,6 +56,10 @@ waited_columns = 20
 bus_us = 500
 speed_mmps = 5000
 beams = 64
+with_g = {with_g}
+[[excluded]]
+where = "with_g"
+of = [{excluded}]
 [idle]
 within = "f"
 of = [{idle}]
@@ -89,14 +94,15 @@ function f
 done f
 """
 
-    def schedule(self, period, measured="", program=PROGRAM, idle=""):
+    def schedule(self, period, measured="", program=PROGRAM, idle="", excluded="", with_g=0):
         self.analysis(program)
         configuration = os.path.join(self.folder, "tick.toml")
         with open(configuration, "w", encoding="utf-8") as file:
             file.write(f"[tick]\nperiod_ms = {period}\ndirections = 4\nplanning_units = 128\n")
         facts = os.path.join(self.folder, "facts.toml")
         with open(facts, "w", encoding="utf-8") as file:
-            file.write(FACTS.format(configuration=configuration, idle=idle))
+            file.write(FACTS.format(configuration=configuration, idle=idle,
+                                    excluded=excluded, with_g=with_g))
         numbers = os.path.join(self.folder, "measured")
         with open(numbers, "w", encoding="utf-8") as file:
             file.write(measured)
@@ -141,6 +147,11 @@ done f
         self.assertEqual(table["a tick without planning"][0], "1.4")  # 3 + 3 + 1
         table = self.schedule(period=1, program=program, idle='"g"')
         self.assertEqual(table["a tick without planning"][0], "0.8")
+        self.assertEqual(table["the worst tick"][0], "2.6")
+        # What the configuration never calls is in no tick at all.
+        table = self.schedule(period=1, program=program, excluded='"g"')
+        self.assertEqual(table["the worst tick"][0], "1.4")  # 2 * 3 + 1
+        table = self.schedule(period=1, program=program, excluded='"g"', with_g=1)
         self.assertEqual(table["the worst tick"][0], "2.6")
 
     def test_as_counted(self):
