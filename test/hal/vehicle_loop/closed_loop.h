@@ -51,12 +51,13 @@ class ClosedLoop {
 
   // The loop is made in memory that is full of `fill`: nothing may be left as it was found.
   explicit ClosedLoop(std::string_view script = "", world::World world = sim::LaneWorld(),
-                      uint8_t fill = 0xa5)
+                      uint8_t fill = 0xa5, sim::LidarProfile profile = sim::LidarProfile::kLegacy)
       : memory_(std::make_unique<std::byte[]>(sizeof(VehicleLoop))) {
     std::memset(memory_.get(), fill, sizeof(VehicleLoop));
     loop_ = new (memory_.get()) VehicleLoop;  // trivially destructible
     settings_.world = std::move(world);
     settings_.lidar.columns = 512;  // quicker to cast
+    settings_.lidar.profile = profile;
     std::vector<sim::ScriptEvent> events;
     EXPECT_TRUE(sim::ParseScript(script, "script", events).ok());
     vehicle_ = std::make_unique<sim::ScriptedVehicle>(settings_, std::move(events), now_ns_);

@@ -139,6 +139,36 @@ TEST(VehicleLoopInputs, DecidesTheSameInWhateverMemoryItIsMade) {
   EXPECT_EQ(hash[0], hash[1]);
 }
 
+// A lidar that starts anew in standby is taken as it is then; two that send by turns are not taken
+// for one that starts anew with every packet.
+TEST(VehicleLoopInputs, ALidarStartsAnewOnceInATick) {
+  ClosedLoop drive("", sim::LaneWorld(), 0xa5, sim::LidarProfile::kRng19);  // it tells its start
+  ASSERT_TRUE(drive.Until(20.0, [&] { return drive.mode() == Mode::kStandby; }));
+  std::vector<uint8_t> newest;
+  drive.adds = [&](std::vector<TickDatagram>& datagrams) {
+    for (const TickDatagram& datagram : datagrams) {
+      if (datagram.source != InputSource::kLidar) continue;
+      newest.assign(datagram.bytes.begin(), datagram.bytes.end());
+    }
+  };
+  drive.Ticks(20);
+  const std::vector<uint8_t> first = newest;
+  drive.Act("at 0 lidar-restart");
+  drive.Ticks(20);
+  const std::vector<uint8_t> second = newest;
+  drive.Act("at 0 lidar-restart");
+  drive.Ticks(20);
+  ASSERT_EQ(drive.loop().counters().lidar_restarts, 2u);
+  drive.adds = [&](std::vector<TickDatagram>& datagrams) {
+    datagrams.push_back({InputSource::kLidar, first});
+    datagrams.push_back({InputSource::kLidar, second});
+  };
+  for (uint64_t tick = 1; tick <= 3; ++tick) {
+    drive.Ticks(1);
+    EXPECT_EQ(drive.loop().counters().lidar_restarts, 2u + tick);
+  }
+}
+
 TEST(VehicleLoopInputs, ConfiguredAnewItIsAsNew) {
   uint64_t hash[2] = {};
   ClosedLoop used;
