@@ -266,6 +266,49 @@ TEST(Corridor, TakesNoCellForAnotherAndForgetsInTime) {
   EXPECT_FALSE(corridor.has_obstacle());
 }
 
+// Each tick another row of the memory is gone through: none loses what is not too old.
+TEST(Corridor, RemembersEveryRowAsLongAsItPromises) {
+  Rig test(Straight(11.0f, 0.275f, {0.0f, 50.0f}));
+  Corridor& corridor = *test.corridor;
+  const uint32_t filed = 100;
+  corridor.Advance({0.0f, 0.0f}, filed);
+  EXPECT_FALSE(corridor.File({4.0f, 0.0f}, false));  // not in the way of the old path
+  for (uint32_t tick = filed + 1; tick <= filed + Corridor::kMemory_ticks; ++tick) {
+    corridor.Advance({0.0f, 0.0f}, tick);
+  }
+  ASSERT_EQ(corridor.Build(Straight(11.0f), 0.0f, kSize, filed - 1), Status::kOk);
+  EXPECT_TRUE(corridor.has_obstacle());
+}
+
+// As long as it may be: a cell of the coarse grid is 8 m, and the vehicle stands in the first one.
+TEST(Corridor, LooksIntoTheFirstCellOfItsCoarseGrid) {
+  CorridorSize size = kSize;
+  size.reach_m = Corridor::kMaxReach_m;
+  Rig test(Straight(11.0f));
+  ASSERT_EQ(test.corridor->Build(PathOf({{0, 0, 0}, {500, 0, 0}}), 0.0f, size, 1), Status::kOk);
+  EXPECT_TRUE(test.Holds(1.0f, 0.0f));
+  EXPECT_FALSE(test.Holds(1.0f, 1.0f));
+}
+
+// Beside the corridor, but in a cell of the coarse grid that the only chord reaches into: each
+// return there is one test. The last test that is allowed is still made.
+TEST(Corridor, TakesReturnsForAnObstacleOnlyOnceAllTestsOfATickAreUsedUp) {
+  Rig test(PathOf({{0, 0, 0}, {10, 0, 0}}));
+  Corridor& corridor = *test.corridor;
+  const Vec2 beside = {5.0f, 0.8f};
+  for (uint32_t tick = 2; tick < 4; ++tick) {
+    corridor.Advance({0.0f, 0.0f}, tick);
+    int inside = 0;
+    for (int i = 0; i < Corridor::kMaxTests; ++i) inside += corridor.File(beside, true) ? 1 : 0;
+    EXPECT_EQ(inside, 0);
+    EXPECT_EQ(corridor.has_obstacle(), tick > 2);
+    EXPECT_TRUE(corridor.File(beside, true));
+    EXPECT_TRUE(corridor.has_obstacle());
+    EXPECT_EQ(corridor.obstacle_along_m(), 0.0f);
+    EXPECT_FALSE(corridor.is_person());
+  }
+}
+
 TEST(Corridor, WorksFarFromTheOriginAndBelowZero) {
   const Vec2 far = {-2000.0f, -3000.0f};
   Rig test(Straight(11.0f, 0.25f, far));
