@@ -397,5 +397,27 @@ TEST(ControlMessages, ABufferThatIsTooSmallIsNotWritten) {
   }
 }
 
+template <typename Message>
+void ExpectOnlyInItsOwnSize(const Message& message) {
+  const Bytes whole = Encoded(message);
+  for (size_t size = 0; size <= whole.size(); ++size) {
+    SCOPED_TRACE(size);
+    const bool fits = size == whole.size();
+    Bytes buffer(size, 0xa5);
+    int size_bytes = -1;
+    EXPECT_EQ(Encode(message, buffer, size_bytes), fits ? Status::kOk : Status::kCapacityExceeded);
+    EXPECT_EQ(size_bytes, fits ? static_cast<int>(size) : 0);
+    EXPECT_EQ(buffer, fits ? whole : Bytes(size, 0xa5));
+  }
+}
+
+TEST(ControlMessages, QuestionsAndAnswersNeedABufferOfTheirOwnSizeAndNoMore) {
+  ExpectOnlyInItsOwnSize(Question{Kind::kGetStatus, 1, 0});
+  ExpectOnlyInItsOwnSize(Question{Kind::kGetParameters, 2, 3});
+  ExpectOnlyInItsOwnSize(Done{4, Status::kNotPermitted, 5});
+  const Bytes text = {'a', '='};
+  ExpectOnlyInItsOwnSize(ParametersPart{6, 0, 2, text});
+}
+
 }  // namespace
 }  // namespace hardpack::control
