@@ -96,6 +96,8 @@ TEST_F(DrivingFault, Reboot) {
   bench.left.Reboot();
   ExpectFault(DriveFault::kRebooted, 1);
   EXPECT_EQ(bench.pair.report(Side::kLeft).reboots, 1u);
+  // What it was enabled for is over: no word that would enable it again, should it be quick.
+  EXPECT_EQ(ControlwordOf(*bench.CommandTo(Side::kLeft)), 0);
   bench.history.clear();
   bench.Run(10, Bench::Wheels(3.0f, 3.0f));
   EXPECT_EQ(bench.CountSent(0x202), 0);  // until its process data have been verified again
