@@ -65,6 +65,18 @@ TEST(MapSamples, AreExactAtCentersAndBordersOfCells) {
   ExpectAsCostAt(*map, places);
 }
 
+// In blocks: what lies behind the last place is another's, whether a block ends there or not.
+TEST(MapSamples, WriteNothingBehindTheLast) {
+  const auto map = RandomMap({0.0f, 0.0f});
+  const float places_m[kMaxSamples] = {};
+  for (int points = 0; points < kMaxSamples; ++points) {
+    float costs[kMaxSamples];
+    for (float& cost : costs) cost = -1.0f;
+    SampleCosts(*map, places_m, places_m, points, costs);
+    for (int i = 0; i < kMaxSamples; ++i) ASSERT_EQ(costs[i] < 0.0f, i >= points) << points;
+  }
+}
+
 TEST(MapSamples, TakeAnyNumber) {
   const auto map = RandomMap({0.0f, 0.0f});
   constexpr float kLargest = std::numeric_limits<float>::max();
