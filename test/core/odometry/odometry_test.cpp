@@ -96,6 +96,29 @@ TEST(Odometry, LearnsTheGyrosBiasAtRest) {
   }
 }
 
+TEST(Odometry, RestsWhileNoWheelIsFasterThanItsParameter) {
+  const float limit_radps = OdometryParams{}.rest_wheel_radps;
+  const float faster_radps = std::nextafter(limit_radps, 1.0f);
+  for (const float left_radps : {limit_radps, -limit_radps, faster_radps, -faster_radps}) {
+    for (const float right_radps : {limit_radps, -limit_radps, faster_radps, -faster_radps}) {
+      KnownDrive drive;
+      for (int tick = 0; tick < 100; ++tick) {
+        drive.Move(0.0, 0.0);
+        drive.Move(0.0, 0.0);
+        ASSERT_EQ(drive.odometry.TakeIns(drive.Ins(), drive.now_ns), Status::kOk);
+        ASSERT_EQ(drive.odometry.Advance(drive.now_ns, {.valid = true,
+                                                        .time_ns = drive.now_ns,
+                                                        .left_radps = left_radps,
+                                                        .right_radps = right_radps}),
+                  Status::kOk);
+      }
+      EXPECT_EQ(drive.odometry.at_rest(),
+                std::fabs(left_radps) <= limit_radps && std::fabs(right_radps) <= limit_radps)
+          << left_radps << ' ' << right_radps;
+    }
+  }
+}
+
 // Ten minutes. Half a second goes by until it is known to rest, then the pose does not move.
 TEST(Odometry, DoesNotTurnAtRestWhateverTheBias) {
   KnownDrive drive({.gyro_bias_radps = 0.02});
