@@ -10,6 +10,7 @@
 #include <random>
 #include <vector>
 
+#include "core/base/math.h"
 #include "core/speed/speed.h"
 
 namespace hardpack {
@@ -244,6 +245,22 @@ TEST(Corridor, HoldsANewPathAgainstWhatCameSinceItsMapWasBegun) {
   // Of a map that was begun in that tick or later it is a part.
   ASSERT_EQ(corridor.Build(Straight(11.0f), 0.0f, kSize, 20), Status::kOk);
   EXPECT_FALSE(corridor.has_obstacle());
+}
+
+// Path and cells lie so that the edges of the two rows beside the path are 0.7 m and 0.9 m off it.
+TEST(Corridor, HoldsANewPathAgainstTheNearerEdgeOfACell) {
+  const Vec2 start = {0.1f, 0.1f};
+  for (const bool along_x : {true, false}) {
+    const Pose2 end = along_x ? Pose2{9.1f, 0.1f, 0.0f} : Pose2{0.1f, 9.1f, kHalfPi};
+    const WorldPath path = PathOf({{start.x_m, start.y_m, end.theta_rad}, end});
+    for (const float aside_m : {0.8f, -0.8f, 1.0f, -1.0f}) {
+      Rig test(Straight(11.0f, 0.275f, {0.0f, 50.0f}));
+      test.corridor->Advance(start, 2);
+      EXPECT_FALSE(along_x ? test.Holds(4.1f, 0.1f + aside_m) : test.Holds(0.1f + aside_m, 4.1f));
+      ASSERT_EQ(test.corridor->Build(path, 0.0f, kSize, 1), Status::kOk);
+      EXPECT_EQ(test.corridor->has_obstacle(), std::fabs(aside_m) < 0.9f) << along_x << aside_m;
+    }
+  }
 }
 
 TEST(Corridor, TakesNoCellForAnotherAndForgetsInTime) {
