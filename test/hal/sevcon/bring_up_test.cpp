@@ -175,6 +175,15 @@ TEST(BringUp, TakesReportsByTheDrivesOwnTimer) {
   EXPECT_TRUE(bench.BringUp());
 }
 
+// 254: event-driven as the maker has it; 255: as the device profile has it.
+TEST(BringUp, TakesCommandsThatAreInForceAtOnceOfBothKinds) {
+  for (const uint32_t type : {254u, 255u}) {
+    Bench bench = Bench::WithDrivesSetUp();
+    bench.left.objects[{0x1400, 2}].value = type;
+    EXPECT_TRUE(bench.BringUp()) << type;
+  }
+}
+
 TEST(BringUp, RefusesAnotherModeThanTheOneAskedFor) {
   Bench bench = Bench::WithDrivesSetUp();
   bench.right.objects[{0x6061, 0}].value = 4;
