@@ -213,6 +213,24 @@ TEST(DriveModel, TakesNoFeedbackThatIsNoneOrOldOrTheSameTwice) {
   EXPECT_EQ(model.wheels().common_radps, after);
 }
 
+TEST(DriveModel, StandsUntilItIsToldOtherwise) {
+  DriveModel model;
+  ASSERT_EQ(model.Configure({}, {}, {}), Status::kOk);
+  for (const bool began : {false, true}) {
+    if (began) {
+      ASSERT_EQ(model.Advance(kStart_ns, {}, {}), Status::kStale);
+    }
+    const DriveState state = model.Predict({1.0f, 2.0f, 0.5f});
+    EXPECT_EQ(state.speed_mps, 0.0f);
+    EXPECT_EQ(state.yaw_rate_radps, 0.0f);
+    EXPECT_EQ(state.wheels.common_radps, 0.0f);
+    EXPECT_EQ(state.wheels.differential_radps, 0.0f);
+    EXPECT_EQ(state.pose.x_m, 1.0f);
+    EXPECT_EQ(state.pose.y_m, 2.0f);
+    EXPECT_EQ(state.pose.theta_rad, 0.5f);
+  }
+}
+
 TEST(DriveModel, ForgetsItsCommandsAfterAGap) {
   DriveModel model = MakeModel();
   model.SetCommand({10.0f, 2.0f});
