@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/speed/speed.h"
@@ -141,6 +142,29 @@ TEST(PathTarget, TurnsOnTheSpotOnlyOnceTheVehicleStandsThere) {
   EXPECT_NEAR(standing.aim.pose.theta_rad, kHalfPi, 1e-4f);
   EXPECT_EQ(standing.speed_limit_mps, 0.0f);
   EXPECT_FALSE(TargetAt(plan, {2.0f, 0.1f, kHalfPi}, true).turn);
+}
+
+//   ----[>]--e - - x    x: as far from the vehicle as ever, although the path ends at e
+TEST(PathTarget, AimsStraightOnBeyondTheEndInBothDirections) {
+  const float heading_rad = 0.7f;
+  const Vec2 way = {std::cos(heading_rad), std::sin(heading_rad)};
+  for (const bool reverse : {false, true}) {
+    WorldPath path;
+    for (int i = 0; i < 20; ++i) {
+      const float along_m = 0.25f * static_cast<float>(i);
+      path.Resize(i + 1);
+      path[i] = {along_m * way.x_m, along_m * way.y_m,
+                 reverse ? WrapAngle(heading_rad + kPi) : heading_rad};
+    }
+    const Pose2& before_end = path[18];
+    const TrackingInput target = TargetAt(PlanOf(path), before_end);
+    const TrackingParams params;
+    const float reach_m = std::max(params.min_lookahead_m, 2.0f * params.lookahead_s);
+    ASSERT_GT(reach_m, 0.5f) << "or it does not reach beyond the end";
+    EXPECT_EQ(target.reverse, reverse);
+    EXPECT_NEAR(target.aim.pose.x_m, before_end.x_m + reach_m * way.x_m, 1e-3f);
+    EXPECT_NEAR(target.aim.pose.y_m, before_end.y_m + reach_m * way.y_m, 1e-3f);
+  }
 }
 
 // There and back: the change of direction is an end.
