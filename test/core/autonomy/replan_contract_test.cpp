@@ -92,6 +92,27 @@ TEST(Replanner, RefusesUnusableStatesAndChangesNothing) {
   EXPECT_EQ(update([](auto&, auto&) {}), Status::kOk) << "the same time twice";
 }
 
+TEST(Replanner, TakesStatesAndGoalsAtTheEdgeOfWhatItTakes) {
+  static_cast<void>(OnePlan());
+  const float speed_mps = kMaxRequestSpeed_mps;
+  const float curvature_per_m = kCurvatureCeiling_per_m;
+  const float place_m = kMaxRequestPosition_m;
+  const float angle_rad = kSinCosMaxAngle_rad;
+  uint64_t now_ns = 2'000'000'000u;
+  for (const float side : {1.0f, -1.0f}) {
+    const VehicleState state = {
+        {side * place_m, side * place_m, side * angle_rad}, side * curvature_per_m, speed_mps};
+    const PlanGoal goal = {
+        .position_odom = {0.0f, 0.0f}, .has_heading = true, .heading_rad = side * angle_rad};
+    EXPECT_EQ(TheReplanner().Update(++now_ns, state, goal), Status::kOk) << side;
+    PlanGoal beyond = goal;
+    beyond.heading_rad = std::nextafter(goal.heading_rad, 2.0f * goal.heading_rad);
+    EXPECT_EQ(TheReplanner().Update(++now_ns, state, beyond), Status::kInvalidArgument) << side;
+  }
+  const VehicleState rolls_back = {{0.1f, 0.1f, 0.0f}, 0.0f, -Replanner::kStanding_mps};
+  EXPECT_EQ(TheReplanner().Update(++now_ns, rolls_back, {{10.1f, 0.1f}}), Status::kOk);
+}
+
 // Whatever the units of a Step, with the state at rest during a round.
 TEST(Replanner, DecidesTheSameInAnySplitOfUnits) {
   uint64_t expected = 0;
