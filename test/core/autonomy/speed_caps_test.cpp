@@ -229,6 +229,18 @@ TEST(SpeedCaps, WhereItHasToStandItIsNotDrivenAnyFurther) {
   }
 }
 
+//   P           of a vehicle whose middle is at 0.825 m the rear, 0.76 m behind that, is past it
+//   [>]======
+TEST(SpeedCaps, AreFreeAgainOnceTheVehicleIsPastAPersonAtTheStart) {
+  Ground ground;
+  ground.At(0.1f, 0.1f) |= Costmap::kHard | Costmap::kPerson;
+  ground.Caps();
+  EXPECT_EQ(ground.CauseAt(0.0f), CapCause::kPerson);
+  EXPECT_EQ(ground.CauseAt(0.55f), CapCause::kPerson);
+  EXPECT_NE(ground.CauseAt(0.825f), CapCause::kPerson);
+  EXPECT_EQ(ground.CapAt(0.825f), ground.speed.max_speed_mps);
+}
+
 TEST(SpeedCaps, StandsForAPersonWhoCouldStepIntoTheWay) {
   for (const float beside_m : {0.0f, 0.9f, 1.5f, 1.9f}) {
     Ground ground;
