@@ -36,6 +36,8 @@ TEST(MapperLimits, ALateColumnCountsAsADirection) {
   bench.GiveAll(220, 220 + Mapper::kMaxDirections - 11);
   bench.GiveAll(100, 109);
   EXPECT_EQ(bench.ColumnOf(109).state, ColumnState::kClassed);
+  // What came too late for the geometry is hard, and is counted.
+  EXPECT_EQ(bench.mapper->counters().late_unclassed_columns, 10u);
   EXPECT_EQ(bench.Give(110), Status::kCapacityExceeded);
   EXPECT_EQ(bench.ColumnOf(110).state, ColumnState::kAbsent);
   EXPECT_EQ(bench.mapper->counters().columns_over_limit, 1u);

@@ -131,6 +131,23 @@ TEST(Mapper, RefusesPosesThatAreNone) {
   EXPECT_EQ(bench.mapper->counters().position_jumps, 0u);
 }
 
+TEST(Mapper, JudgesAStepByItsLengthWhateverItsDirection) {
+  for (int step = 0; step < 8; ++step) {
+    const float angle_rad = 0.25f * kPi * static_cast<float>(step);
+    for (const float length_m : {0.5f, 2.0f}) {
+      MapperBench bench(false);
+      StampedPose pose = StandingAt(1'000'000'000);
+      EXPECT_EQ(bench.mapper->AddPose(pose), Status::kOk);
+      pose.time_ns += 10'000'000;
+      const SinCosPair way = SinCos(angle_rad);
+      pose.position = {length_m * way.cos, length_m * way.sin, 0.0f};
+      EXPECT_EQ(bench.mapper->AddPose(pose), Status::kOk);
+      EXPECT_EQ(bench.mapper->counters().position_jumps, length_m > 1.0f ? 1u : 0u)
+          << step << ' ' << length_m;
+    }
+  }
+}
+
 TEST(Mapper, CountsColumnsThatAreNone) {
   MapperBench bench(false);
   bench.GiveAll(0, 99);
