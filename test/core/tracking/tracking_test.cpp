@@ -292,6 +292,22 @@ TEST(Tracker, StaysWithinItsLimitsWhateverItIsTold) {
   }
 }
 
+// It slides round: its wheels turn it by 29 rad/s, and drive it with less than 0.9 m/s.
+TEST(Tracker, TellsNoArcTighterThanOneOfFiveCentimetres) {
+  for (const float side : {1.0f, -1.0f}) {
+    Tracker tracker = MakeLagAware();
+    const uint64_t now_ns = 1'000'000'000;
+    const WheelFeedback feedback = {.valid = true,
+                                    .time_ns = now_ns,
+                                    .left_radps = 3.0f - 95.0f * side,
+                                    .right_radps = 3.0f + 95.0f * side};
+    static_cast<void>(tracker.Predict(now_ns, {}, feedback, {}));
+    TrackingOutput output;
+    ASSERT_EQ(tracker.Follow(Along(0.0f, 2.0f), kTick_s, output), Status::kOk);
+    EXPECT_FLOAT_EQ(output.curvature_per_m, side * 20.0f);
+  }
+}
+
 TEST(Tracker, ComesToRestAtTheEndWithoutBeingToldBackwards) {
   Tracker tracker = MakeLagAware();
   TrackingOutput output;
