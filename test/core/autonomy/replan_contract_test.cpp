@@ -241,7 +241,13 @@ TEST(CommittedPlan, HasNoStepsAlongItself) {
     before = now;
   }
   EXPECT_GT(turned_rad, 0.5f) << "a straight line shows nothing";
-  EXPECT_EQ(StateAt(plan, length_m + 5.0f).speed_mps, 0.0f);
+  const PathState behind = StateAt(plan, length_m + 5.0f);
+  EXPECT_EQ(behind.speed_mps, 0.0f);
+  EXPECT_NEAR(behind.pose.x_m, plan.path.back().x_m, 1e-4f);
+  EXPECT_NEAR(behind.pose.y_m, plan.path.back().y_m, 1e-4f);
+  const PathState ahead = StateAt(plan, -5.0f);
+  EXPECT_EQ(ahead.pose.x_m, plan.path[0].x_m);
+  EXPECT_EQ(ahead.pose.y_m, plan.path[0].y_m);
 }
 
 TEST(CommittedPlan, IsProjectedOnWhereItWasDriven) {
