@@ -72,6 +72,8 @@ TEST(VehicleLoop, DrivesWaypointsInTurn) {
   EXPECT_NEAR(drive.Pose().x_m, 6.0, 1.5);
   ASSERT_TRUE(drive.Until(40.0, [&] { return drive.mode() == Mode::kArmed; }));
   EXPECT_NEAR(drive.Pose().x_m, 14.0, 0.6);
+  EXPECT_EQ(drive.loop().goals(), 0);
+  EXPECT_EQ(drive.loop().goal_index(), 0) << "the next one begins at its first waypoint";
 }
 
 // The simulated INS tells latitude and longitude of the place where the vehicle really is.
