@@ -104,6 +104,23 @@ TEST_F(OusterPacketMonitor, RefusesDuplicates) {
   EXPECT_EQ(counters().missing, 1u + 62u);
 }
 
+// It remembers 64 places: what came before says nothing of those that are new.
+TEST_F(OusterPacketMonitor, RemembersNothingAcrossALossOfAllThatItRemembers) {
+  for (const int64_t loss : {63, 64, 65}) {
+    ASSERT_EQ(monitor_.Configure(SmallSensor()), Status::kOk);
+    EXPECT_EQ(Give(100), Status::kOk);
+    EXPECT_EQ(Give(101), Status::kOk);
+    const int64_t newest = 101 + loss;
+    EXPECT_EQ(Give(newest), Status::kOk);
+    constexpr int64_t kLate = 62;  // all that lie between where the loss is smallest
+    for (int64_t back = 1; back <= kLate; ++back) {
+      EXPECT_EQ(Give(newest - back), Status::kOk) << loss << ' ' << back;
+    }
+    EXPECT_EQ(counters().missing, static_cast<uint64_t>(loss - 1 - kLate));
+    EXPECT_EQ(counters().duplicates, 0u);
+  }
+}
+
 TEST_F(OusterPacketMonitor, TakesLatePacketsOffTheMissing) {
   EXPECT_EQ(Give(kPacketsPerFrame - 2), Status::kOk);
   EXPECT_EQ(Give(kPacketsPerFrame + 3), Status::kOk);
