@@ -45,6 +45,24 @@ TEST(MapperLimits, ALateColumnCountsAsADirection) {
   EXPECT_EQ(bench.Give(110), Status::kOk);
 }
 
+// Also where nothing so near to the lidar, which sits at 1.3 m, is taken for the vehicle itself.
+TEST(MapperLimits, ALateColumnThatSawNothingIsClassedAsNothing) {
+  MapperBench bench(true);
+  bench.params.mount.min_range_m = 0.0f;
+  bench.params.mount.self_max_z_m = 1.0f;
+  bench.Configure();
+  bench.GiveAll(0, 99);
+  bench.GiveAll(110, 219);  // 100 .. 109 are missing
+  LidarColumn empty = bench.Cast(105).first;
+  for (uint32_t& range_mm : empty.range_mm) range_mm = 0;
+  for (uint32_t& range_mm : empty.second_range_mm) range_mm = 0;
+  ASSERT_EQ(bench.mapper->AddColumn(empty, TimeOf_ns(105)), Status::kOk);
+  EXPECT_EQ(bench.ColumnOf(105).state, ColumnState::kClassed);
+  EXPECT_EQ(bench.mapper->counters().late_unclassed_columns, 0u);
+  ASSERT_EQ(bench.Give(106), Status::kOk);
+  EXPECT_EQ(bench.mapper->counters().late_unclassed_columns, 1u);
+}
+
 // A slot that is needed while its column waits for its class: both are work of the tick.
 TEST(MapperLimits, AColumnThatIsFoldedUnclassedCountsAsADirection) {
   const auto directions_left = [](bool occupied) {
