@@ -26,6 +26,11 @@ TEST(VehicleLoop, BringsUpDrivesArmsDrivesStraightAndStopsAtTheGoal) {
     return drive.mode() == Mode::kArmed;
   }));
   EXPECT_LT(cross_track_m, 0.15);
+  // Nothing was lost on the way, and each column of a packet is filed once there is a pose for it.
+  const Mapper& mapper = drive.loop().mapper();
+  EXPECT_GT(mapper.ring().counters().columns, 10'000u);
+  EXPECT_LT(mapper.counters().columns_without_pose, 100u);
+  EXPECT_LE(mapper.ring().counters().missing_columns, mapper.counters().columns_without_pose);
   EXPECT_NEAR(drive.Pose().x_m, 15.0, 0.6);
   EXPECT_FALSE(drive.vehicle().collided());
   EXPECT_EQ(drive.loop().goals(), 0);
