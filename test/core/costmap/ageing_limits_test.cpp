@@ -17,7 +17,7 @@ namespace {
 constexpr int kNone = HeightGrid::kNone;
 constexpr float kFar_m = 20.0f;
 
-// Level beams in one plane of sight, all as high as the sensor but for their slopes.
+// From the sensor's height, level unless it says otherwise.
 struct Beam {
   float level_m;
   float slope = 0.0f;
