@@ -30,11 +30,11 @@ float AxisDistance(float u_cells, int32_t offset) {
 // than `most` where none of so many behind it is.
 template <int kStep>
 inline int32_t PassedToHard(const uint8_t* flags, int32_t most) {
-  const uint8_t* const end = flags + kStep * (most + 1);
-  const uint8_t* at = flags;
   HP_LOOP_BOUND(PathCheck::kMaxScan_cells + 1)
-  while (at != end && (*at & Costmap::kHard) == 0) at += kStep;
-  return static_cast<int32_t>(at - flags) * kStep;
+  for (int32_t passed = 0; passed <= most; ++passed) {
+    if ((flags[passed * kStep] & Costmap::kHard) != 0) return passed;
+  }
+  return most + 1;
 }
 
 // Lowers nearest2_cells2 to the squared distance from a point to the nearest hard cell that is
