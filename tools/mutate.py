@@ -22,10 +22,11 @@ Exit code: 0 at least 90 % are noticed, 1 fewer, 2 bad usage or the tests fail w
 """
 
 import argparse
+import collections
+import hashlib
 import json
 import os
 import pathlib
-import random
 import re
 import resource
 import shutil
@@ -212,17 +213,25 @@ def judge(tree, name, text, place):
 
 
 def draw(options):
-    """Places in all sources, in the seed's order."""
-    generator = random.Random(options.seed)
+    """Places in all sources, in the seed's order. A line's places come when they come, whatever the
+    other lines are: a change of the sources is another draw only where it is."""
     places = []
     for layer in ("core", "hal"):
         for path in sorted((ROOT / layer).glob("*/*.cpp")):
             name = str(path.relative_to(ROOT))
             if options.only and not re.search(options.only, name):
                 continue
-            places += [(name, place) for place in tokens_of(path.read_text("utf-8"))]
-    generator.shuffle(places)
-    return places
+            text = path.read_text("utf-8")
+            seen = collections.Counter()
+            for place in tokens_of(text):
+                position, token, _ = place
+                start = text.rfind("\n", 0, position) + 1
+                line = text[start:text.find("\n", position)]
+                what = f"{options.seed} {name} {position - start} {token} {line}"
+                seen[what] += 1
+                order = hashlib.sha256(f"{what} {seen[what]}".encode()).digest()
+                places.append((order, name, place))
+    return [(name, place) for _, name, place in sorted(places)]
 
 
 def read_shard(text):
@@ -291,7 +300,7 @@ def main(arguments):
     wanted = (options.mutants - first + shards - 1) // shards
     print(f"seed {options.seed}: {len(places)} places, {wanted} faults to plant", flush=True)
     tree = Tree(folder)
-    programs = sorted({p for name, _ in places for p in tree.programs_of(name)})
+    programs = sorted({p for name in {name for name, _ in places} for p in tree.programs_of(name)})
     built = tree.ninja(*{target_of(program) for program in programs})
     if built.returncode != 0:
         print(built.stdout[-4000:], file=sys.stderr)
