@@ -13,7 +13,7 @@
 // The most instructions that one step of each of the planner's stages takes on the adversarial
 // maps, counted exactly: tools/wcet/timing.py holds the static bounds against them. Each map for
 // the default vehicle and for the largest one, in steps of one unit and in whole portions, from the
-// middle to a corner and to a side, by either optimizer.
+// middle to a corner and, with a heading there, to a side, by either optimizer.
 
 namespace hardpack::decision {
 
@@ -62,6 +62,8 @@ PlanRequest RequestFor(int goal) {
   PlanRequest request;
   request.start.pose = {0.1f, 0.1f, 0.3f};
   request.goal_odom = kGoals[goal];
+  request.has_goal_heading = goal == 1;
+  request.goal_heading_rad = 2.0f;
   return request;
 }
 
@@ -77,6 +79,7 @@ void MakeLargest(PlannerParams& params) {
   params.costmap.hard_slope_per_m *= 0.4f;  // the same costs inside
   params.costmap.soft_slope_per_m *= 0.4f;
   params.optimizer.window_steps = 255;
+  params.path.smoothing_passes = PathSmoother::kMaxPasses;
 }
 
 struct Round {
