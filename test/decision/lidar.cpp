@@ -88,17 +88,19 @@ uint32_t SyntheticLidar::Measure(const World& world, const Transform3& odom_from
 }
 
 void SyntheticLidar::MakePacket(const World& world, std::span<const Transform3> odom_from_sensor,
-                                int index) {
+                                int index, int revolution) {
+  const auto frame_id = static_cast<uint16_t>(kFrameId + revolution);  // 65535 is followed by 0
   for (int i = 0; i < kColumnsPerPacket; ++i) {
     const int column = index * kColumnsPerPacket + i;
     const SinCosPair encoder = EncoderSinCos(model_, column);
     const bool valid = random_.Between(0, 99) != 0;
     const size_t at = static_cast<size_t>(i) * (kPacketBytes / kColumnsPerPacket);
-    Put(at, kStart_ns + static_cast<uint64_t>(column) * kColumnTime_ns, 8);
+    const int since = revolution * kColumns + column;
+    Put(at, kStart_ns + static_cast<uint64_t>(since) * kColumnTime_ns, 8);
     Put(at + 8, static_cast<uint64_t>(column), 2);
-    Put(at + 10, kFrameId, 2);
+    Put(at + 10, frame_id, 2);
     Put(at + 12, static_cast<uint64_t>(column) * (kEncoderTicks / kColumns), 4);
-    labels_[i].frame_id = kFrameId;
+    labels_[i].frame_id = frame_id;
     labels_[i].measurement_id = static_cast<uint16_t>(column);
     labels_[i].beams = kBeams;
     for (int row = 0; row < kBeams; ++row) {

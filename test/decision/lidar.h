@@ -31,9 +31,10 @@ class SyntheticLidar {
   const ouster::Metadata& metadata() const { return metadata_; }
   const BeamModel& model() const { return model_; }
 
-  // Packet `index` (0 .. kPackets - 1) of the revolution, and the true label of each return.
+  // Packet `index` (0 .. kPackets - 1) of a revolution, and the true label of each return.
   // odom_from_sensor: [kColumns], the sensor's pose at each column.
-  void MakePacket(const World& world, std::span<const Transform3> odom_from_sensor, int index);
+  void MakePacket(const World& world, std::span<const Transform3> odom_from_sensor, int index,
+                  int revolution = 0);
   std::span<const uint8_t> packet() const { return packet_; }
   std::span<const ColumnLabels> labels() const { return labels_; }
 

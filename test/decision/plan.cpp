@@ -2,6 +2,7 @@
 #include "test/decision/plan.h"
 
 #include "core/base/assert.h"
+#include "test/decision/map_hash.h"
 #include "test/decision/random.h"
 #include "test/decision/storage.h"
 
@@ -17,17 +18,6 @@ constexpr PlannerParams kParams;
 constexpr int kUnits = 997;
 // Planning is bounded; a planner that is still busy after this is broken.
 constexpr int kMaxCalls = 100000;
-
-void AddCostmap(const Costmap& map, DecisionHash& hash) {
-  hash.AddI32(map.window.origin.x);
-  hash.AddI32(map.window.origin.y);
-  for (int index = 0; index < kMapCells; ++index) {
-    hash.AddU32(map.cost_q8[index]);
-    hash.AddU8(map.flags[index]);
-    hash.AddU8(map.hard_distance2[index]);
-    hash.AddU8(map.hard_depth2[index]);
-  }
-}
 
 void ReportPlan(const Planner& planner, const PlanNames& names, Report& report) {
   DecisionHash costmap;

@@ -10,6 +10,7 @@
 #include "hal/labels/labels.h"
 #include "hal/ouster/ouster.h"
 #include "test/decision/lidar.h"
+#include "test/decision/map_hash.h"
 #include "test/decision/plan.h"
 #include "test/decision/report.h"
 #include "test/decision/storage.h"
@@ -227,20 +228,6 @@ void ReceivePackets(const Scene& scene, const SensorPoses& odom_from_sensor, Syn
     constexpr int kLostEvery = 5;
     if (scene.labelled && packet % kLostEvery != 0) ReceiveLabels(lidar, packet, mapper, hash);
     mapper.Advance(kHostStart_ns + kRevolution_ns * static_cast<uint64_t>(packet + 1) / kPackets);
-  }
-}
-
-void AddHeights(const HeightGrid& heights, DecisionHash& hash) {
-  for (int index = 0; index < kMapCells; ++index) {
-    const HeightGrid::CellHeights cell = heights.At(heights.window().FromIndex(index));
-    if (cell.lowest_cm == HeightGrid::kNone) continue;
-    hash.AddI32(index);
-    hash.AddI32(cell.lowest_cm);
-    hash.AddI32(cell.lowest_hard_cm);
-    hash.AddI32(cell.highest_hard_cm);
-    hash.AddI32(cell.highest_soft_cm);
-    hash.AddU8(cell.ground);
-    hash.AddU8(cell.person);
   }
 }
 

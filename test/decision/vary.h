@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "config/parameter_tables.h"
+#include "config/validate.h"
+#include "core/base/math.h"
+#include "test/decision/random.h"
+
+namespace hardpack::decision {
+
+// Anything near what a parameter is, or, one time in five, anything that it may be.
+template <typename Group>
+double NearBy(Random& random, const ParameterEntry<Group>& entry, const Group& group) {
+  const float now = entry.Get(group);
+  const bool is_near = random.Between(0, 4) != 0;
+  const float reach = Min(Abs(now) * 0.5f, entry.high - entry.low);
+  const float low = is_near ? Max(entry.low, now - reach) : entry.low;
+  const float high = is_near ? Min(entry.high, now + reach) : entry.high;
+  const float value = random.RealBetween(low, high);
+  return entry.number != nullptr ? double{value} : double(RoundToInt(value));
+}
+
+// Changes each parameter of a kind (see VisitParameters) one time in `seldom`.
+template <typename Params>
+void Vary(Random& random, int seldom, Params& params) {
+  VisitParameters(params,
+                  [&]<typename Group, size_t kEntries>(
+                      Group& group, const std::array<ParameterEntry<Group>, kEntries>& table) {
+                    for (const ParameterEntry<Group>& entry : table) {
+                      if (random.Between(1, seldom) != 1) continue;
+                      static_cast<void>(SetParameter(entry, NearBy(random, entry, group), group));
+                    }
+                  });
+}
+
+}  // namespace hardpack::decision
