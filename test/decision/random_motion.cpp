@@ -48,12 +48,13 @@ class RandomMotion {
 
   // Whether the stages took the parameters.
   bool Run(DecisionHash& hash) {
+    const int64_t latitude_ndeg = random_.Between(-80, 80) * 1'000'000'000LL;
+    const int64_t longitude_ndeg = random_.Between(-170, 170) * 1'000'000'000LL;
     const Status statuses[] = {g_odometry.Configure(vehicle_, onboard_.odometry, onboard_.ins),
                                g_map.Configure(onboard_.map_from_odom, onboard_.ins),
                                g_tracker.Configure(vehicle_, speed_, onboard_.odometry,
                                                    onboard_.dynamics, onboard_.tracking),
-                               plane_.SetAnchor(random_.Between(-80, 80) * 1'000'000'000LL,
-                                                random_.Between(-170, 170) * 1'000'000'000LL)};
+                               plane_.SetAnchor(latitude_ndeg, longitude_ndeg)};
     bool taken = true;
     for (const Status status : statuses) {
       hash.AddU8(static_cast<uint8_t>(status));
