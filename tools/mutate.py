@@ -3,7 +3,7 @@
 """Plants single-token faults in core and hal, and counts how many of them the tests notice.
 
 usage: tools/mutate.py [--mutants N] [--seed N] [--jobs N | --shard K/N] [--only REGEX]
-                       [--build DIR] [--out FILE]
+                       [--build DIR] [--out FILE] [--again FILE]
 
 In a copy of the sources under --build (default build/mutate) one token at a time is changed: a
 comparison, a sign, a logical operator, a number, a truth value. A fault that does not compile, or
@@ -17,6 +17,8 @@ it. What survives is listed with its place and its change.
   --shard K/N   only each N-th of them, beginning with the K-th
   --only REGEX  only in files whose path matches
   --out FILE    a line of JSON for each fault, as it is judged
+  --again FILE  such a file of the same seed and sources: only what survived then is planted again,
+                for tests that were added; the count is of all its faults
 
 Exit code: 0 at least 90 % are noticed, 1 fewer, 2 bad usage or the tests fail without a fault.
 """
@@ -60,11 +62,14 @@ TOKEN = re.compile(r"""
 NOT_IN = re.compile(r"\b(static_assert|HP_ASSERT|HP_LOOP_BOUND\w*|template|operator|"
                     r"using|namespace|static_cast|reinterpret_cast|std::span|std::array)\b")
 
-# Programs of tests behind those of a file's own stage, what notices soonest first: `decision`, whose
-# output has to be as it is recorded, two whole drives, and all the rest. Behind a colon: a filter.
+# Programs of tests behind those of a file's own stage, what notices soonest first: `decision` and
+# `decision_random`, whose output has to be as it is recorded, two whole drives, and all the rest.
+# Behind a colon: a filter.
 DECISION = "decision"
+RANDOM = "decision_random"
+RECORDED = {DECISION: "recorded.txt", RANDOM: "recorded_random.txt"}
 DRIVES = "hal_vehicle_loop_test:VehicleLoop.DecidesAsRecorded"
-BEHIND = [DECISION, DRIVES, "core_autonomy_test", "hal_vehicle_loop_test"]
+BEHIND = [DECISION, DRIVES, RANDOM, "core_autonomy_test", "hal_vehicle_loop_test"]
 
 
 def tokens_of(text):
@@ -158,21 +163,21 @@ class Tree:
         """Why the tests of a program notice; None where they do not."""
         target, _, only = program.partition(":")
         binary = self.build / "test" / target
-        if program == DECISION:
-            binary = self.build / "test" / "decision" / "decision"
+        if program in RECORDED:
+            binary = self.build / "test" / "decision" / program
         environment = {**os.environ, "GTEST_BRIEF": "1",
                        "HARDPACK_DATA": os.environ.get("HARDPACK_DATA", "")}
         try:
-            run = subprocess.run([binary, "--gtest_fail_fast", f"--gtest_filter={only or '*'}"], cwd=self.build,
-                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                                 errors="replace", timeout=CLOCK_LIMIT_S, env=environment,
-                                 check=False, preexec_fn=limit_time)
+            run = subprocess.run([binary, "--gtest_fail_fast", f"--gtest_filter={only or '*'}"],
+                                 cwd=self.build, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                 text=True, errors="replace", timeout=CLOCK_LIMIT_S,
+                                 env=environment, check=False, preexec_fn=limit_time)
         except subprocess.TimeoutExpired:
             return f"{program}: no end"
         if run.returncode == -signal.SIGXCPU:
             return f"{program}: no end"
-        if program == DECISION and run.returncode == 0:
-            recorded = (self.sources / "test" / "decision" / "recorded.txt").read_text("utf-8")
+        if program in RECORDED and run.returncode == 0:
+            recorded = (self.sources / "test" / "decision" / RECORDED[program]).read_text("utf-8")
             return None if run.stdout == recorded else f"{program}: not as recorded"
         if run.returncode == 0:
             return None
@@ -234,6 +239,23 @@ def draw(options):
     return [(name, place) for _, name, place in sorted(places)]
 
 
+def line_of(name, place):
+    return (ROOT / name).read_text("utf-8").count("\n", 0, place[0]) + 1
+
+
+def judged_before(path):
+    """(how many were noticed and were none, where those are that survived)."""
+    counts = {"noticed": 0, "survived": 0, "none": 0}
+    survived = set()
+    for line in path.read_text("utf-8").splitlines():
+        fault = json.loads(line)
+        if fault["outcome"] == "survived":
+            survived.add((fault["file"], fault["at"], fault["line"]))
+        else:
+            counts[fault["outcome"]] += 1
+    return counts, survived
+
+
 def read_shard(text):
     first, _, count = text.partition("/")
     if not (first.isdigit() and count.isdigit() and 1 <= int(first) <= int(count)):
@@ -254,8 +276,9 @@ def run_shards(options):
     """All shards as processes of this program, their survivors as they come, and the sum."""
     command = [sys.executable, __file__, "--mutants", str(options.mutants), "--seed",
                str(options.seed), "--only", options.only, "--build", str(options.build)]
-    if options.out:
-        command += ["--out", str(options.out)]
+    for name in ("out", "again"):
+        if getattr(options, name):
+            command += [f"--{name}", str(getattr(options, name))]
     shards = [subprocess.Popen([*command, "--shard", f"{k + 1}/{options.jobs}"],
                                stdout=subprocess.PIPE, text=True) for k in range(options.jobs)]
     counts = {"noticed": 0, "survived": 0, "none": 0}
@@ -291,13 +314,25 @@ def main(arguments):
     parser.add_argument("--only", default="")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "mutate")
     parser.add_argument("--out", type=pathlib.Path)
+    parser.add_argument("--again", type=pathlib.Path)
     options = parser.parse_args(arguments)
     if options.shard is None and options.jobs > 1:
         return run_shards(options)
     first, shards = options.shard or (0, 1)
     folder = options.build.resolve() / str(first)
-    places = draw(options)[first::shards]
+    places = draw(options)
+    counts = {"noticed": 0, "survived": 0, "none": 0}
     wanted = (options.mutants - first + shards - 1) // shards
+    if options.again:
+        before, survived = judged_before(options.again)
+        places = [(name, place) for name, place in places
+                  if (name, place[0], line_of(name, place)) in survived]
+        if len(places) != len(survived):
+            print("mutate: not all that survived are in these sources", file=sys.stderr)
+            return 2
+        counts = before if first == 0 else counts
+        wanted = len(places) + sum(counts.values())
+    places = places[first::shards]
     print(f"seed {options.seed}: {len(places)} places, {wanted} faults to plant", flush=True)
     tree = Tree(folder)
     programs = sorted({p for name in {name for name, _ in places} for p in tree.programs_of(name)})
@@ -310,7 +345,6 @@ def main(arguments):
         if why:
             print(f"mutate: without a fault, {why}", file=sys.stderr)
             return 2
-    counts = {"noticed": 0, "survived": 0, "none": 0}
     for name, place in places:
         if counts["noticed"] + counts["survived"] >= wanted:
             break
@@ -318,8 +352,8 @@ def main(arguments):
         begun = time.monotonic()
         result = judge(tree, name, text, place)
         counts[result["outcome"]] += 1
-        line = text.count("\n", 0, place[0]) + 1
-        result |= {"file": name, "line": line, "from": place[1], "to": place[2],
+        line = line_of(name, place)
+        result |= {"file": name, "line": line, "at": place[0], "from": place[1], "to": place[2],
                    "seconds": round(time.monotonic() - begun, 1)}
         if options.out:
             with open(options.out, "a", encoding="utf-8") as file:
