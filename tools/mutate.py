@@ -9,7 +9,7 @@ In a copy of the sources under --build (default build/mutate) one token at a tim
 comparison, a sign, a logical operator, a number, a truth value. A fault that does not compile, or
 leaves the object code as it was, is none and another one is drawn. Then the tests run that are
 about the file, the nearest first: its stage's, and where nobody notices those of the stages behind
-it. What survives is listed with its place and its change.
+it, and its stage's with loops counted. What survives is listed with its place and its change.
 
   --mutants N   faults to plant (default 300)
   --seed N      of the draw (default 1); the same seed and sources are the same faults
@@ -136,7 +136,7 @@ class Tree:
         if not (self.build / "build.ninja").exists():
             subprocess.run(["cmake", "-S", self.sources, "-B", self.build, "-G", "Ninja",
                             "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS_RELEASE=-O2 -DNDEBUG",
-                            "-DCMAKE_CXX_COMPILER=g++"],
+                            "-DHARDPACK_COUNT_LOOPS=ON", "-DCMAKE_CXX_COMPILER=g++"],
                            check=True, stdout=subprocess.DEVNULL)
 
     def ninja(self, *targets):
@@ -156,13 +156,14 @@ class Tree:
         if layer == "hal" and stage != "vehicle_loop":
             behind = [DECISION, DRIVES, "hal_vehicle_loop_test"]
         known = self.ninja("-t", "targets", "all").stdout
-        return [p for p in [own, *behind]
+        return [p for p in [own, *behind, f"counted_{own}"]
                 if f"\n{target_of(p)}: " in known or f"/{target_of(p)}: " in known]
 
     def fails(self, program):
         """Why the tests of a program notice; None where they do not."""
         target, _, only = program.partition(":")
-        binary = self.build / "test" / target
+        folder = "test/loop_count" if target.startswith("counted_") else "test"
+        binary = self.build / folder / target
         if program in RECORDED:
             binary = self.build / "test" / "decision" / program
         environment = {**os.environ, "GTEST_BRIEF": "1",
