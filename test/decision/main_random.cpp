@@ -7,5 +7,6 @@ int main() {
   hardpack::decision::RunRandomMaps(report);
   hardpack::decision::RunRandomReplans(report);
   hardpack::decision::RunRandomMotion(report);
+  hardpack::decision::RunRandomSafety(report);
   report.PrintTotal();
 }

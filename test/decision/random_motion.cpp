@@ -40,7 +40,7 @@ class RandomMotion {
     Vary(random_, 10, onboard_);
     gives_wheels_s_ = random_.Between(0, 2) == 0 ? random_.RealBetween(1.0f, 6.0f) : 100.0f;
     north_rad_ = random_.RealBetween(-3.1f, 3.1f);
-    tilt_rad_ = random_.RealBetween(0.0f, 0.3f);
+    tilt_rad_ = random_.RealBetween(0.0f, random_.Between(0, 7) == 0 ? 1.4f : 0.3f);
     noise_ = random_.RealBetween(0.0f, 2.0f);
     turns_per_m_ = random_.RealBetween(-0.5f, 0.5f);
     reverse_ = random_.Between(0, 5) == 0;
@@ -120,7 +120,8 @@ class RandomMotion {
     sample.has_status = !Seldom(12);
     sample.has_position = !Seldom(12);
     const SinCosPair north = SinCos(sample.yaw_rad);
-    const float speed_mps = 0.29f * truth_.wheels.common_radps + Noise(0.1f);
+    float speed_mps = 0.29f * truth_.wheels.common_radps + Noise(0.1f);
+    if (Seldom(150)) speed_mps = random_.RealBetween(-160.0f, 160.0f);
     sample.velocity_ned_mps = {speed_mps * north.cos, speed_mps * north.sin, Noise(0.1f)};
     if (Seldom(200)) jump_m_ = random_.RealBetween(-15.0f, 15.0f);
     if (Seldom(100)) jump_m_ = 0.0f;
@@ -145,6 +146,7 @@ class RandomMotion {
     wheels.right_radps = truth_.wheels.common_radps + truth_.wheels.differential_radps;
     if (Abs(wheels.left_radps) > 0.1f) wheels.left_radps += Noise(0.1f);
     if (Seldom(200)) wheels.right_radps = random_.RealBetween(-120.0f, 120.0f);
+    if (Seldom(300)) wheels.left_radps = random_.RealBetween(-800.0f, 800.0f);
     if (frozen) {
       wheels.left_radps = frozen_.left_radps;
       wheels.right_radps = frozen_.right_radps;

@@ -54,6 +54,7 @@ class RandomDrive {
     for (round_ = 0; round_ < kRounds; ++round_) {
       now_ns += static_cast<uint64_t>(random_.Between(20, 250)) * 1'000'000u;
       if (random_.Between(0, 7) == 0) NewGoal();
+      if (random_.Between(0, 7) == 0) NudgeGoal();
       hash.AddU8(static_cast<uint8_t>(replanner.Update(now_ns, state_, goal_)));
       Plan(replanner);
       AddToHash(replanner, hash);
@@ -85,6 +86,14 @@ class RandomDrive {
                            state_.pose.y_m + random_.RealBetween(-40.0f, 40.0f)};
     goal_.has_heading = random_.Between(0, 3) == 0;
     goal_.heading_rad = random_.RealBetween(-3.2f, 3.2f);
+  }
+
+  // By what is a change of the goal, or just not.
+  void NudgeGoal() {
+    goal_.position_odom.x_m += random_.RealBetween(-1.0f, 1.0f);
+    if (random_.Between(0, 1) == 0) goal_.position_odom.y_m += random_.RealBetween(-4.0f, 4.0f);
+    goal_.heading_rad += random_.RealBetween(-0.2f, 0.2f);
+    if (random_.Between(0, 3) == 0) goal_.has_heading = !goal_.has_heading;
   }
 
   void Plan(Replanner& replanner) {

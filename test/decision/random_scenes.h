@@ -13,5 +13,6 @@ void RunRandomPlans(Report& report);
 void RunRandomMaps(Report& report);
 void RunRandomReplans(Report& report);
 void RunRandomMotion(Report& report);
+void RunRandomSafety(Report& report);
 
 }  // namespace hardpack::decision
