@@ -378,6 +378,20 @@ TEST_F(LateralNewtonTest, RefusesBadSeeds) {
   WorldPath repeated = seed;
   repeated[5] = repeated[4];
   EXPECT_EQ(Begin(repeated), Status::kInvalidArgument);
+  // Wherever it is, and only there: a chord across the origin is as good as any.
+  WorldPath along_y = Along({{3.0f, 2.0f}, {3.0f, 12.0f}});
+  EXPECT_TRUE(IsUsable(Begin(along_y)));
+  along_y[5] = along_y[4];
+  EXPECT_EQ(Begin(along_y), Status::kInvalidArgument);
+  for (const Vec2 half : {Vec2{0.1f, 0.0f}, Vec2{0.0f, 0.1f}, Vec2{0.1f, 0.1f}}) {
+    WorldPath across;
+    across.Resize(8);
+    for (int k = 0; k < across.size(); ++k) {
+      const auto steps = static_cast<float>(2 * k - 7);
+      across[k] = {steps * half.x_m, steps * half.y_m, HeadingOf(half)};
+    }
+    EXPECT_TRUE(IsUsable(Begin(across)));
+  }
   for (const float bad : {kNaN, kInfinity}) {
     WorldPath damaged = seed;
     damaged[7].y_m = bad;
