@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <random>
 #include <vector>
@@ -17,6 +18,17 @@ CanFrame FrameOf(uint32_t id, std::initializer_list<uint8_t> data) {
   frame.id = id;
   for (const uint8_t byte : data) frame.data[frame.size++] = byte;
   return frame;
+}
+
+// The pcap format: magic number of stamps in nanoseconds, version 2.4, no correction of time, no
+// accuracy, the longest packet, the link type.
+TEST(Packets, BeginAFileAsPcapDoes) {
+  std::array<uint8_t, kPcapFileHeaderBytes> bytes;
+  bytes.fill(0xee);
+  EncodeFileHeader(bytes);
+  const Bytes expected = {0x4d, 0x3c, 0xb2, 0xa1, 2, 0, 4, 0, 0,    0, 0, 0,
+                          0,    0,    0,    0,    0, 0, 4, 0, 0x14, 1, 0, 0};
+  EXPECT_EQ(Bytes(bytes.begin(), bytes.end()), expected);
 }
 
 // What tcpdump 4.99.3 with libpcap 1.10.3 wrote of `cansend vcan0 181#1122334455667788`, but for
@@ -70,6 +82,12 @@ TEST(Packets, GiveEveryCanFrameBack) {
     EncodeCan(frame, Direction::kIn, 1, bytes);
     CanFrame read;
     ASSERT_EQ(DecodeCan(std::span(bytes).subspan(kCookedHeaderBytes), IdOrder::kLowestFirst, read),
+              Status::kOk);
+    ASSERT_EQ(read, frame);
+    // And where the identifier's highest byte comes first.
+    const std::span<uint8_t> id = std::span(bytes).subspan(kCookedHeaderBytes, 4);
+    std::reverse(id.begin(), id.end());
+    ASSERT_EQ(DecodeCan(std::span(bytes).subspan(kCookedHeaderBytes), IdOrder::kHighestFirst, read),
               Status::kOk);
     ASSERT_EQ(read, frame);
   }
