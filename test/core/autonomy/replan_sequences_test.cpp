@@ -316,6 +316,22 @@ TEST(ReplanSequence, TakesADriftingGoalForTheSame) {
             0u);
 }
 
+// The same of its heading: what turns by less than a tenth of a radian is the same goal.
+TEST(ReplanSequence, TakesAGoalThatTurnsALittleForTheSame) {
+  for (const float turn_rad : {0.09f, -0.09f, 0.11f, -0.11f}) {
+    SCOPED_TRACE(turn_rad);
+    Drive drive({40.1f, 0.1f});
+    drive.goal.has_heading = true;
+    drive.Start();
+    while (drive.truth.x_m < 10.0f) drive.Tick();
+    drive.goal.heading_rad += turn_rad;
+    const int rounds = drive.rounds;
+    while (drive.rounds < rounds + 2) drive.Tick();
+    EXPECT_EQ(drive.replanner().counters().replaced[static_cast<int>(ReplanReason::kGoalChanged)],
+              std::abs(turn_rad) < 0.1f ? 0u : 1u);
+  }
+}
+
 //   ============ . . . x
 //        o->                 0.6 m beside its path
 TEST(ReplanSequence, StartsFromThePoseWhenItIsFarOffItsPath) {

@@ -59,6 +59,22 @@ TEST(GroundLine, FindsTheLastPointBeforeWhateverTheHint) {
   }
 }
 
+// Of a sensor that looks steeply down, ground begins close by.
+TEST(GroundLine, BeginsRightBelowTheSensor) {
+  GroundCandidates all;
+  constexpr float kSensor_m = 1.2f;
+  all.count = 12;
+  for (int i = 0; i < all.count; ++i) {
+    all.level_m[i] = 0.2f * static_cast<float>(i);  // the first is below it, and tells nothing
+    all.slope[i] = -kSensor_m / std::fmax(all.level_m[i], 0.01f);
+    all.beam[i] = static_cast<uint8_t>(i);
+  }
+  GroundLine line;
+  line.Find(all, kMaxSlope);
+  ASSERT_GT(line.size(), 1);
+  EXPECT_FLOAT_EQ(line.level_m(1), 0.2f);
+}
+
 // The slope is measured from the last point that lies at least a base back.
 TEST(GroundLine, IsCarriedOnWithTheSlopeOfItsLastMetre) {
   std::mt19937 random(2);
