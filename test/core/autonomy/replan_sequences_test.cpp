@@ -356,41 +356,6 @@ TEST(ReplanSequence, StartsFromThePoseWhenItIsFarOffItsPath) {
   }
 }
 
-// A round takes half a second and more: the next plan joins so much further ahead.
-TEST(ReplanSequence, JoinsAheadOfTheVehicleHoweverLongAPlanTakes) {
-  Drive drive({60.1f, 0.1f});
-  drive.world.Add(60, -8, 64, 12);
-  drive.world.Add(140, -12, 144, 8);
-  drive.units = 200;
-  drive.Start();
-  float furthest_m = 0.0f;
-  drive.on_round = [&] { furthest_m = std::max(furthest_m, drive.replanner().latency_s()); };
-  while (drive.truth.x_m < 5.0f) drive.Tick();
-  drive.world.Add(90, -3, 92, 3);  // blocks, so that something is replaced
-  drive.DriveToGoal(60.0f);
-  EXPECT_TRUE(drive.Arrived());
-  EXPECT_GT(furthest_m, 0.3f);
-  EXPECT_LE(drive.replanner().counters().late, 1u);
-}
-
-// Planning slows down of a sudden: the plan that comes late is not used, and nothing jumps.
-TEST(ReplanSequence, DoesNotUseAPlanThatCameLate) {
-  Drive drive({60.1f, 0.1f});
-  drive.world.params.replan.min_latency_s = 0.0f;
-  drive.Start();
-  while (drive.truth.x_m < 8.0f || drive.replanner().busy()) drive.Tick();
-  drive.units = 60;
-  drive.world.Add(150, -4, 154, 4);
-  const int rounds = drive.rounds;
-  while (drive.rounds == rounds) drive.Tick();
-  EXPECT_TRUE(drive.outcome().late);
-  EXPECT_NE(drive.outcome().reason, ReplanReason::kCheaper);
-  drive.units = 1000;
-  drive.DriveToGoal(60.0f);
-  EXPECT_TRUE(drive.Arrived());
-  EXPECT_GT(drive.Clearance(), 0.0);
-}
-
 //          ~~~~~~~~~~
 //   o ____/~~~[#]~~~~\___ x       the side that was taken turns out to be bushes, the other one is
 //                                 free: clearly cheaper
