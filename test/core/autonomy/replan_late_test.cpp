@@ -61,8 +61,8 @@ ReplanDecision EndRoundLate(Drive& drive, int ticks) {
   return in_time->outcome().decision;
 }
 
-//   o ->  - - - - -[#]- - x       the new plan joins the path behind the stretch that planning takes,
-//                                 or, where the block is far away, not long before it
+//   o ->  - - - - -[#]- - x       the new plan joins the path behind the stretch that planning
+//                                 takes, or not long before a block that is far away
 // Where the vehicle has passed the joint by the time that the plan is ready, it stops, rather than
 // joins behind itself.
 TEST(ReplanLate, StopsWhereItHasPassedTheJointWhenThePlanIsReady) {
