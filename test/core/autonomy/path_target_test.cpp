@@ -144,6 +144,23 @@ TEST(PathTarget, TurnsOnTheSpotOnlyOnceTheVehicleStandsThere) {
   EXPECT_FALSE(TargetAt(plan, {2.0f, 0.1f, kHalfPi}, true).turn);
 }
 
+// Just so near to the turn as counts as there, and a little further away.
+TEST(PathTarget, TurnsOnTheSpotFromAsFarAsItSays) {
+  for (const float further_m : {0.0f, 1e-3f}) {
+    const float turn_m = kAtPoint_m + further_m;
+    WorldPath path;
+    path.Resize(4);
+    path[0] = {0.0f, 0.0f, 0.0f};
+    path[1] = {turn_m, 0.0f, 0.0f};
+    path[2] = {turn_m, 0.0f, kHalfPi};
+    path[3] = {turn_m, 1.0f, kHalfPi};
+    TrackingInput target;
+    const PathFollower follower = {.place = {.point = 0, .along_m = 0.0f}, .stands = true};
+    EXPECT_EQ(PathTarget(PlanOf(path), follower, {}, target), Status::kOk);
+    EXPECT_EQ(target.turn, further_m == 0.0f);
+  }
+}
+
 //   ----[>]--e - - x    x: as far from the vehicle as ever, although the path ends at e
 TEST(PathTarget, AimsStraightOnBeyondTheEndInBothDirections) {
   const float heading_rad = 0.7f;

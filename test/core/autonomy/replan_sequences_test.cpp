@@ -265,6 +265,7 @@ TEST(ReplanSequence, KeepsOnePathInOpenGroundWhateverThePosesJitter) {
   drive.jitter_m = 0.03f;
   drive.jitter_rad = 0.02f;
   drive.Start();
+  drive.on_round = [&] { EXPECT_EQ(drive.committed().slow_points, 0); };
   drive.DriveToGoal(30.0f);
   EXPECT_TRUE(drive.Arrived());
   EXPECT_EQ(drive.committed().number, 1u);

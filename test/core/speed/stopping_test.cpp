@@ -69,6 +69,9 @@ TEST(ReactionSpeedCap, IsZeroWithoutAFreeWay) {
   for (const float free_m : {0.0f, -0.0f, -1.0f, -kInf, kNan, 1e-40f}) {
     EXPECT_EQ(ReactionSpeedCap(params, free_m), 0.0f) << free_m;
   }
+  // From a micrometre on there is one.
+  EXPECT_EQ(ReactionSpeedCap(params, std::nextafter(1e-6f, 0.0f)), 0.0f);
+  EXPECT_GT(ReactionSpeedCap(params, 1e-6f), 0.0f);
   EXPECT_EQ(ReactionSpeedCap(params, kInf), params.max_speed_mps);
   EXPECT_EQ(ReactionSpeedCap(params, std::numeric_limits<float>::max()), params.max_speed_mps);
 }
