@@ -155,7 +155,8 @@ TEST(PathTarget, TurnsOnTheSpotFromAsFarAsItSays) {
     path[2] = {turn_m, 0.0f, kHalfPi};
     path[3] = {turn_m, 1.0f, kHalfPi};
     TrackingInput target;
-    const PathFollower follower = {.place = {.point = 0, .along_m = 0.0f}, .stands = true};
+    PathFollower follower;
+    follower.stands = true;
     EXPECT_EQ(PathTarget(PlanOf(path), follower, {}, target), Status::kOk);
     EXPECT_EQ(target.turn, further_m == 0.0f);
   }
