@@ -222,6 +222,21 @@ TEST(BringUp, SaysWhichQuestionIsRefused) {
   EXPECT_EQ(bench.pair.report(Side::kRight).sdo_index, 0x1017);
 }
 
+// "No such object" is fine of what a drive need not have, and of nothing else.
+TEST(BringUp, DoesNotDoWithoutTheProcessData) {
+  for (const int index : {0x1018, 0x1017, 0x1400, 0x1600, 0x1800, 0x1a00, 0x6061}) {
+    for (const uint32_t code : {0x06020000u, 0x06090011u}) {
+      Bench bench = Bench::WithDrivesSetUp();
+      bench.left.aborts = {{index, code}};
+      bench.Run(200);
+      EXPECT_EQ(bench.FaultOf(Side::kLeft), DriveFault::kSdoAbort) << std::hex << index;
+      EXPECT_EQ(bench.pair.report(Side::kLeft).sdo_abort_code, code);
+      EXPECT_EQ(bench.pair.report(Side::kLeft).sdo_index, index);
+      EXPECT_FALSE(bench.pair.ready());
+    }
+  }
+}
+
 TEST(BringUp, DoesWithoutWhatADriveNeedNotHave) {
   Bench bench;
   for (ScriptedDrive* drive : {&bench.left, &bench.right}) {
