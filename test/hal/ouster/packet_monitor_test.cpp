@@ -281,8 +281,11 @@ TEST_F(OusterPacketMonitor, KnowsWhichPacketsAWindowHas) {
   };
   std::vector<int> all(kPacketsPerFrame);
   for (int i = 0; i < kPacketsPerFrame; ++i) all[static_cast<size_t>(i)] = i;
-  const Case cases[] = {
-      {40, 90, {2, 3, 4, 5}}, {480, 20, {0, 1, 30, 31}}, {100, 99, all}, {96, 96, {6}}, {0, 0, {0}}};
+  const Case cases[] = {{40, 90, {2, 3, 4, 5}},
+                        {480, 20, {0, 1, 30, 31}},
+                        {100, 99, all},
+                        {96, 96, {6}},
+                        {0, 0, {0}}};
   for (const Case& one : cases) {
     SCOPED_TRACE(one.first);
     Metadata metadata = SmallSensor();
