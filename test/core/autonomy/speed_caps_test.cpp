@@ -208,6 +208,23 @@ TEST(SpeedCaps, CreepsPastAPersonWhoLeavesRoom) {
   EXPECT_EQ(ground.CauseAt(7.975f), CapCause::kPerson);
 }
 
+TEST(SpeedCaps, SlowForAPersonOnTheLongestPath) {
+  const float step_m = 0.1f;
+  Ground longest(1000.0f, step_m);
+  ASSERT_TRUE(longest.path.full());
+  const float end_m = step_m * static_cast<float>(longest.path.size() - 1);
+  Ground shorter(end_m - 10.0f, step_m);
+  for (Ground* ground : {&longest, &shorter}) {
+    ground->driven_mps = 0.5f;
+    ground->At(9.0f, 3.0f) |= Costmap::kHard | Costmap::kPerson;
+    ground->Caps();
+  }
+  for (size_t k = 0; step_m * static_cast<float>(k) < 9.0f; ++k) {
+    ASSERT_EQ(longest.caps->cap_mps()[k], shorter.caps->cap_mps()[k]) << k;
+  }
+  EXPECT_EQ(longest.caps->cap_mps()[80], longest.speed.person_creep_mps);
+}
+
 //              person
 //   [>]=============|===========   free again behind the person, but not to be driven to
 TEST(SpeedCaps, WhereItHasToStandItIsNotDrivenAnyFurther) {

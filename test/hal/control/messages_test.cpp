@@ -311,6 +311,9 @@ TEST(ControlMessages, NothingOutOfItsRangeIsEncoded) {
   EXPECT_EQ(TryEncode(Question{Kind::kGetStatus, 1, 1}, bytes), Status::kInvalidArgument);
   EXPECT_EQ(TryEncode(Question{Kind::kGetParameters, 1, kMaxParametersBytes + 1}, bytes),
             Status::kInvalidArgument);
+  Question question;
+  EXPECT_EQ(Decode(Encoded(Question{Kind::kGetParameters, 1, kMaxParametersBytes}), question),
+            Status::kOk);
   const Bytes text(3, 'x');
   EXPECT_EQ(TryEncode(ParametersPart{1, 0, 2, text}, bytes), Status::kInvalidArgument);
   EXPECT_EQ(TryEncode(ParametersPart{1, 3, 2, {}}, bytes), Status::kInvalidArgument);
