@@ -231,6 +231,58 @@ TEST(DriveModel, StandsUntilItIsToldOtherwise) {
   }
 }
 
+// The integral is for what is driven: told to stand, it goes back to none.
+TEST(DriveModel, IsToldToStandBelowATwentiethOfARadianPerSecond) {
+  DriveModel turning = MakeModel();
+  uint64_t now_ns = kStart_ns;
+  for (int tick = 0; tick < 100; ++tick) {
+    turning.SetCommand({8.0f, 4.0f});
+    now_ns += kTick_ns;
+    ASSERT_EQ(turning.Advance(now_ns, {}, {}), Status::kOk);
+  }
+  ASSERT_GT(turning.integral_radps(), 0.2f);
+  const float least_radps = 0.05f;
+  const auto integral_after = [&](const WheelParts& command) {
+    DriveModel model = turning;
+    for (int tick = 1; tick <= 200; ++tick) {
+      model.SetCommand(command);
+      EXPECT_EQ(model.Advance(now_ns + static_cast<uint64_t>(tick) * kTick_ns, {}, {}),
+                Status::kOk);
+    }
+    return model.integral_radps();
+  };
+  const float stands = std::nextafter(least_radps, 0.0f);
+  EXPECT_NEAR(integral_after({stands, -stands}), 0.0f, 0.02f);
+  EXPECT_GT(std::abs(integral_after({least_radps, stands})), 0.05f);
+  EXPECT_GT(std::abs(integral_after({stands, least_radps})), 0.05f);
+}
+
+// Of the ground only what turns quicker than that tells anything.
+TEST(DriveModel, LearnsTheGroundOfTurnsThatAreQuickEnough) {
+  const float least_radps = 0.15f;
+  const float slip = MakeModel().PerTurn();
+  float differential_radps = least_radps * slip;
+  while (differential_radps / slip > least_radps) {
+    differential_radps = std::nextafter(differential_radps, 0.0f);
+  }
+  ASSERT_EQ(differential_radps / slip, least_radps);
+  for (const bool quicker : {false, true}) {
+    DriveModel model = MakeModel();
+    // After a gap its wheels are what they are measured to be.
+    const uint64_t now_ns = kStart_ns + 200 * kTick_ns;
+    const float wheel_radps = quicker ? 1.001f * differential_radps : differential_radps;
+    const WheelFeedback wheels = {.valid = true,
+                                  .time_ns = now_ns,
+                                  .left_radps = -wheel_radps,
+                                  .right_radps = wheel_radps};
+    ASSERT_EQ(model.Advance(now_ns, wheels, {}), Status::kStale);
+    ASSERT_EQ(model.wheels().differential_radps, wheel_radps);
+    const BodyMotion body = {.valid = true, .speed_mps = 0.0f, .yaw_rate_radps = 0.5f};
+    ASSERT_EQ(model.Advance(now_ns, {}, body), Status::kOk);
+    EXPECT_EQ(model.PerTurn() != slip, quicker);
+  }
+}
+
 TEST(DriveModel, ForgetsItsCommandsAfterAGap) {
   DriveModel model = MakeModel();
   model.SetCommand({10.0f, 2.0f});
