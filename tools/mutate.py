@@ -15,10 +15,11 @@ it, and its stage's with loops counted. What survives is listed with its place a
   --seed N      of the draw (default 1); the same seed and sources are the same faults
   --jobs N      so many shards at a time (default: one a processor)
   --shard K/N   only each N-th of them, beginning with the K-th
-  --only REGEX  only in files whose path matches
+  --only REGEX  only where path:line matches
   --out FILE    a line of JSON for each fault, as it is judged
   --again FILE  such a file of the same seed and sources: only what survived then is planted again,
-                for tests that were added; the count is of all its faults
+                for tests that were added; the count is of all its faults, and what --only
+                leaves out still survives
 
 Exit code: 0 at least 90 % are noticed, 1 fewer, 2 bad usage or the tests fail without a fault.
 """
@@ -225,8 +226,6 @@ def draw(options):
     for layer in ("core", "hal"):
         for path in sorted((ROOT / layer).glob("*/*.cpp")):
             name = str(path.relative_to(ROOT))
-            if options.only and not re.search(options.only, name):
-                continue
             text = path.read_text("utf-8")
             seen = collections.Counter()
             for place in tokens_of(text):
@@ -235,6 +234,9 @@ def draw(options):
                 line = text[start:text.find("\n", position)]
                 what = f"{options.seed} {name} {position - start} {token} {line}"
                 seen[what] += 1
+                number = text.count("\n", 0, position) + 1
+                if options.only and not re.search(options.only, f"{name}:{number}"):
+                    continue
                 order = hashlib.sha256(f"{what} {seen[what]}".encode()).digest()
                 places.append((order, name, place))
     return [(name, place) for _, name, place in sorted(places)]
@@ -244,13 +246,14 @@ def line_of(name, place):
     return (ROOT / name).read_text("utf-8").count("\n", 0, place[0]) + 1
 
 
-def judged_before(path):
-    """(how many were noticed and were none, where those are that survived)."""
+def judged_before(path, only):
+    """(how many were noticed, were none or are left out, where those are that survived)."""
     counts = {"noticed": 0, "survived": 0, "none": 0}
     survived = set()
     for line in path.read_text("utf-8").splitlines():
         fault = json.loads(line)
-        if fault["outcome"] == "survived":
+        place = f"{fault['file']}:{fault['line']}"
+        if fault["outcome"] == "survived" and (not only or re.search(only, place)):
             survived.add((fault["file"], fault["at"], fault["line"]))
         else:
             counts[fault["outcome"]] += 1
@@ -325,7 +328,7 @@ def main(arguments):
     counts = {"noticed": 0, "survived": 0, "none": 0}
     wanted = (options.mutants - first + shards - 1) // shards
     if options.again:
-        before, survived = judged_before(options.again)
+        before, survived = judged_before(options.again, options.only)
         places = [(name, place) for name, place in places
                   if (name, place[0], line_of(name, place)) in survived]
         if len(places) != len(survived):

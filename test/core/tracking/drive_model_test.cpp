@@ -271,10 +271,8 @@ TEST(DriveModel, LearnsTheGroundOfTurnsThatAreQuickEnough) {
     // After a gap its wheels are what they are measured to be.
     const uint64_t now_ns = kStart_ns + 200 * kTick_ns;
     const float wheel_radps = quicker ? 1.001f * differential_radps : differential_radps;
-    const WheelFeedback wheels = {.valid = true,
-                                  .time_ns = now_ns,
-                                  .left_radps = -wheel_radps,
-                                  .right_radps = wheel_radps};
+    const WheelFeedback wheels = {
+        .valid = true, .time_ns = now_ns, .left_radps = -wheel_radps, .right_radps = wheel_radps};
     ASSERT_EQ(model.Advance(now_ns, wheels, {}), Status::kStale);
     ASSERT_EQ(model.wheels().differential_radps, wheel_radps);
     const BodyMotion body = {.valid = true, .speed_mps = 0.0f, .yaw_rate_radps = 0.5f};
