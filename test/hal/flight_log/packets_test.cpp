@@ -66,7 +66,7 @@ uint32_t OnesSumOfHeader(const std::array<uint8_t, kDatagramHeadBytes>& head) {
 // Also of those few whose carry carries again.
 TEST(Packets, SumUpToAllOnesWhateverTheAddresses) {
   std::mt19937 random(2);
-  for (int i = 0; i < 300000; ++i) {
+  for (size_t i = 0; i < 300000; ++i) {
     std::array<uint8_t, kDatagramHeadBytes> head;
     EncodeDatagramHead({static_cast<uint32_t>(random()), 7502},
                        {static_cast<uint32_t>(random()), 7502}, i % 1400, head);
