@@ -11,8 +11,8 @@ its tests, the static checks among them: at most 15 minutes on two cores.
 
   --all         the slow ones too: clang and sanitizer builds and their tests (the former with
                 every loop counted, the latter with the libraries' own assertions), aarch64 and
-                Cortex-M7 under QEMU, a minute of fuzzing, the tests labelled slow: an hour. It
-                installs what the comparisons of `hardpack bench` need as well (ten seconds), so
+                Cortex-M7 under QEMU, a minute of fuzzing, the tests labelled slow: over an hour.
+                It installs what the comparisons of `hardpack bench` need as well (ten seconds), so
                 that what uses other libraries is compiled and tested
   --deps        only install; with --all, what --all needs as well
   --deps-bench  only install what the comparisons of `hardpack bench` need
