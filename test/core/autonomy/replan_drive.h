@@ -191,13 +191,16 @@ struct Drive {
   // The last metre takes long: no faster than what stops within it.
   bool Arrived() { return ToGoal() < 0.8f && committed().reaches_goal; }
 
-  // Ticks until it has arrived, at most so many seconds.
-  void DriveToGoal(float limit_s) {
+  // Ticks until it has arrived, at most so many seconds. Returns the least clearance on the way.
+  double DriveToGoal(float limit_s) {
     const int ticks = static_cast<int>(limit_s / kTick_s);
+    double clearance = 1e9;
     for (int tick = 0; tick < ticks && !Arrived(); ++tick) {
       Tick();
-      if (::testing::Test::HasFatalFailure()) return;
+      clearance = std::min(clearance, Clearance());
+      if (::testing::Test::HasFatalFailure()) break;
     }
+    return clearance;
   }
 
   int Replaced() {

@@ -185,11 +185,7 @@ TEST(ReplanSequence, ReplacesAPathThatIsBlockedWithinOnePlan) {
   Plan plan;
   plan.path = drive.committed().path;
   EXPECT_GT(ClearanceOf(drive.world, plan), 0.0);
-  double clearance = 1e9;
-  for (int tick = 0; tick < 3000 && !drive.Arrived(); ++tick) {
-    drive.Tick();
-    clearance = std::min(clearance, drive.Clearance());
-  }
+  const double clearance = drive.DriveToGoal(30.0f);
   EXPECT_TRUE(drive.Arrived());
   EXPECT_GT(clearance, 0.0);
 }
@@ -439,11 +435,7 @@ TEST(ReplanSequence, ArrivesThroughRocks) {
   drive.jitter_rad = 0.02f;
   drive.map_flickers = true;
   drive.Start();
-  double clearance = 1e9;
-  for (int tick = 0; tick < 6000 && !drive.Arrived(); ++tick) {
-    drive.Tick();
-    clearance = std::min(clearance, drive.Clearance());
-  }
+  const double clearance = drive.DriveToGoal(60.0f);
   EXPECT_TRUE(drive.Arrived());
   EXPECT_GT(clearance, 0.0);
 }
