@@ -234,26 +234,27 @@ def draw(options):
                 line = text[start:text.find("\n", position)]
                 what = f"{options.seed} {name} {position - start} {token} {line}"
                 seen[what] += 1
-                number = text.count("\n", 0, position) + 1
-                if options.only and not re.search(options.only, f"{name}:{number}"):
-                    continue
-                order = hashlib.sha256(f"{what} {seen[what]}".encode()).digest()
-                places.append((order, name, place))
+                if is_chosen(options, name, line_of(name, place)):
+                    order = hashlib.sha256(f"{what} {seen[what]}".encode()).digest()
+                    places.append((order, name, place))
     return [(name, place) for _, name, place in sorted(places)]
+
+
+def is_chosen(options, name, line):
+    return re.search(options.only, f"{name}:{line}") is not None
 
 
 def line_of(name, place):
     return (ROOT / name).read_text("utf-8").count("\n", 0, place[0]) + 1
 
 
-def judged_before(path, only):
+def judged_before(options):
     """(how many were noticed, were none or are left out, where those are that survived)."""
     counts = {"noticed": 0, "survived": 0, "none": 0}
     survived = set()
-    for line in path.read_text("utf-8").splitlines():
+    for line in options.again.read_text("utf-8").splitlines():
         fault = json.loads(line)
-        place = f"{fault['file']}:{fault['line']}"
-        if fault["outcome"] == "survived" and (not only or re.search(only, place)):
+        if fault["outcome"] == "survived" and is_chosen(options, fault["file"], fault["line"]):
             survived.add((fault["file"], fault["at"], fault["line"]))
         else:
             counts[fault["outcome"]] += 1
@@ -328,7 +329,7 @@ def main(arguments):
     counts = {"noticed": 0, "survived": 0, "none": 0}
     wanted = (options.mutants - first + shards - 1) // shards
     if options.again:
-        before, survived = judged_before(options.again, options.only)
+        before, survived = judged_before(options)
         places = [(name, place) for name, place in places
                   if (name, place[0], line_of(name, place)) in survived]
         if len(places) != len(survived):
