@@ -260,12 +260,12 @@ TEST(DriveModel, IsToldToStandBelowATwentiethOfARadianPerSecond) {
 // Of the ground only what turns quicker than that tells anything.
 TEST(DriveModel, LearnsTheGroundOfTurnsThatAreQuickEnough) {
   const float least_radps = 0.15f;
-  const float slip = MakeModel().PerTurn();
-  float differential_radps = least_radps * slip;
-  while (differential_radps / slip > least_radps) {
+  const float per_turn = MakeModel().PerTurn();
+  float differential_radps = least_radps * per_turn;
+  while (differential_radps / per_turn > least_radps) {
     differential_radps = std::nextafter(differential_radps, 0.0f);
   }
-  ASSERT_EQ(differential_radps / slip, least_radps);
+  ASSERT_EQ(differential_radps / per_turn, least_radps);
   for (const bool quicker : {false, true}) {
     DriveModel model = MakeModel();
     // After a gap its wheels are what they are measured to be.
@@ -277,7 +277,7 @@ TEST(DriveModel, LearnsTheGroundOfTurnsThatAreQuickEnough) {
     ASSERT_EQ(model.wheels().differential_radps, wheel_radps);
     const BodyMotion body = {.valid = true, .speed_mps = 0.0f, .yaw_rate_radps = 0.5f};
     ASSERT_EQ(model.Advance(now_ns, {}, body), Status::kOk);
-    EXPECT_EQ(model.PerTurn() != slip, quicker);
+    EXPECT_EQ(model.PerTurn() != per_turn, quicker);
   }
 }
 
