@@ -7,10 +7,11 @@ usage() {
 usage: tools/fuzz.sh [--minutes N] [--seed N] [--build DIR] [--data DIR] [TARGET]...
 
 Fuzzes with libFuzzer, both sanitizers and float-cast-overflow (clang++; preset fuzz): every codec, the
-parsers of files, planning, and the whole tick; every loop of core and hal is held to its record. The minutes (default 10) are shared among the targets;
-without any named, all of test/fuzz are run. What they find interesting is kept in BUILD/corpus and is
-where the next run begins; the first one begins with seeds made of recordings (--data, default as the
-tests: ../shared/data), where there are some.
+parsers of files, planning, and the whole tick; every loop of core and hal is held to its record. It takes
+so many minutes (default 10), which the targets share, one a processor at a time; without any named,
+all of test/fuzz are run. What they find interesting is kept in BUILD/corpus and is where the next run
+begins; the first one begins with seeds made of recordings (--data, default as the tests:
+../shared/data), where there are some.
 
 With a --seed the inputs are the same every time, as far as the minutes reach, where BUILD/corpus begins
 empty: what fails then has been changed. Without, others are tried each time.
@@ -66,26 +67,39 @@ if ! { cmake -S "$root" --preset fuzz -B "$build" &&
 fi
 python3 "$root/test/fuzz/make_seeds.py" "$build/seeds" "$data"
 
-seconds=$(awk -v m="$minutes" -v n="${#targets[@]}" 'BEGIN { s = int(60 * m / n); print s < 1 ? 1 : s }')
-failed=0
+jobs=$(nproc)
+if [ "$jobs" -gt ${#targets[@]} ]; then jobs=${#targets[@]}; fi
+rounds=$(((${#targets[@]} + jobs - 1) / jobs))
+seconds=$(awk -v m="$minutes" -v n="$rounds" 'BEGIN { s = int(60 * m / n); print s < 1 ? 1 : s }')
 mkdir -p "$build/failed"
-for target in "${targets[@]}"; do
-  corpus=$build/corpus/$target
+
+# fuzz <target>  says at its end how it went, in one go, since others do so too
+fuzz() {
+  local target=$1 corpus=$build/corpus/$1 log=$build/$1.log outcome=fine runs edges
   mkdir -p "$corpus" "$build/seeds/$target"
-  log=$build/$target.log
   # Of leaks nothing is said: each input's memory is given back, and the rest is the process's.
-  if "$build/test/fuzz/${target}_fuzz" -max_total_time="$seconds" -seed="$seed" -timeout=60 -rss_limit_mb=4096 \
+  "$build/test/fuzz/${target}_fuzz" -max_total_time="$seconds" -seed="$seed" -timeout=60 -rss_limit_mb=4096 \
     -max_len=25000 -print_final_stats=1 -artifact_prefix="$build/failed/$target-" \
-    "$corpus" "$build/seeds/$target" >"$log" 2>&1; then
-    outcome=fine
-  else
-    outcome=FAILED
-    failed=1
-  fi
+    "$corpus" "$build/seeds/$target" >"$log" 2>&1 || outcome=FAILED
   runs=$(awk '$1 == "stat::number_of_executed_units:" { print $2 }' "$log")
-  edges=$(grep -o 'cov: [0-9]*' "$log" | tail -n 1 | cut -d' ' -f2)
-  printf '%-14s %-7s %10s runs in %s s, %s edges\n' "$target" "$outcome" "${runs:-?}" "$seconds" \
-    "${edges:-?}"
-  if [ $outcome = FAILED ]; then tail -n 30 "$log"; fi
+  edges=$(grep -o 'cov: [0-9]*' "$log" | tail -n 1 | cut -d' ' -f2 || true)
+  printf '%-14s %-7s %10s runs in %s s, %s edges%s\n' "$target" "$outcome" "${runs:-?}" "$seconds" \
+    "${edges:-?}" "$(if [ $outcome = FAILED ]; then echo; tail -n 30 "$log"; fi)"
+  [ $outcome = fine ]
+}
+
+failed=0
+running=0
+for target in "${targets[@]}"; do
+  if [ "$running" -eq "$jobs" ]; then
+    wait -n || failed=1
+    running=$((running - 1))
+  fi
+  fuzz "$target" &
+  running=$((running + 1))
+done
+while [ "$running" -gt 0 ]; do
+  wait -n || failed=1
+  running=$((running - 1))
 done
 exit $failed

@@ -46,12 +46,12 @@ ENOUGH = 0.90
 TIME_LIMIT_S = 240
 CLOCK_LIMIT_S = 10 * TIME_LIMIT_S
 
-# Tokens and what may stand in their place.
+# Tokens, and what is put in their place.
 CHANGES = {
-    "<": ["<="], "<=": ["<"], ">": [">="], ">=": [">"], "==": ["!="], "!=": ["=="],
-    "&&": ["||"], "||": ["&&"], "+": ["-"], "-": ["+"], "*": ["/"], "/": ["*"],
-    "+=": ["-="], "-=": ["+="], "++": ["--"], "--": ["++"], "|": ["&"], "&": ["|"],
-    "<<": [">>"], ">>": ["<<"], "true": ["false"], "false": ["true"],
+    "<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==",
+    "&&": "||", "||": "&&", "+": "-", "-": "+", "*": "/", "/": "*",
+    "+=": "-=", "-=": "+=", "++": "--", "--": "++", "|": "&", "&": "|",
+    "<<": ">>", ">>": "<<", "true": "false", "false": "true",
 }
 TOKEN = re.compile(r"""
     (?P<skip>//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])+'|^[ \t]*\#[^\n]*)
@@ -87,19 +87,15 @@ def tokens_of(text):
             if changed is not None:
                 found.append((match.start(), token, changed))
         elif token in CHANGES and is_binary(text, match, kind):
-            found.append((match.start(), token, random_free(CHANGES[token])))
+            found.append((match.start(), token, CHANGES[token]))
     return found
-
-
-def random_free(choices):
-    return choices[0]
 
 
 def is_binary(text, match, kind):
     """Whether an operator that could be of a type or a pointer is one between two values, which are
-    written with a space on both sides."""
-    if kind == "name" or match.group() in ("++", "--", "&&", "||"):
-        return match.group() != "&&" or text[match.end():match.end() + 1] == " "
+    written with a space on both sides, or the line's end behind it."""
+    if kind == "name" or match.group() in ("++", "--"):
+        return True
     return (text[match.start() - 1:match.start()] == " " and
             text[match.end():match.end() + 1] in (" ", "\n"))
 
@@ -123,9 +119,11 @@ class Tree:
         self.sources = folder / "sources"
         self.build = folder / "build"
         folder.mkdir(parents=True, exist_ok=True)
-        if shutil.which("ccache"):  # what is mended is compiled again
+        if shutil.which("ccache"):  # what is mended is compiled again, and trees are alike
             os.environ.setdefault("CMAKE_CXX_COMPILER_LAUNCHER", "ccache")
-            os.environ.setdefault("CCACHE_DIR", str(folder / "ccache"))
+            os.environ.setdefault("CCACHE_DIR", str(folder.parent / "ccache"))
+            os.environ.setdefault("CCACHE_SLOPPINESS", "pch_defines,time_macros")
+            os.environ["CCACHE_BASEDIR"] = str(folder)
         files = subprocess.run(["git", "ls-files"], cwd=ROOT, check=True, capture_output=True,
                                text=True).stdout.split()
         for name in files:
@@ -261,6 +259,20 @@ def judged_before(options):
     return counts, survived
 
 
+def programs_of(tree, places):
+    return sorted({p for name in {name for name, _ in places} for p in tree.programs_of(name)})
+
+
+def built_tree(folder, places):
+    """None where it does not build."""
+    tree = Tree(folder)
+    built = tree.ninja(*{target_of(program) for program in programs_of(tree, places)})
+    if built.returncode != 0:
+        print(built.stdout[-4000:], file=sys.stderr)
+        return None
+    return tree
+
+
 def read_shard(text):
     first, _, count = text.partition("/")
     if not (first.isdigit() and count.isdigit() and 1 <= int(first) <= int(count)):
@@ -279,6 +291,8 @@ def summarise(counts):
 
 def run_shards(options):
     """All shards as processes of this program, their survivors as they come, and the sum."""
+    if shutil.which("ccache") and built_tree(options.build.resolve() / "0", draw(options)) is None:
+        return 2  # with it, the other trees take what the first has compiled
     command = [sys.executable, __file__, "--mutants", str(options.mutants), "--seed",
                str(options.seed), "--only", options.only, "--build", str(options.build)]
     for name in ("out", "again"):
@@ -339,13 +353,10 @@ def main(arguments):
         wanted = len(places) + sum(counts.values())
     places = places[first::shards]
     print(f"seed {options.seed}: {len(places)} places, {wanted} faults to plant", flush=True)
-    tree = Tree(folder)
-    programs = sorted({p for name in {name for name, _ in places} for p in tree.programs_of(name)})
-    built = tree.ninja(*{target_of(program) for program in programs})
-    if built.returncode != 0:
-        print(built.stdout[-4000:], file=sys.stderr)
+    tree = built_tree(folder, places)
+    if tree is None:
         return 2
-    for program in programs:
+    for program in programs_of(tree, places):
         why = tree.fails(program)
         if why:
             print(f"mutate: without a fault, {why}", file=sys.stderr)
