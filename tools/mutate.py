@@ -300,17 +300,21 @@ def run_shards(options):
             command += [f"--{name}", str(getattr(options, name))]
     shards = [subprocess.Popen([*command, "--shard", f"{k + 1}/{options.jobs}"],
                                stdout=subprocess.PIPE, text=True) for k in range(options.jobs)]
-    counts = {"noticed": 0, "survived": 0, "none": 0}
+    counts = {"noticed": 0, "survived": 0, "none": 0, "shards": 0}
     threads = [threading.Thread(target=follow, args=(shard.stdout, counts)) for shard in shards]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
     codes = [shard.wait() for shard in shards]
-    return 2 if 2 in codes else summarise(counts)
+    if counts["shards"] != len(shards):
+        print(f"mutate: not every shard came to its end: they exited with {codes}", file=sys.stderr)
+        return 2
+    return summarise(counts)
 
 
 def follow(lines, counts):
+    """Adds up what the shards print at their ends, and prints all else."""
     for line in lines:
         match = re.match(r"noticed (\d+) of (\d+) .*; (\d+) were none$", line)
         if match:
@@ -318,6 +322,7 @@ def follow(lines, counts):
             counts["noticed"] += noticed
             counts["survived"] += judged - noticed
             counts["none"] += none
+            counts["shards"] += 1
         else:
             print(line, end="", flush=True)
 
@@ -351,16 +356,16 @@ def main(arguments):
             return 2
         counts = before if first == 0 else counts
         wanted = len(places) + sum(counts.values())
-    places = places[first::shards]
-    print(f"seed {options.seed}: {len(places)} places, {wanted} faults to plant", flush=True)
     tree = built_tree(folder, places)
     if tree is None:
         return 2
-    for program in programs_of(tree, places):
+    for program in programs_of(tree, places)[first::shards]:  # the other shards' trees are alike
         why = tree.fails(program)
         if why:
             print(f"mutate: without a fault, {why}", file=sys.stderr)
             return 2
+    places = places[first::shards]
+    print(f"seed {options.seed}: {len(places)} places, {wanted} faults to plant", flush=True)
     for name, place in places:
         if counts["noticed"] + counts["survived"] >= wanted:
             break

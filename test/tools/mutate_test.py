@@ -150,6 +150,17 @@ class Summary(unittest.TestCase):
         self.assertEqual(self.code(269, 31), 1)
         self.assertEqual(self.code(0, 0), 1)
 
+    def test_shards_that_come_to_no_end_are_a_failure(self):
+        built_tree, executable = mutate.built_tree, sys.executable
+        mutate.built_tree = lambda *_: "a tree"
+        sys.executable = "false"
+        try:
+            with contextlib.redirect_stderr(io.StringIO()) as said:
+                self.assertEqual(mutate.main(["--jobs", "2"]), 2)
+        finally:
+            mutate.built_tree, sys.executable = built_tree, executable
+        self.assertIn("not every shard", said.getvalue())
+
 
 if __name__ == "__main__":
     unittest.main()
