@@ -31,6 +31,7 @@ import shutil
 import subprocess
 import sys
 import time
+import tomllib
 from dataclasses import dataclass, field
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -42,7 +43,7 @@ class Promise:
     what: str
     figure: str  # a regular expression: its groups, or lines, in the command's output
     budget: str
-    form: str = "{}"
+    form: str = "{}"  # of the groups
     times: str = "last"  # of several matches: last, or count
 
 
@@ -64,16 +65,17 @@ PASSED = r"(100% tests passed, 0 tests failed out of \d+)"
 SKIPPED = re.compile(r"^\s*\d+ - .* \(Skipped\)$", re.MULTILINE)
 
 
-def bounds(processor):
-    """What config/timing.toml holds: (name there, whether something is counted against it)."""
+def bounds(processor, column):
+    """A promise for each bound of config/timing.toml, whose budgets of a processor are in a column."""
+    with open(ROOT / "config" / "timing.toml", "rb") as file:
+        entries = tomllib.load(file)["bounds"]
     said = []
-    for name, counted in (("costmap, a row of cells", True), ("search, an expansion", False),
-                          ("a portion of the search", True), ("a tick without planning", False),
-                          ("the worst tick", True)):
-        columns = r"([\d,]+\s+[\d,]+\s+\S+\s+\S+)" if counted else r"([\d,]+\s+[\d,]+)"
-        said.append(Promise(f"{processor}, static bound in instructions: {name}",
-                            re.escape(name) + r"\s{2,}" + columns, "config/timing.toml",
-                            "{} (bound, budget, counted, ratio)" if counted else "{} (bound, budget)"))
+    for entry in entries:
+        counted = "measured" in entry
+        columns = r"\s{2,}([\d,]+)\s+[\d,]+\s+" + (r"([\d,]+)\s+([\d.]+)" if counted else "-")
+        said.append(Promise(f"{processor}, instructions of: {entry['name']}",
+                            r"\b" + re.escape(entry["name"]) + columns, f"{entry[column]:,}",
+                            "at most {}; counted {}: {} times" if counted else "at most {}"))
     return said
 
 
@@ -115,21 +117,25 @@ def measurements(options):
                     "ctest --preset aarch64 -V", [
                         Promise("the aarch64 build: missions to the same bits, one of them on the bare "
                                 "processor; hardpackd on an arm64 kernel with a vcan", PASSED, "all"),
-                        *bounds("aarch64")]),
+                        *bounds("aarch64", "aarch64")]),
         Measurement("schedule", "tools/wcet/timing.py --schedule --measured "
                     "build/aarch64/test/bare_metal/mission.measured "
                     "build/aarch64/test/bare_metal/replay_tape", [
-                        Promise("estimate, Cortex-A72 at 1.5 GHz: the worst tick by the bounds, as counted",
-                                r"^the worst tick\s+(.*)$", "none"),
-                        Promise("estimate: from a return's light to a frame, by the bounds, as counted",
-                                r"^from a return's light to a frame\s+(.*)$", "none"),
-                        Promise("estimate: reaction radius at 5 m/s, by the bounds, as counted",
-                                r"^reaction radius at 5 m/s\s+(.*)$", "none")]),
+                        Promise(f"estimate, Cortex-A72 at 1.5 GHz: {name}", f"^{pattern}\\s{{2,}}(.*)$",
+                                "none")
+                        for name, pattern in (
+                            ("tick period", "tick period"),
+                            ("a tick without planning, by the bounds", "a tick without planning"),
+                            ("the worst tick, by the bounds, as counted", "the worst tick"),
+                            ("ticks for a whole plan, the same", "ticks for a whole plan"),
+                            ("from a return's light to a frame, the same",
+                             "from a return's light to a frame"),
+                            ("reaction radius, the same", "reaction radius at 5 m/s"))]),
         Measurement("cortex_m7", "cmake --preset cortex-m7 && cmake --build --preset cortex-m7 && "
                     "ctest --preset cortex-m7 -V", [
                         Promise("the Cortex-M7 build: a mission from bytes to frames, the same hash in "
                                 "every tick", r"(decision hash [0-9a-f]{16})", "the host's"),
-                        *bounds("Cortex-M7"),
+                        *bounds("Cortex-M7", "cortex_m7"),
                         Promise("static bound of the stack of a tick",
                                 r"(\d+)  hardpack::VehicleLoop::Tick", "16,384 bytes", "{} bytes"),
                         Promise("of it taken, painted, the program around it included",
@@ -202,7 +208,8 @@ def figure_of(promise, output):
         return None
     if promise.times == "count":
         return promise.form.format(len(found))
-    figure = promise.form.format(re.sub(r"\s+", " ", found[-1]))
+    groups = found[-1] if isinstance(found[-1], tuple) else (found[-1],)
+    figure = promise.form.format(*(re.sub(r"\s+", " ", group) for group in groups))
     skipped = len(SKIPPED.findall(output)) if promise.figure == PASSED else 0
     return f"{figure}; {skipped} of them skipped" if skipped else figure
 
