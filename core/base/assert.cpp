@@ -4,7 +4,8 @@
 namespace hardpack {
 namespace {
 
-AssertionHook g_hook = nullptr;
+// Of the program, as an assertion is.
+AssertionHook g_hook = nullptr;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
 
 }  // namespace
 

@@ -21,8 +21,8 @@ inline float PlaceInCell(float coordinate_m, int32_t cell) {
 // next. The line runs along its major axis, column by column, in one or two cells of each.
 class CellWalk {
  public:
-  CellWalk(Vec2 start_odom, Vec2 direction) : cell_(CellAt(start_odom)) {
-    along_x_ = Abs(direction.x_m) >= Abs(direction.y_m);
+  CellWalk(Vec2 start_odom, Vec2 direction)
+      : cell_(CellAt(start_odom)), along_x_(Abs(direction.x_m) >= Abs(direction.y_m)) {
     const float u = PlaceInCell(start_odom.x_m, cell_.x);
     const float v = PlaceInCell(start_odom.y_m, cell_.y);
     const float major = along_x_ ? direction.x_m : direction.y_m;

@@ -224,11 +224,11 @@ class HeightGrid {
 
   // One fan as its cells see it.
   struct Sight {
-    Vec2 direction;          // of length 1 to rounding
-    float z_cm;              // the sensor's, above the stored heights' zero
-    float spacing_cm_per_m;  // of the beams, by level distance
-    bool odd;                // the revolution
-    int ageing_revolutions;
+    Vec2 direction;                 // of length 1 to rounding
+    float z_cm = 0.0f;              // the sensor's, above the stored heights' zero
+    float spacing_cm_per_m = 0.0f;  // of the beams, by level distance
+    bool odd = false;               // the revolution
+    int ageing_revolutions = 0;
   };
   // A cell's obstacle, in stored heights, and where its middle is along the fan.
   struct Target {

@@ -86,6 +86,7 @@ void Interpolate(const Places& places, int count, float* costs) {
 }  // namespace
 
 void SampleCosts(const Costmap& map, const float* x_m, const float* y_m, int points, float* costs) {
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): Locate writes what is read of it
   Places places;
   HP_LOOP_BOUND(kMaxSamples / kSampleBlock)
   for (int first = 0; first < points; first += kSampleBlock) {
