@@ -74,7 +74,17 @@ void Supervisor::Change(Mode mode, StopReason reason, uint64_t now_ns) {
   mode_ = mode;
   reason_ = reason;
   since_ns_ = now_ns;
-  zero_ = false;
+  reset_ns_ = 0;
+  if (mode != Mode::kSafeStop) zero_ = false;  // which has to end it too
+}
+
+// A safe stop that begins meanwhile does not end it: along the path the vehicle would stop later.
+void Supervisor::JudgeZero(const SupervisorInput& input) {
+  if (mode_ != Mode::kDriving && mode_ != Mode::kSafeStop) return;
+  const bool has_way = input.has_plan || input.has_path;
+  const bool is_held = input.has_plan && input.held_by == StopReason::kPerson;
+  if (!has_way || is_held || input.ahead == WayAhead::kTooNear) zero_ = true;
+  if (input.at_rest) zero_ = false;
 }
 
 void Supervisor::TakeWishes(const SupervisorInput& input, Permission& permission) {
@@ -85,6 +95,7 @@ void Supervisor::TakeWishes(const SupervisorInput& input, Permission& permission
     return;
   }
   if (wishes.disarm) {
+    if (mode_ == Mode::kArmed) zero_ = true;  // which is what it has: no path was followed
     if (drives) Change(Mode::kSafeStop, StopReason::kOperator, input.now_ns);
     if (mode_ == Mode::kSafeStop) {
       disarming_ = true;
@@ -104,6 +115,7 @@ void Supervisor::TakeWishes(const SupervisorInput& input, Permission& permission
     if (refusal == StopReason::kNone) {
       Change(Mode::kArmed, StopReason::kNone, input.now_ns);
       permission.reset_faults = true;
+      reset_ns_ = input.now_ns;
     }
   } else if ((wishes.arm || wishes.go) && !drives) {
     refusal = reason_ == StopReason::kNone ? StopReason::kOperator : reason_;
@@ -117,7 +129,7 @@ void Supervisor::TakeWishes(const SupervisorInput& input, Permission& permission
 void Supervisor::StepArmed(const SupervisorInput& input) {
   const StopReason unfit = Unfit(input);
   const bool is_resetting = unfit == StopReason::kDrives && !input.drives_enabled &&
-                            input.now_ns - since_ns_ <= kResetTime_ns;
+                            reset_ns_ != 0 && input.now_ns - reset_ns_ <= kResetTime_ns;
   if (unfit != StopReason::kNone && !is_resetting) {
     Change(Mode::kFault, unfit, input.now_ns);
     return;
@@ -161,11 +173,6 @@ void Supervisor::StepDriving(const SupervisorInput& input) {
     Change(Mode::kSafeStop, StopReason::kPlanOld, input.now_ns);
     return;
   }
-  if (!input.has_plan && !input.has_path) zero_ = true;
-  if (input.at_rest) zero_ = false;
-  const bool is_urgent =
-      input.ahead == WayAhead::kTooNear || (input.has_plan && input.held_by == StopReason::kPerson);
-  if (is_urgent && !input.at_rest) zero_ = true;
   reason_ = Waits(input);
   if ((input.arrived && input.at_rest) || !input.has_goal) {
     Change(Mode::kArmed, StopReason::kNone, input.now_ns);
@@ -183,7 +190,7 @@ void Supervisor::StepSafeStop(const SupervisorInput& input) {
     disarming_ = false;
     return;
   }
-  if (IsFarTooOld(input) || input.ahead == WayAhead::kTooNear) zero_ = true;
+  if (IsFarTooOld(input)) zero_ = true;
   if (SecondsBetween(since_ns_, input.now_ns) > params_.max_stop_s) {
     zero_ = true;
     reason_ = StopReason::kStopTooLong;
@@ -216,6 +223,7 @@ Permission Supervisor::Judge(const SupervisorInput& input) {
   if (!configured_) return permission;
   if (mode_ != Mode::kSafeStop) disarming_ = false;
   const Mode before = mode_;
+  JudgeZero(input);
   TakeWishes(input, permission);
   if (mode_ == before) {
     switch (mode_) {

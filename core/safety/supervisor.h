@@ -24,12 +24,13 @@
 // vehicle waits for a new one. A plan that is blocked does not leave driving: the vehicle stops
 // along its path, waits, and goes on when there is a way. Emergency stop and fault are left by the
 // operator's disarm alone. A fault of a drive in standby stays there: arming resets it. A goal that
-// still waits for its plan is dropped by a stop, too. Once zero speed was commanded for want of a
-// path, nothing is followed before the vehicle is at rest: a plan from a state at rest is no plan
-// for one that rolls. A return in the corridor of the path (core/safety/corridor.h) does not leave
-// driving either: the vehicle stops along its path, or with zero speed at once where that is too
-// long, until a plan that was checked since is clear of it. Nor does a plan by which it is to stand
-// where it is; for a person it stops with zero speed at once.
+// still waits for its plan is dropped by a stop, too. Once zero speed was commanded at once,
+// nothing is followed before the vehicle is at rest, in a safe stop neither: a plan from a state at
+// rest is no plan for one that rolls, and along a path the vehicle stops later. A return in the
+// corridor of the path (core/safety/corridor.h) does not leave driving either: the vehicle stops
+// along its path, or with zero speed at once where that is too long, until a plan that was checked
+// since is clear of it. Nor does a plan by which it is to stand where it is; for a person it stops
+// with zero speed at once.
 
 namespace hardpack {
 
@@ -146,6 +147,7 @@ class Supervisor {
   StopReason MayNotArm(const SupervisorInput& input) const;
   void TakeWishes(const SupervisorInput& input, Permission& permission);
   void Change(Mode mode, StopReason reason, uint64_t now_ns);
+  void JudgeZero(const SupervisorInput& input);
   void StepArmed(const SupervisorInput& input);
   void StepDriving(const SupervisorInput& input);
   void StepSafeStop(const SupervisorInput& input);
@@ -160,6 +162,7 @@ class Supervisor {
   StopReason told_ = StopReason::kNone;  // reason_ at the end of the tick before
   uint64_t reason_since_ns_ = 0;
   uint64_t since_ns_ = 0;   // of the mode
+  uint64_t reset_ns_ = 0;   // when it began with a reset of the drives' faults; 0: it did not
   bool disarming_ = false;  // a safe stop that ends in standby
   bool zero_ = false;       // no path is followed before the vehicle is at rest
 };

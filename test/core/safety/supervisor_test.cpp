@@ -197,6 +197,52 @@ TEST(Supervisor, APlanThatHoldsForAPersonStopsAtOnceAndUntilAtRest) {
   EXPECT_EQ(vehicle.Tick().motion, Motion::kFollow);
 }
 
+// A safe stop along the path would let the vehicle roll on further.
+//   driving, zero at once ---> safe stop, still zero ---> at rest
+TEST(Supervisor, ASafeStopDoesNotEndZeroAtOnce) {
+  void (*const stops[])(Vehicle&) = {
+      [](Vehicle& v) { v.Tick({.stop = true}); },    [](Vehicle& v) { v.Tick({.disarm = true}); },
+      [](Vehicle& v) { v.lidar_comes = false; },     [](Vehicle& v) { v.ins_comes = false; },
+      [](Vehicle& v) { v.plan_is_checked = false; },
+  };
+  void (*const causes[])(SupervisorInput&) = {
+      [](SupervisorInput& input) { input.held_by = StopReason::kPerson; },
+      [](SupervisorInput& input) { input.ahead = WayAhead::kTooNear; },
+      [](SupervisorInput& input) { input.has_plan = input.has_path = false; },
+  };
+  for (const auto& cause : causes) {
+    for (const auto& stop : stops) {
+      Vehicle vehicle;
+      vehicle.Drive();
+      cause(vehicle.input);
+      EXPECT_EQ(vehicle.Tick().motion, Motion::kZero);
+      vehicle.input.held_by = StopReason::kNone;
+      vehicle.input.ahead = WayAhead::kClear;
+      vehicle.input.has_plan = vehicle.input.has_path = true;
+      stop(vehicle);
+      for (int i = 0; i < 150; ++i) ASSERT_EQ(vehicle.Tick().motion, Motion::kZero) << i;
+      EXPECT_EQ(vehicle.permission.mode, Mode::kSafeStop);
+      vehicle.input.at_rest = true;
+      EXPECT_NE(vehicle.Tick().mode, Mode::kSafeStop);
+    }
+  }
+}
+
+TEST(Supervisor, ZeroAtOnceForWhatComesInASafeStop) {
+  Vehicle vehicle;
+  vehicle.Drive();
+  EXPECT_EQ(vehicle.Tick({.stop = true}).motion, Motion::kStopAlong);
+  vehicle.input.held_by = StopReason::kPerson;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kZero);
+  vehicle.input.held_by = StopReason::kNone;
+  EXPECT_EQ(vehicle.Ticks(20).motion, Motion::kZero);
+
+  Vehicle same_tick;
+  same_tick.Drive();
+  same_tick.input.ahead = WayAhead::kTooNear;
+  EXPECT_EQ(same_tick.Tick({.stop = true}).motion, Motion::kZero);
+}
+
 TEST(Supervisor, SaysWhyItWaitsAndSinceWhen) {
   Vehicle vehicle;
   vehicle.Drive();
@@ -417,6 +463,22 @@ TEST(Supervisor, GivesDrivesTimeToResetTheirFaultsWhenArming) {
   EXPECT_EQ(vehicle.Ticks(200).mode, Mode::kFault);
 }
 
+// Nobody resets faults then.
+TEST(Supervisor, ADriveThatFailsAfterArrivingOrStoppingIsAFaultAtOnce) {
+  for (const bool arrives : {true, false}) {
+    Vehicle vehicle;
+    vehicle.Drive();
+    vehicle.input.arrived = arrives;
+    if (!arrives) vehicle.Tick({.stop = true});
+    vehicle.input.at_rest = true;
+    EXPECT_EQ(vehicle.Tick().mode, Mode::kArmed);
+    vehicle.input.drives_faulty = true;
+    vehicle.input.drives_ready = vehicle.input.drives_enabled = false;
+    EXPECT_EQ(vehicle.Tick().mode, Mode::kFault);
+    EXPECT_EQ(vehicle.permission.reason, StopReason::kDrives);
+  }
+}
+
 TEST(Supervisor, EmergencyStopWorksInEveryModeAndBeatsEveryOtherWish) {
   for (int mode = 0; mode < 4; ++mode) {
     Vehicle vehicle;
@@ -453,6 +515,7 @@ TEST(Supervisor, NeverLetsMoveWhatMayNot) {
   Vehicle vehicle;
   const SafetyParams params;
   int moved = 0;
+  bool zero_went_out = false;
   for (int i = 0; i < 300'000; ++i) {
     if (chance(0.02)) vehicle.lidar_comes = chance(0.8);
     if (chance(0.02)) vehicle.odometry_comes = chance(0.8);
@@ -465,6 +528,13 @@ TEST(Supervisor, NeverLetsMoveWhatMayNot) {
     if (chance(0.05)) vehicle.input.drives_enabled = chance(0.9);
     if (chance(0.05)) vehicle.input.at_rest = chance(0.5);
     if (chance(0.05)) vehicle.input.arrived = chance(0.1);
+    if (chance(0.05)) {
+      const int ahead = std::uniform_int_distribution(0, 12)(random);
+      vehicle.input.ahead = ahead == 0   ? WayAhead::kTooNear
+                            : ahead == 1 ? WayAhead::kObstacle
+                                         : WayAhead::kClear;
+      vehicle.input.held_by = chance(0.1) ? StopReason::kPerson : StopReason::kNone;
+    }
     if (vehicle.input.has_goal && chance(0.1)) {
       vehicle.input.has_plan = chance(0.8);
       vehicle.input.has_path = vehicle.input.has_plan || chance(0.5);
@@ -505,6 +575,13 @@ TEST(Supervisor, NeverLetsMoveWhatMayNot) {
     if (permission.mode == Mode::kArmed) {
       ASSERT_EQ(permission.motion, Motion::kHold) << "step " << i;
     }
+    // Once zero went out at once, nothing is followed before it stands.
+    if (seen.at_rest) zero_went_out = false;
+    if (zero_went_out) {
+      ASSERT_NE(permission.motion, Motion::kFollow) << "step " << i;
+      ASSERT_NE(permission.motion, Motion::kStopAlong) << "step " << i;
+    }
+    if (permission.motion == Motion::kZero && !seen.at_rest) zero_went_out = true;
     // Nothing but a wish to arm leaves standby.
     if (before == Mode::kStandby && permission.mode != Mode::kStandby) {
       ASSERT_TRUE(wishes.arm || wishes.emergency_stop) << "step " << i;
