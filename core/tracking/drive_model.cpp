@@ -182,7 +182,9 @@ DriveState DriveModel::Now() const {
 }
 
 void DriveModel::StepOnce() {
-  if (at_ns_ - feedback_ns_ > kFreshBias_ns) bias_radps_ *= kBiasFade;
+  // A report of this tick may lie ahead of the step.
+  const bool is_old = at_ns_ > feedback_ns_ && at_ns_ - feedback_ns_ > kFreshBias_ns;
+  if (is_old) bias_radps_ *= kBiasFade;
   DriveState state = Now();
   Step(DelayedCommand(1), state);
   newest_ = (newest_ + 1) & (kHistory - 1);

@@ -167,6 +167,29 @@ TEST(DriveModel, LearnsWhatAWheelDoesOnThisGround) {
   EXPECT_NEAR(model.PerTurn() / per_turn, 1.15f, 0.04f);
 }
 
+// Ticks come when they come: a report of the tick lies ahead of the model's last step.
+TEST(DriveModel, LearnsWhatAWheelLacksWhateverTheTicksAreOffBy) {
+  constexpr float kLacks_radps = 1.0f;
+  for (const uint64_t jitter_ns : {uint64_t{0}, uint64_t{50'000}, uint64_t{5'000'000}}) {
+    DynamicsParams params;
+    DriveModel model = MakeModel(params);
+    model.SetCommand({8.0f, 0.0f});
+    for (uint64_t tick = 1; tick <= 2000; ++tick) {
+      const uint64_t off_ns = jitter_ns == 0 ? 0 : tick * 7919 * 1000 % jitter_ns;
+      const uint64_t now_ns = kStart_ns + tick * kTick_ns + off_ns;
+      WheelFeedback feedback;
+      if (tick % 2 == 0) {
+        feedback = {.valid = true,
+                    .time_ns = now_ns,
+                    .left_radps = 8.0f + kLacks_radps,
+                    .right_radps = 8.0f + kLacks_radps};
+      }
+      ASSERT_EQ(model.Advance(now_ns, feedback, {}), Status::kOk);
+    }
+    EXPECT_NEAR(model.common_bias_radps(), kLacks_radps, 0.05f) << jitter_ns;
+  }
+}
+
 // The body's motion is taken as it is told, and what is none is not.
 TEST(DriveModel, FollowsTheMeasuredMotionOfTheBody) {
   DriveModel model = MakeModel();
