@@ -12,9 +12,9 @@ namespace {
 
 constexpr float kUnitsOfTorque = 1000.0f;
 
-// A drive that does not say how fast it turns is taken for stopped after so long at zero: longer
-// than a stop from 5 m/s takes.
-constexpr uint64_t kBlindStop_ns = 5'000'000'000;
+// A drive that was told zero for so long is disabled, whatever it says of its speed, or says
+// nothing: longer than a stop from 5 m/s takes.
+constexpr uint64_t kLongestStop_ns = 5'000'000'000;
 // A fault that has not gone so long after its reset stays.
 constexpr uint64_t kResetTime_ns = 1'000'000'000;
 // A wheel that is carried along may turn against its command for so many times opposite_time_s.
@@ -269,10 +269,10 @@ void Drive::SequenceStop(uint64_t now_ns, const DriveParams& params, bool rests)
   found_enabled_ = false;
   if (power_ != Power::kStopping) return;
   if (fresh && !enabled) return SetPower(Power::kOff, now_ns);
-  if (!fresh) {
-    if (now_ns - power_since_ns_ >= kBlindStop_ns) SetPower(Power::kOff, now_ns);
-    return;
-  }
+  // Silent, or seen not to stop. More than zero cannot be told to it: the brakes are left.
+  const bool stands = fresh && rests;
+  if (!stands && now_ns - power_since_ns_ >= kLongestStop_ns) return SetPower(Power::kOff, now_ns);
+  if (!fresh) return;
   if (!rests) rest_since_ns_ = now_ns;
   if (now_ns - rest_since_ns_ >= Seconds(params.disable_delay_s)) SetPower(Power::kOff, now_ns);
 }

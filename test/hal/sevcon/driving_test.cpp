@@ -119,6 +119,21 @@ TEST(Driving, StopsByZeroStandstillDisabled) {
   EXPECT_EQ(bench.StateOf(Side::kLeft), DriveState::kReady);
 }
 
+// It is told zero, and turns on: after 5 s its brakes are all that is left.
+TEST(Driving, DisablesADriveThatDoesNotStop) {
+  Bench bench = Bench::WithDrivesSetUp();
+  ASSERT_TRUE(bench.BringUp());
+  ASSERT_TRUE(bench.Drive(4.0f, 4.0f));
+  bench.left.stuck = true;  // its speed stays what it is
+  bench.Run(490, {});
+  EXPECT_NE(bench.left.speed_rpm, 0);
+  EXPECT_TRUE(bench.left.enabled);
+  EXPECT_TRUE(bench.ZeroWentToBoth());
+  bench.Run(20, {});
+  EXPECT_FALSE(bench.left.enabled);
+  EXPECT_FALSE(bench.right.enabled);
+}
+
 TEST(Driving, DrivesOnWhenItIsAskedAgainBeforeStandstill) {
   Bench bench = Bench::WithDrivesSetUp();
   ASSERT_TRUE(bench.BringUp());
