@@ -57,19 +57,28 @@ Status Odometry::TakeIns(const InsSample& sample, uint64_t time_ns) {
     return Status::kInvalidArgument;
   }
   // A device or a bridge that says the same again says nothing about now.
-  if (sample.has_timestamp && has_stamp_ && sample.timestamp_ns == stamp_ns_) {
+  if (IsRepeated(sample)) {
     ++counters_.repeated;
-    return Status::kOk;
+    return Status::kDuplicate;
   }
   if (IsTooLate(time_ns)) return Status::kLate;
-  has_stamp_ = sample.has_timestamp;
-  stamp_ns_ = sample.timestamp_ns;
+  if (sample.has_timestamp) {
+    stamp_ = {true, sample.timestamp_ns};
+  } else if (sample.has_gps_time) {
+    gps_stamp_ = {true, sample.gps_time_ns};
+  }
   if (sample.has_attitude && time_ns >= ins_ns_) TakeAttitude(sample);
   if (time_ns > ins_ns_) ins_ns_ = time_ns;
   PredictTo(time_ns);
   if (sample.has_angular_rate) TakeRate(rate, time_ns);
   if (sample.has_attitude && sample.has_velocity) TakeGroundSpeed(sample, time_ns);
   return Status::kOk;
+}
+
+// By the device's own clock; or by GPS time, of those that tell no other.
+bool Odometry::IsRepeated(const InsSample& sample) const {
+  if (sample.has_timestamp) return stamp_.known && sample.timestamp_ns == stamp_.time_ns;
+  return sample.has_gps_time && gps_stamp_.known && sample.gps_time_ns == gps_stamp_.time_ns;
 }
 
 void Odometry::TakeAttitude(const InsSample& sample) {

@@ -60,9 +60,10 @@ class Odometry {
                    const InsParams& ins);
 
   // A message of the INS, measured at time_ns of our clock. Uses its angular rate, attitude and
-  // speed over ground where it has them; one with the stamp of the one before is not used again.
-  // kNotFinite, and kInvalidArgument for an angular rate that no gyro tells: nothing changes but a
-  // counter; kLate: before what was used already by more than max_lateness_s, the same. Constant
+  // speed over ground where it has them. kNotFinite, and kInvalidArgument for an angular rate that
+  // no gyro tells: nothing changes but a counter; kDuplicate: the stamp is that of the one before
+  // (of messages without a time since the device's start: the GPS time), the same; kLate: before
+  // what was used already by more than max_lateness_s, the same. Constant
   // cost: at most one Predict and three Update of Covariance.
   Status TakeIns(const InsSample& sample, uint64_t time_ns);
 
@@ -125,6 +126,7 @@ class Odometry {
   // The filter (odometry.cpp).
   void Start();
   bool IsTooLate(uint64_t time_ns);
+  bool IsRepeated(const InsSample& sample) const;
   float Lateness(uint64_t time_ns) const;
   bool IsGyroFresh(uint64_t now_ns) const;
   void PredictTo(uint64_t time_ns);
@@ -165,8 +167,12 @@ class Odometry {
   float driven_m_ = 0.0f;
 
   uint64_t ins_ns_ = 0;  // of the INS's newest message, our clock
-  bool has_stamp_ = false;
-  uint64_t stamp_ns_ = 0;         // of it, its clock
+  struct Stamp {
+    bool known = false;
+    uint64_t time_ns = 0;
+  };
+  Stamp stamp_;                   // of the newest message that had one, its clock
+  Stamp gps_stamp_;               // of the newest that had only GPS time
   uint64_t rate_ns_ = 0;          // of the newest rate that was used, our clock; 0: none was
   float rate_radps_ = 0.0f;       // that one, about the vertical, with its bias
   uint64_t ground_speed_ns_ = 0;  // of the newest that was used

@@ -97,7 +97,7 @@ float VehicleLoop::MeasuredYawRate() const {
   const InsParams& mount = config_.onboard.ins;
   const SinCosPair pitch = SinCos(mount.pitch_rad);
   const SinCosPair roll = SinCos(mount.roll_rad);
-  const Vec3& rate = newest_ins_.angular_rate_radps;
+  const Vec3& rate = ins_rate_radps_;
   return pitch.sin * rate.x_m - pitch.cos * (roll.sin * rate.y_m + roll.cos * rate.z_m);
 }
 
@@ -122,8 +122,8 @@ void VehicleLoop::WatchMotion() {
   sample.has_wheels = wheels.valid;
   sample.wheels_mps = 0.5f * (wheels.left_radps + wheels.right_radps) * rim_m;
   sample.wheels_radps = (wheels.right_radps - wheels.left_radps) * rim_m / vehicle.skid_baseline_m;
-  sample.has_yaw_rate = newest_ins_.has_angular_rate && ins_ns_ != 0 &&
-                        SecondsBetween(ins_ns_, now_ns_) <= config_.onboard.safety.max_ins_age_s;
+  sample.has_yaw_rate = ins_rate_ns_ != 0 && SecondsBetween(ins_rate_ns_, now_ns_) <=
+                                                 config_.onboard.safety.max_ins_age_s;
   sample.yaw_rate_radps = MeasuredYawRate();
   static_cast<void>(motion_.Judge(sample, tick_s_));
 }

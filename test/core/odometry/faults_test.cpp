@@ -61,15 +61,35 @@ TEST(OdometryFaults, ASilentGyroIsReplacedByTheWheels) {
 
 TEST(OdometryFaults, AGyroThatOnlyRepeatsItselfGrowsOld) {
   KnownDrive drive = Driving();
-  const InsSample sample = drive.Ins();
+  const InsSample sample = drive.Ins();  // which it has taken
   for (int tick = 0; tick < 20; ++tick) {
     drive.Move(2.0, 0.3);
     drive.Move(2.0, 0.3);
-    ASSERT_EQ(drive.odometry.TakeIns(sample, drive.now_ns), Status::kOk);
+    ASSERT_EQ(drive.odometry.TakeIns(sample, drive.now_ns), Status::kDuplicate);
     ASSERT_EQ(drive.odometry.Advance(drive.now_ns, drive.Wheels()), Status::kOk);
   }
   EXPECT_FALSE(drive.odometry.uses_ins_rate());
-  EXPECT_GE(drive.odometry.counters().repeated, 18u);
+  EXPECT_EQ(drive.odometry.counters().repeated, 20u);
+}
+
+// Messages without a time since the device's start, as $VNINS: their GPS time tells. One of each
+// kind at the same instant are two messages.
+TEST(OdometryFaults, ARepetitionIsToldByGpsTimeToo) {
+  KnownDrive drive = Driving();
+  InsSample line = drive.Ins();
+  line.has_timestamp = false;
+  line.has_gps_time = true;
+  line.gps_time_ns = 1'400'000'000'000'000'000;
+  EXPECT_EQ(drive.odometry.TakeIns(line, drive.now_ns), Status::kOk);
+  InsSample binary = drive.Ins();
+  binary.timestamp_ns += 1;
+  binary.has_gps_time = true;
+  binary.gps_time_ns = line.gps_time_ns;
+  EXPECT_EQ(drive.odometry.TakeIns(binary, drive.now_ns), Status::kOk);
+  EXPECT_EQ(drive.odometry.TakeIns(line, drive.now_ns), Status::kDuplicate);
+  EXPECT_EQ(drive.odometry.TakeIns(binary, drive.now_ns), Status::kDuplicate);
+  line.gps_time_ns += 5'000'000;
+  EXPECT_EQ(drive.odometry.TakeIns(line, drive.now_ns), Status::kOk);
 }
 
 // New stamps, the same number, while the wheels begin to turn the other way.

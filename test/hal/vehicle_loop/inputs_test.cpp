@@ -2,8 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <span>
+#include <vector>
 
+#include "hal/vectornav/encode.h"
+#include "hal/vectornav/stream_parser.h"
+#include "hal/vectornav/vectornav.h"
 #include "test/hal/vehicle_loop/closed_loop.h"
 
 // Inputs that only look fresh, ticks that are missed, and memory that is not empty.
@@ -22,6 +29,69 @@ TEST(VehicleLoopInputs, AnInsThatRepeatsItselfIsASilentOne) {
   ASSERT_TRUE(drive.Until(1.0, [&] { return drive.mode() == Mode::kSafeStop; }));
   EXPECT_EQ(drive.reason(), StopReason::kInsOld);
   EXPECT_FALSE(drive.loop().odometry().uses_ins_rate());
+}
+
+// The INS's bytes of a tick as what they say, and that as a $VNINS line.
+std::vector<uint8_t> AsLine(std::span<const uint8_t> binary) {
+  vectornav::StreamParser parser;
+  InsSample sample;
+  parser.Feed(binary);
+  EXPECT_EQ(parser.Next(sample), Status::kOk);
+  std::vector<uint8_t> line(vectornav::kMaxAsciiBytes);
+  size_t size_bytes = 0;
+  EXPECT_EQ(vectornav::EncodeAscii(sample, line, size_bytes), Status::kOk);
+  line.resize(size_bytes);
+  return line;
+}
+
+// A line has no time since the device's start.
+TEST(VehicleLoopInputs, LinesOfAnInsThatRepeatThemselvesAreSilence) {
+  ClosedLoop drive;
+  std::vector<uint8_t> line;
+  drive.adds = [&](std::vector<TickDatagram>& datagrams) {
+    for (TickDatagram& datagram : datagrams) {
+      if (datagram.source != InputSource::kIns) continue;
+      if (!drive.repeats_ins) line = AsLine(datagram.bytes);
+      datagram.bytes = line;
+    }
+  };
+  drive.DriveTo(60.0f, 0.0f);
+  drive.repeats_ins = true;
+  ASSERT_TRUE(drive.Until(1.0, [&] { return drive.mode() == Mode::kSafeStop; }));
+  EXPECT_EQ(drive.reason(), StopReason::kInsOld);
+  EXPECT_GT(drive.loop().odometry().counters().repeated, 10u);
+}
+
+// A second kind of message, without a rate, 20 times a second beside one that has it.
+TEST(VehicleLoopInputs, AMessageWithoutARateDoesNotHideAWrongTurn) {
+  ClosedLoop drive;
+  int tick = 0;
+  std::vector<uint8_t> turning(vectornav::kMaxBinaryBytes);
+  std::vector<uint8_t> line;
+  drive.DriveTo(60.0f, 0.0f);
+  drive.adds = [&](std::vector<TickDatagram>& datagrams) {
+    for (size_t i = 0; i < datagrams.size(); ++i) {
+      if (datagrams[i].source != InputSource::kIns) continue;
+      line = AsLine(datagrams[i].bytes);
+      InsSample sample = drive.loop().newest_ins();
+      sample.has_timestamp = sample.has_angular_rate = true;
+      sample.has_gps_time = false;
+      sample.timestamp_ns = drive.now_ns();
+      sample.angular_rate_radps = {0.0f, 0.0f, 1.5f};
+      size_t size_bytes = 0;
+      turning.resize(vectornav::kMaxBinaryBytes);
+      ASSERT_EQ(vectornav::EncodeBinary(sample, turning, size_bytes), Status::kOk);
+      turning.resize(size_bytes);
+      datagrams[i].bytes = turning;
+      if (++tick % 5 == 0) {
+        datagrams.insert(datagrams.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                         {InputSource::kIns, line});
+      }
+      return;
+    }
+  };
+  ASSERT_TRUE(drive.Until(2.0, [&] { return drive.mode() == Mode::kFault; }));
+  EXPECT_EQ(drive.reason(), StopReason::kWrongTurn);
 }
 
 // Nobody knows where the vehicle went meanwhile: it stops, and does not go on by itself.
