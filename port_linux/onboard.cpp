@@ -11,8 +11,18 @@ namespace {
 
 // Batches of what came before the first tick: more than any receive buffer holds.
 constexpr int kMaxBacklog = 4096;
+// Batches that a tick drops at most of what waits too long.
+constexpr int kMaxWaiting = 64;
+// Longer than it takes to make up for a tick that was late by as much as a second lidar's turn.
+constexpr uint64_t kMaxBehind_ns = 100'000'000;
 // Longer than a stop takes.
 constexpr uint64_t kForgotten_ns = 5'000'000'000;
+
+// Datagrams that came off the socket, whoever sent them.
+uint64_t SeenBy(const DatagramSocket& socket) {
+  const DatagramCounters& counters = socket.counters();
+  return counters.received + counters.foreign + counters.oversized;
+}
 
 }  // namespace
 
@@ -63,6 +73,14 @@ void Onboard::DropBacklog() {
   }
 }
 
+void Onboard::DropWaiting(DatagramSocket& socket) {
+  for (int batch = 0; batch < kMaxWaiting; ++batch) {
+    const uint64_t seen = SeenBy(socket);
+    program_.dropped_datagrams += socket.Receive(DatagramSocket::kMaxBatch).size();
+    if (SeenBy(socket) - seen < DatagramSocket::kMaxBatch) return;
+  }
+}
+
 // The drives say so themselves: neither being told nor being asked to is it. One that has said
 // nothing for as long as a stop takes is not waited for.
 bool Onboard::IsOff() const {
@@ -83,12 +101,12 @@ void Onboard::Tick(uint64_t now_ns, uint64_t skipped) {
   devices_.can->Advance(now_ns);
   TakeFrames();
   datagram_count_ = 0;
-  TakeDatagrams(devices_.ins, InputSource::kIns, kMaxInsDatagrams);
-  TakeDatagrams(devices_.labels, InputSource::kLabels, kMaxLabelDatagrams);
+  input_.now_ns = now_ns;
+  TakeDatagrams(devices_.ins, InputSource::kIns, VehicleLoop::kMaxInsDatagrams);
+  TakeDatagrams(devices_.labels, InputSource::kLabels, VehicleLoop::kMaxLabelDatagrams);
   TakeDatagrams(devices_.lidar, InputSource::kLidar,
                 VehicleLoop::kMaxDatagramsPerTick - datagram_count_);
   input_.index = index_;
-  input_.now_ns = now_ns;
   input_.bus = devices_.can->state();
   input_.frames = std::span(frames_).first(static_cast<size_t>(frame_count_));
   input_.datagrams = std::span(datagrams_).first(static_cast<size_t>(datagram_count_));
@@ -125,9 +143,24 @@ void Onboard::TakeFrames() {
   }
 }
 
+// What waits behind a batch that is full comes later than it could, and looks as if it had just
+// come. While that is made up for, it does no harm; where it lasts, what waits is dropped, so that
+// what is taken next is new.
 void Onboard::TakeDatagrams(DatagramSocket* socket, InputSource source, int max) {
   if (socket == nullptr) return;
-  for (const Datagram& datagram : socket->Receive(max)) {
+  uint64_t& full_since_ns = full_since_ns_[static_cast<size_t>(source)];
+  if (full_since_ns != 0 && input_.now_ns - full_since_ns >= kMaxBehind_ns) {
+    DropWaiting(*socket);
+    full_since_ns = 0;
+  }
+  const uint64_t seen = SeenBy(*socket);
+  const std::span<const Datagram> taken = socket->Receive(max);
+  if (SeenBy(*socket) - seen < static_cast<uint64_t>(max)) {
+    full_since_ns = 0;
+  } else if (full_since_ns == 0) {
+    full_since_ns = input_.now_ns;
+  }
+  for (const Datagram& datagram : taken) {
     datagrams_[datagram_count_] = {source, datagram.bytes};
     arrivals_[datagram_count_] = {datagram.kernel_time_ns,
                                   {datagram.sender_address, datagram.sender_port}};

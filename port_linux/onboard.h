@@ -66,11 +66,8 @@ class Onboard {
   uint64_t index() const { return index_; }
 
  private:
-  // Taken by one tick of each, so that none can keep the others out.
-  static constexpr int kMaxInsDatagrams = 4;
-  static constexpr int kMaxLabelDatagrams = 8;
-
   void DropBacklog();
+  void DropWaiting(DatagramSocket& socket);
   bool IsOff() const;
   void TakeFrames();
   void TakeDatagrams(DatagramSocket* socket, InputSource source, int max);
@@ -97,6 +94,7 @@ class Onboard {
   int32_t frame_count_ = 0;
   int32_t datagram_count_ = 0;
   CanFrame frames_[CanBus::kMaxFramesPerTick];
+  uint64_t full_since_ns_[kInputSources] = {};  // batches have been full since; 0: the last was not
   TickDatagram datagrams_[VehicleLoop::kMaxDatagramsPerTick];
   flight_log::Arrival arrivals_[VehicleLoop::kMaxDatagramsPerTick];
   bool has_command_ = false;

@@ -38,6 +38,7 @@ struct ProgramPart {
   uint64_t uptime_ns = 0;            // since the first tick
   uint64_t tick_index = 0;
   uint64_t missed_ticks = 0;
+  uint64_t dropped_datagrams = 0;   // that had waited for too long to be told as new
   uint64_t last_missed_tick = 0;    // index of the newest one ...
   uint64_t last_miss_late_ns = 0;   // ... and by how much the tick after it was late
   uint64_t worst_late_ns = 0;       // a tick began after it was due

@@ -56,6 +56,7 @@ constexpr void VisitProgram(Part& part, Visit& visit) {
   HP_STATUS_SHOWN(uptime_ns, kDuration);
   HP_STATUS_FIELD(tick_index);
   HP_STATUS_LOSS(missed_ticks);
+  HP_STATUS_LOSS(dropped_datagrams);
   HP_STATUS_FIELD(last_missed_tick);
   HP_STATUS_SHOWN(last_miss_late_ns, kDuration);
   HP_STATUS_SHOWN(worst_late_ns, kDuration);

@@ -24,6 +24,8 @@ Status VehicleLoop::Configure(const VehicleConfig& config) {
   goals_.Clear();
   goal_index_ = 0;
   newest_ins_ = {};
+  ins_rate_radps_ = {};
+  ins_rate_ns_ = 0;
   has_position_ = false;
   ins_time_.Reset();
   ins_.Reset();
@@ -65,14 +67,20 @@ Status VehicleLoop::Configure(const VehicleConfig& config) {
   return status;
 }
 
-// What a lidar sends in one period has to fit into what a tick may class. The metadata do not say
-// how fast it turns: 20 times a second, or with 2048 columns 10 times.
+// What a lidar sends in one period has to fit into what a tick may class, and into the datagrams
+// that it takes. The metadata do not say how fast it turns: 20 times a second, or with 2048 columns
+// 10 times.
 bool VehicleLoop::KeepsUpWithLidar() const {
   constexpr int32_t kMaxColumns_per_s = 2048 * 10;
   const TickParams& tick = config_.onboard.tick;
   const int32_t columns_per_s = config_.lidar.columns_per_frame * 20;
   const int32_t most_per_s = columns_per_s < kMaxColumns_per_s ? columns_per_s : kMaxColumns_per_s;
-  return most_per_s * tick.period_ms <= tick.directions * 1000;
+  const int32_t columns_per_packet = config_.lidar.columns_per_packet;
+  const int32_t others =
+      kMaxInsDatagrams + (config_.perception.mapping.use_labels != 0 ? kMaxLabelDatagrams : 0);
+  const int32_t packets = kMaxDatagramsPerTick - others;
+  return most_per_s * tick.period_ms <= tick.directions * 1000 &&
+         most_per_s * tick.period_ms <= packets * columns_per_packet * 1000;
 }
 
 // With an empty map.
@@ -169,11 +177,12 @@ Status VehicleLoop::TakeIns(std::span<const uint8_t> bytes) {
     for (int message = 0; message < kMaxInsMessages; ++message) {
       if (!IsUsable(ins_.Next(ins_sample_))) break;
       if (!IsUsable(odometry_.TakeIns(ins_sample_, MeasuredAt(ins_sample_)))) continue;
-      const bool repeats = ins_ns_ != 0 && ins_sample_.has_timestamp && newest_ins_.has_timestamp &&
-                           ins_sample_.timestamp_ns == newest_ins_.timestamp_ns;
       newest_ins_ = ins_sample_;
-      if (repeats) continue;
       ins_ns_ = now_ns_;
+      if (ins_sample_.has_angular_rate) {
+        ins_rate_radps_ = ins_sample_.angular_rate_radps;
+        ins_rate_ns_ = now_ns_;
+      }
       if (!ins_sample_.has_position) continue;
       ins_position_ = ins_sample_;
       has_position_ = true;

@@ -94,6 +94,10 @@ struct LoopCounters {
 class VehicleLoop {
  public:
   static constexpr int kMaxDatagramsPerTick = 32;
+  // Of these the port takes at most so many of the INS and of labels, so that none can keep the
+  // others out: as many of labels as the fastest lidar sends. The lidar has what they leave.
+  static constexpr int kMaxInsDatagrams = 6;
+  static constexpr int kMaxLabelDatagrams = 13;
   // Of a datagram of the INS: more than a second of its messages.
   static constexpr int kMaxInsDatagram_bytes = 4096;
   static constexpr int kMaxInsFeeds = 4;
@@ -113,8 +117,8 @@ class VehicleLoop {
 
   // Sets everything up and forgets what was. The statuses of the stages' Configure;
   // kParameterOutOfRange too where plans would take less to stop than the drives need, or a period
-  // brings more columns of the lidar than a tick classes directions.
-  // Cost: everything is cleared.
+  // brings more columns of the lidar than a tick classes directions, or more of its datagrams than
+  // a tick takes. Cost: everything is cleared.
   Status Configure(const VehicleConfig& config);
 
   // One tick. kOk; kNotStarted: Configure has not succeeded; kInvalidArgument: the time or the
@@ -232,8 +236,10 @@ class VehicleLoop {
   int32_t columns_left_ = 0;  // of the lidar, that this tick takes ...
   int32_t labels_left_ = 0;   // ... and of labels
   InsSample newest_ins_;
-  InsSample ins_sample_;    // just decoded
-  InsSample ins_position_;  // of this tick, the newest with a position
+  Vec3 ins_rate_radps_;       // the newest angular rate, which not every message has
+  uint64_t ins_rate_ns_ = 0;  // when it came; 0: none yet
+  InsSample ins_sample_;      // just decoded
+  InsSample ins_position_;    // of this tick, the newest with a position
   bool has_position_ = false;
   LidarColumn column_;
   ColumnLabels labels_;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <deque>
@@ -109,6 +110,74 @@ TEST(Onboard, DropsWhatCameBeforeTheFirstTick) {
   onboard->Run(stop);
   EXPECT_GT(drive.loop().counters().ticks, 0u);
   for (const uint64_t datagrams : drive.loop().counters().datagrams) EXPECT_EQ(datagrams, 0u);
+}
+
+// Ticks in which so many datagrams of one sensor come in.
+struct Flood {
+  ClosedLoop drive;
+  SimulatedDevices simulated{drive};
+  fakes::MemoryDatagramSocket ins{0x7f000001u, 0};
+  fakes::MemoryDatagramSocket lidar{0x7f000001u, 0};
+  OnboardDevices devices;
+  std::unique_ptr<Onboard> onboard;
+  control::StatusReport report;
+
+  Flood() {
+    devices.clock = &simulated;
+    devices.can = &simulated;
+    devices.ins = &ins;
+    devices.lidar = &lidar;
+    onboard = std::make_unique<Onboard>(drive.loop(), devices, OnboardOptions{});
+  }
+  void Tick(fakes::MemoryDatagramSocket& socket, int datagrams) {
+    const std::vector<uint8_t> bytes(100, 0xfa);
+    for (int i = 0; i < datagrams; ++i) socket.Deliver(bytes);
+    simulated.SleepUntil(simulated.Now_ns() + ClosedLoop::kTick_ns);
+    onboard->Tick(simulated.Now_ns(), 0);
+    onboard->Report(report);
+  }
+  uint64_t Taken(InputSource source) {
+    return drive.loop().counters().datagrams[static_cast<size_t>(source)];
+  }
+};
+
+// More than a tick takes, tick for tick: what waits would come later and later, and look new.
+TEST(Onboard, DropsWhatWaitsForLong) {
+  Flood flood;
+  constexpr int kTicks = 1000;
+  constexpr uint64_t kEach = VehicleLoop::kMaxInsDatagrams + 1;
+  uint64_t most_waiting = 0;
+  for (uint64_t tick = 1; tick <= kTicks; ++tick) {
+    flood.Tick(flood.ins, static_cast<int>(kEach));
+    const uint64_t waiting =
+        tick * kEach - flood.Taken(InputSource::kIns) - flood.report.program.dropped_datagrams;
+    most_waiting = std::max(most_waiting, waiting);
+  }
+  EXPECT_LE(most_waiting, 11u);  // one more each tick, for 0.1 s
+  EXPECT_GT(flood.report.program.dropped_datagrams, 0u);
+  EXPECT_GT(flood.Taken(InputSource::kIns), kTicks * (kEach - 1) * 8 / 10);
+}
+
+// So does what others send, which is not given on.
+TEST(Onboard, DropsWhatWaitsBehindForeignDatagrams) {
+  Flood flood;
+  const std::vector<uint8_t> bytes(100, 0xfa);
+  for (int tick = 0; tick < 100; ++tick) {
+    for (int i = 0; i < 50; ++i) flood.lidar.Deliver(bytes, 0x0a000099u, 7502);
+    flood.Tick(flood.lidar, 1);
+  }
+  EXPECT_GT(flood.report.program.dropped_datagrams, 0u);
+  // The last of them came within the last 0.1 s and a tick.
+  EXPECT_GE(flood.Taken(InputSource::kLidar) + flood.report.program.dropped_datagrams, 89u);
+}
+
+// A burst, as after a late tick, is made up for and nothing of it dropped.
+TEST(Onboard, MakesUpForABurst) {
+  Flood flood;
+  flood.Tick(flood.lidar, 150);
+  for (int tick = 0; tick < 50; ++tick) flood.Tick(flood.lidar, 6);
+  EXPECT_EQ(flood.report.program.dropped_datagrams, 0u);
+  EXPECT_EQ(flood.Taken(InputSource::kLidar), 150u + 50u * 6u);
 }
 
 TEST(Onboard, EndsFromDrivingAtRestWithTheDrivesOff) {

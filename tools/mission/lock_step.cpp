@@ -9,8 +9,10 @@
 namespace hardpack::mission {
 namespace {
 
-// Of each source at most so many a tick, as the port takes them (port_linux/onboard.h).
-constexpr int kMostPerTick[kInputSources] = {4, 8, VehicleLoop::kMaxDatagramsPerTick};
+// Of each source at most so many a tick, as the port takes them.
+constexpr int kMostPerTick[kInputSources] = {VehicleLoop::kMaxInsDatagrams,
+                                             VehicleLoop::kMaxLabelDatagrams,
+                                             VehicleLoop::kMaxDatagramsPerTick};
 constexpr int64_t kWallClockOffset_ns = 1'795'000'000'000'000'000;
 constexpr uint32_t kVehicleAddress = 0x0a000001u;  // 10.0.0.1: nothing is sent there
 constexpr uint32_t kSensorAddress[kInputSources] = {0x0a000006u, 0x0a000007u, 0x0a000005u};

@@ -290,6 +290,33 @@ TEST(VehicleLoop, IsNothingBeforeItIsConfigured) {
   EXPECT_FALSE(IsUsable(loop->Configure(empty)));  // no lidar
 }
 
+// What a tick leaves waits, and what waits for good is old: 512 columns 20 times a second are 6.4
+// datagrams and 102.4 columns in 10 ms.
+TEST(VehicleLoop, RefusesAPeriodThatBringsMoreThanATickTakes) {
+  ClosedLoop drive;
+  const auto loop = std::make_unique<VehicleLoop>();
+  const auto config = std::make_unique<VehicleConfig>(drive.config());
+  ASSERT_EQ(config->lidar.columns_per_frame, 512);
+  ASSERT_EQ(config->lidar.columns_per_packet, 16);
+  struct Case {
+    int period_ms;
+    int directions;
+    int use_labels;
+    Status status;
+  };
+  for (const Case& one : {Case{10, 160, 0, Status::kOk}, Case{25, 256, 0, Status::kOk},
+                          Case{26, 256, 0, Status::kParameterOutOfRange},  // columns
+                          Case{40, 1024, 0, Status::kOk},                  // 25.6 of 26 datagrams
+                          Case{41, 1024, 0, Status::kParameterOutOfRange},
+                          Case{20, 1024, 1, Status::kOk},  // 12.8 of 13
+                          Case{21, 1024, 1, Status::kParameterOutOfRange}}) {
+    config->onboard.tick.period_ms = one.period_ms;
+    config->onboard.tick.directions = one.directions;
+    config->perception.mapping.use_labels = one.use_labels;
+    EXPECT_EQ(loop->Configure(*config), one.status) << one.period_ms;
+  }
+}
+
 TEST(VehicleLoop, DecidesTheSameTwice) {
   uint64_t hash[2] = {};
   for (uint64_t& value : hash) {
