@@ -38,6 +38,7 @@ if [ -z "${CMAKE_CXX_COMPILER_LAUNCHER-}" ] && command -v ccache >/dev/null; the
 fi
 
 reference=
+agreed=0
 failed=0
 
 # variant <name> <compiler> <emulator command or ""> <cmake option>...
@@ -79,8 +80,10 @@ compare() {
   elif [ -z "$reference" ]; then
     reference=$output.lines
     reference_name=$name
+    agreed=1
     echo "$name: $(tail -n 1 "$output.lines") ($(wc -l <"$output.lines") lines), the reference"
   elif cmp -s "$reference" "$output.lines"; then
+    agreed=$((agreed + 1))
     echo "$name: $(tail -n 1 "$output.lines")"
   else
     local difference
@@ -122,4 +125,4 @@ if [ $failed -ne 0 ]; then
   echo "decision_hash: FAILED"
   exit 1
 fi
-echo "decision_hash: all equal"
+echo "decision_hash: all $agreed equal"

@@ -56,11 +56,39 @@ class Assure(unittest.TestCase):
         self.assertEqual(code, 1)
         self.assertIn("| little | - | 16 | **NOT KEPT** |", page)
 
-    def test_skipped_tests_are_told(self):
+    def test_skipped_tests_are_told_and_none_where_there_are_recordings(self):
+        assure.has_recordings = lambda: False
         command = ("echo '100% tests passed, 0 tests failed out of 7'; echo 'did not run:'; "
                    "echo '  3 - core/a.B (Skipped)'; echo '  5 - core/a.C (Skipped)'")
         _, page = self.assure(command, assure.Promise("all", assure.PASSED, "all"))
-        self.assertIn("out of 7; 2 of them skipped", page)
+        self.assertIn("out of 7; skipped: core/a.B, core/a.C", page)
+        assure.has_recordings = lambda: True
+        code, page = self.assure(command, assure.Promise("all", assure.PASSED, "all"))
+        self.assertEqual(code, 1)
+        self.assertIn("**NOT KEPT**", page)
+
+    def test_a_number_beyond_its_budget_is_not_kept(self):
+        for number, kept in ((16, 0), (17, 1)):
+            code, page = self.assure(f"echo took {number},000",
+                                     assure.Promise("little", r"took ([\d,]+)", at_most=16000))
+            self.assertEqual(code, kept)
+            self.assertIn(f"| {number},000 | at most 16,000 |", page)
+        for number, kept in ((95, 0), (94.9, 1)):
+            code, page = self.assure(f"echo {number} %",
+                                     assure.Promise("much", r"([\d.]+) %", at_least=95))
+            self.assertEqual(code, kept)
+
+    def test_a_test_that_has_to_run_has_passed_by_its_name(self):
+        passed = "echo '100% tests passed, 0 tests failed out of 1'; "
+        promise = assure.Promise("all", assure.PASSED, "all", ran=("onboard.faults",))
+        line = "1/1 Test #17: onboard.faults .....   {} 60.22 sec"
+        for said, kept in (("Passed", 0), ("***Skipped", 1)):
+            code, _ = self.assure(passed + f"echo '{line.format(said)}'", promise)
+            self.assertEqual(code, kept)
+        code, page = self.assure(passed + "echo '1/1 Test #17: onboard.faults_of_others ..   Passed'",
+                                 promise)
+        self.assertEqual(code, 1)
+        self.assertIn("did not run: onboard.faults", page)
 
     def test_resume_reads_what_has_succeeded(self):
         promise = assure.Promise("little", r"took (\d+)", "16")
@@ -88,12 +116,13 @@ class Assure(unittest.TestCase):
         self.assure(COUNT + "echo took 13", promise, "--resume")
         self.assertEqual(self.runs(), 3)
 
-    def test_resume_trusts_no_uncommitted_sources(self):
+    def test_resume_trusts_no_uncommitted_sources_and_no_unknown_ones(self):
         promise = assure.Promise("little", r"took (\d+)", "16")
-        assure.revision = lambda: "abc-dirty"
-        self.assure(COUNT + "echo took 12", promise)
-        self.assure(COUNT + "echo took 12", promise, "--resume")
-        self.assertEqual(self.runs(), 2)
+        for runs, revision in ((2, "abc-dirty"), (4, "")):
+            assure.revision = lambda said=revision: said
+            self.assure(COUNT + "echo took 12", promise)
+            self.assure(COUNT + "echo took 12", promise, "--resume")
+            self.assertEqual(self.runs(), runs)
 
     def test_a_name_that_is_not_known_is_bad_usage(self):
         with contextlib.redirect_stderr(io.StringIO()) as said:
