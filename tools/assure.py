@@ -144,10 +144,15 @@ def measurements(options):
                     r"^decision_hash: all (\d+) equal$", at_least=7),
         ]),
         Measurement("clang", "cmake --preset release-clang -DHARDPACK_COUNT_LOOPS=ONLY && "
-                    "cmake --build --preset release-clang && "
-                    "ctest --preset release-clang -LE slow", [
+                    "cmake --build --preset release-clang && rm -f build/loops && "
+                    "HARDPACK_LOOP_REPORT=$PWD/build/loops ctest --preset release-clang -LE slow", [
                         Promise("every test passes in clang++'s build, and in those of core and hal no "
                                 "loop runs more often than its record says", PASSED, "all")]),
+        Measurement("loops", "tools/loop_report.py build/loops", [
+            Promise("the tests come to every loop, and to the bound of many",
+                    r"^loops: (\d+) have records, (\d+) were entered, (\d+) of them",
+                    "all entered", form="{} loops, {} entered, {} of them gone round as often as they "
+                    "may")]),
         Measurement("sanitizers", "cmake --preset asan && cmake --build --preset asan && "
                     "ctest --preset asan -LE slow", [
                         Promise("every test passes with address and undefined-behaviour sanitizers",

@@ -162,7 +162,9 @@ step "clang-tidy" tools/check_tidy.sh build/release || true
 if $all; then
   # Clang's optimised code without counters is what the sanitizers look at.
   cmake_options=(-DHARDPACK_COUNT_LOOPS=ONLY)
-  build_and_test release-clang -LE slow
+  rm -f build/loops
+  HARDPACK_LOOP_REPORT=$root/build/loops build_and_test release-clang -LE slow
+  step "loops" tools/loop_report.py build/loops || true
   cmake_options=()
   build_and_test asan -LE slow
   build_and_test aarch64

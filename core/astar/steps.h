@@ -76,7 +76,7 @@ inline uint32_t FourFlags(const Costmap& map, uint32_t index) {
 struct DirectionTable {
   uint8_t of[512];
 };
-constexpr DirectionTable MakeAllowed() {
+consteval DirectionTable MakeAllowed() {
   constexpr uint32_t kBit[kDirections] = {8, 7, 4, 1, 2, 0, 3, 6};
   DirectionTable allowed{};
   HP_LOOP_BOUND(512)

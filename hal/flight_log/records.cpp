@@ -30,7 +30,7 @@ constexpr size_t kMaxTextField = sizeof(VersionRecord::build);
 constexpr int kByteValues = 256;
 
 // The remainder that each byte leaves.
-constexpr std::array<uint32_t, kByteValues> MakeCrcTable() {
+consteval std::array<uint32_t, kByteValues> MakeCrcTable() {
   std::array<uint32_t, kByteValues> table = {};
   HP_LOOP_BOUND(kByteValues)
   for (uint32_t byte = 0; byte < kByteValues; ++byte) {

@@ -24,7 +24,7 @@ constexpr size_t kLeastBytes = kHeaderBytes + kFooterBytes;
 constexpr int kByteValues = 256;
 
 // The remainder that each byte leaves.
-constexpr std::array<uint32_t, kByteValues> MakeCrcTable() {
+consteval std::array<uint32_t, kByteValues> MakeCrcTable() {
   constexpr uint32_t kPolynomial = 0xedb88320u;
   std::array<uint32_t, kByteValues> table = {};
   HP_LOOP_BOUND(kByteValues)

@@ -23,7 +23,7 @@ namespace crc64 {
 inline constexpr int kSlices = 8;
 using Tables = std::array<std::array<uint64_t, 256>, kSlices>;
 
-constexpr Tables MakeTables() {
+consteval Tables MakeTables() {
   constexpr uint64_t kReflectedPolynomial = 0xC96C5795D7870F42u;
   Tables tables{};
   HP_LOOP_BOUND(256)

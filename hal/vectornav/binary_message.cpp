@@ -69,7 +69,7 @@ constexpr Field kFields[kGroups][kFieldsPerGroup] = {
 // clang-format on
 
 // The bits of the fields of known size.
-constexpr uint32_t KnownFields(size_t group) {
+consteval uint32_t KnownFields(size_t group) {
   uint32_t known = 0;
   HP_LOOP_BOUND(kFieldsPerGroup)
   for (size_t bit = 0; bit < kFieldsPerGroup; ++bit) {
@@ -91,7 +91,7 @@ constexpr size_t FieldBytes(size_t group, uint32_t mask) {
   return bytes;
 }
 
-constexpr size_t LargestMessage() {
+consteval size_t LargestMessage() {
   size_t bytes = kMasksOffset + kCrcBytes;
   HP_LOOP_BOUND(kGroups)
   for (size_t group = 0; group < kGroups; ++group) bytes += 2 + FieldBytes(group, 0x7fffu);

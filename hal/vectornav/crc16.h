@@ -26,7 +26,7 @@ inline constexpr size_t kMaxCrcBytes = 1280;
 
 namespace crc16 {
 
-constexpr std::array<uint16_t, 256> MakeTable() {
+consteval std::array<uint16_t, 256> MakeTable() {
   constexpr uint32_t kPolynomial = 0x1021u;
   std::array<uint16_t, 256> table{};
   HP_LOOP_BOUND(256)
@@ -63,7 +63,7 @@ constexpr uint16_t Crc16(std::span<const uint8_t> bytes) {
 namespace crc16 {
 
 // x^(8 n), n the index.
-constexpr std::array<uint16_t, kMaxCrcBytes + 1> MakePowers() {
+consteval std::array<uint16_t, kMaxCrcBytes + 1> MakePowers() {
   std::array<uint16_t, kMaxCrcBytes + 1> powers{};
   powers[0] = 1;
   HP_LOOP_BOUND(kMaxCrcBytes)

@@ -4,7 +4,7 @@
 // was entered to the file that the environment variable HARDPACK_LOOP_REPORT names. A loop has a
 // line a program run (ctest runs each test on its own) and a line a bound; the largest counts.
 //
-//   HARDPACK_LOOP_REPORT=/tmp/loops ctest -R counted/ && sort -u /tmp/loops
+//   HARDPACK_LOOP_REPORT=/tmp/loops ctest -R counted/ && tools/loop_report.py /tmp/loops
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -40,6 +40,7 @@ void WriteReport() {
   const char* name = std::getenv("HARDPACK_LOOP_REPORT");
   std::FILE* report = name == nullptr ? nullptr : std::fopen(name, "a");
   if (report == nullptr) return;
+  std::setvbuf(report, nullptr, _IOLBF, BUFSIZ);  // whole lines, whoever else writes
   for (const Site& site : g_sites) {
     if (site.file == nullptr) continue;
     std::fprintf(report, "%s:%d %llu %llu\n", site.file, site.line, site.bound, site.largest);

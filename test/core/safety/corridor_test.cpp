@@ -307,6 +307,31 @@ TEST(Corridor, LooksIntoTheFirstCellOfItsCoarseGrid) {
   EXPECT_FALSE(test.Holds(1.0f, 1.0f));
 }
 
+//  /\/\/\/\/\   Up and down, so that each chord reaches into most rows of the coarse grid: more than
+//  \/\/\/\/\/   are marked, so every chord is looked at for every return.
+TEST(Corridor, OfAPathThatFillsItsCoarseGridIsTheSame) {
+  constexpr float kHalf_m = 0.1f;
+  WorldPath path;
+  for (int i = 0; i <= 55; ++i) {
+    const float y_m = i % 2 == 0 ? 0.0f : 4.0f;
+    ASSERT_EQ(path.PushBack({0.5f * static_cast<float>(i), y_m, 0.0f}), Status::kOk);
+  }
+  const CorridorSize size = {.half_width_m = kHalf_m, .pivot_radius_m = kHalf_m, .reach_m = 230.0f};
+  Rig test(path);
+  Corridor& corridor = *test.corridor;
+  int inside = 0;
+  for (float x_m = 1.0f; x_m < 26.0f; x_m += 0.83f) {
+    for (float y_m = 0.3f; y_m < 3.7f; y_m += 0.29f) {
+      ASSERT_EQ(corridor.Build(path, 0.0f, size, 1), Status::kOk);
+      const double off_m = DistanceTo(path, 0.0, 230.0, {x_m, y_m});
+      if (std::abs(off_m - double{kHalf_m}) < 0.005) continue;
+      ASSERT_EQ(corridor.File({x_m, y_m}, false), off_m < double{kHalf_m}) << x_m << " " << y_m;
+      inside += off_m < double{kHalf_m} ? 1 : 0;
+    }
+  }
+  EXPECT_GT(inside, 30);
+}
+
 // Beside the corridor, but in a cell of the coarse grid that the only chord reaches into: each
 // return there is one test. The last test that is allowed is still made.
 TEST(Corridor, TakesReturnsForAnObstacleOnlyOnceAllTestsOfATickAreUsedUp) {
