@@ -69,6 +69,14 @@ TEST(OusterLayout, HasTheDocumentedSizes) {
   EXPECT_EQ(LayoutOf(MetadataOf(Profile::kRng19Rfl8Sig16Nir16Dual, 128)).packet_bytes, 33024);
 }
 
+TEST(OusterLayout, TakesTheMostThatItMay) {
+  Metadata metadata = MetadataOf(Profile::kLegacy, 16);
+  metadata.columns_per_packet = kMaxColumnsPerPacket;
+  metadata.columns_per_frame = kMaxColumnsPerRevolution;
+  EXPECT_EQ(LayoutOf(metadata).packet_bytes, 64 * (16 + 16 * 12 + 4));
+  EXPECT_EQ(LayoutOf(MetadataOf(Profile::kLegacy, kMaxBeams)).beams, 128);
+}
+
 TEST(OusterLayout, RefusesWhatItCannotDecode) {
   PacketLayout layout;
   EXPECT_EQ(MakeLayout(MetadataOf(static_cast<Profile>(4), 64), layout), Status::kUnsupported);
@@ -88,7 +96,7 @@ TEST(OusterLayout, RefusesWhatItCannotDecode) {
   large.columns_per_packet = 17;
   EXPECT_EQ(MakeLayout(large, layout), Status::kCapacityExceeded);
   metadata.columns_per_packet = 16;
-  metadata.columns_per_frame = 4096;
+  metadata.columns_per_frame = 2049;
   EXPECT_EQ(MakeLayout(metadata, layout), Status::kCapacityExceeded);
   metadata.columns_per_frame = 0;
   EXPECT_EQ(MakeLayout(metadata, layout), Status::kInvalidArgument);
