@@ -154,10 +154,6 @@ build_and_test() {
 }
 
 build_and_test release -LE slow
-if $all; then  # among them the mission whose log is replayed by the aarch64 build
-  settle
-  step "slow tests" ctest --preset release -j "$jobs" -L slow || true
-fi
 step "clang-tidy" tools/check_tidy.sh build/release || true
 if $all; then
   # Clang's optimised code without counters is what the sanitizers look at.
@@ -170,6 +166,8 @@ if $all; then
   build_and_test aarch64
   build_and_test cortex-m7
   step "fuzz" tools/fuzz.sh --minutes 1 --seed 1 || true
+  settle
+  step "slow tests" ctest --preset release -j "$jobs" -L slow || true
 fi
 
 echo
