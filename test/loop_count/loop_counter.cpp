@@ -5,6 +5,12 @@
 // line a program run (ctest runs each test on its own) and a line a bound; the largest counts.
 //
 //   HARDPACK_LOOP_REPORT=/tmp/loops ctest -R counted/ && tools/loop_report.py /tmp/loops
+//
+// For libFuzzer (HP_REWARD_NEARNESS, test/fuzz) it also says how near each loop came to its bound:
+// an input that brings one nearer is new to it, though no other code was reached, and is built
+// upon.
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -18,6 +24,7 @@ namespace {
 struct Site {
   const char* file = nullptr;  // null: free
   int line = 0;
+  uint32_t number = 0;  // in the order of their first entries, which is the same in every run
   unsigned long long bound = 0;
   unsigned long long largest = 0;
 };
@@ -42,7 +49,7 @@ void WriteReport() {
   if (report == nullptr) return;
   std::setvbuf(report, nullptr, _IOLBF, BUFSIZ);  // whole lines, whoever else writes
   for (const Site& site : g_sites) {
-    if (site.file == nullptr) continue;
+    if (site.file == nullptr || site.line < 0) continue;  // free, or a sum's
     std::fprintf(report, "%s:%d %llu %llu\n", site.file, site.line, site.bound, site.largest);
   }
   std::fclose(report);
@@ -68,9 +75,43 @@ Site& SiteOf(const char* file, int line, unsigned long long bound) {
     Stop();
   }
   if (g_sites_used == 1) std::atexit(WriteReport);
-  g_sites[at] = {file, line, bound, 0};
+  g_sites[at] = {file, line, g_sites_used - 1, bound, 0};
   return g_sites[at];
 }
+
+#if defined(HP_REWARD_NEARNESS)
+// Of a byte libFuzzer tells eight values apart, and clears all of them before each input.
+constexpr uint8_t kTellable[] = {1, 2, 3, 4, 8, 16, 32, 128};
+constexpr unsigned kLevelsPerByte = sizeof(kTellable);
+constexpr unsigned kLevelsBytes = 4;
+__attribute__((section("__libfuzzer_extra_counters"))) uint8_t g_nearness[kSites][kLevelsBytes];
+
+// Sixteenths of the bound up to its half, then whenever what lacks is halved: near the bound, where
+// it matters, every step is told apart.
+unsigned NearnessOf(unsigned long long count, unsigned long long bound) {
+  constexpr unsigned long long kSteps = 16;
+  constexpr unsigned kMost = kLevelsPerByte * kLevelsBytes - 1;
+  if (count < bound - count) return static_cast<unsigned>(count * kSteps / bound);
+  const auto halvings =
+      static_cast<unsigned>(std::bit_width(bound) - std::bit_width(bound - count));
+  return std::min<unsigned>(kSteps / 2 + halvings, kMost);
+}
+
+void Reward(const Site& site, unsigned long long count) {
+  if (count == 0 || count > site.bound) return;
+  const unsigned level = NearnessOf(count, site.bound);
+  uint8_t& byte = g_nearness[site.number][level / kLevelsPerByte];
+  byte = std::max(byte, kTellable[level % kLevelsPerByte]);
+}
+
+// A sum has a place beside its loop's own: that of the line's negative, which no loop has.
+void RewardSum(const InnerSum& sum, unsigned long long bound) {
+  Reward(SiteOf(sum.file, -sum.line, bound), sum.count);
+}
+#else
+void Reward(const Site&, unsigned long long) {}
+void RewardSum(const InnerSum&, unsigned long long) {}
+#endif
 
 }  // namespace
 
@@ -111,7 +152,7 @@ void LoopCounter::AddToOuter(const LoopCounter& outer) const {
   }
   if (at == g_summed) g_sums[g_summed++] = {file_, line_, 0};
   g_sums[at].count += count_;
-  if (g_sums[at].count <= outer.inner_) return;
+  if (g_sums[at].count <= outer.inner_) return RewardSum(g_sums[at], outer.inner_);
   std::fprintf(stderr, "%s:%d: the loop runs more often than %llu in all of that of %s:%d\n", file_,
                line_, outer.inner_, outer.file_, outer.line_);
   Stop();
@@ -124,6 +165,7 @@ void LoopCounter::Record() const {
   if (outer != nullptr && outer->inner_ > 0) AddToOuter(*outer);
   Site& site = SiteOf(file_, line_, bound_);
   if (count_ > site.largest) site.largest = count_;
+  Reward(site, count_);
 }
 
 void LoopCounter::Exceed() const {
