@@ -13,6 +13,7 @@
 #include "core/autonomy/mapper.h"
 #include "core/costmap/costmap.h"
 #include "core/scan/scan.h"
+#include "test/fuzz/accepted.h"
 
 // The script of the mapper's fuzz target, how a mapper is configured by it, and what holds of every
 // grid and map.

@@ -3,10 +3,12 @@
 // script sets parameters (as a rule within their ranges, some beyond), draws shapes into the map,
 // and says where from and to, and in which portions the units come.
 //
-// Required: a status for everything that is refused; of a usable plan finite poses on the map's
-// plane, free of obstacles by an own look at them, a cost no higher than before, curvatures within
-// the limit where the optimizer says so, speeds within theirs that end at rest; and the same plan
-// in other portions.
+// Required: a status for everything that is refused; within kMaxUnits units an end, and the same
+// plan in other portions; and of a usable plan, looked at anew (plan_checks.h): finite poses on the
+// map and finite steps that join them, a footprint that is clear of every obstacle or drives out of
+// the one that it stands in, a cost that is the path's and no higher than the base path's,
+// curvatures within the limits but where the status says otherwise, speeds that can be had and end
+// at rest unless the start is too fast for it.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -17,7 +19,9 @@
 #include "config/validate.h"
 #include "core/autonomy/planner.h"
 #include "core/base/decision_hash.h"
+#include "test/fuzz/accepted.h"
 #include "test/fuzz/mapper_script.h"
+#include "test/fuzz/plan_checks.h"
 
 namespace hardpack {
 namespace {
@@ -143,7 +147,7 @@ class Problem {
     for (int i = 0; i < kMapCells; ++i) {
       planner.costmap_builder().SetCell(i, flags_[static_cast<size_t>(i)]);
     }
-    for (int unit = 0; unit <= Planner::kMaxUnits; ++unit) {
+    for (int units = 0; units <= Planner::kMaxUnits; units += portion) {
       if (planner.StepCells(portion) == Progress::kDone) return true;
     }
     Require(false);
@@ -151,33 +155,14 @@ class Problem {
   }
 
   void Check(const hardpack::Plan& plan) const {
-    Require(plan.path.size() >= 2 && plan.speed.size() == plan.path.size());
-    Require(plan.actuator.steps.size() == plan.path.size() - 1);
-    const Costmap& map = planner_->costmap();
-    for (int k = 0; k < plan.path.size(); ++k) {
-      const Pose2& pose = plan.path[k];
-      Require(IsFinite(pose.x_m) && IsFinite(pose.y_m) && IsFinite(pose.theta_rad));
-      Require(plan.speed[k] >= 0.0f);
-      if (k == 0) continue;
-      Require(plan.speed[k] <=
-              std::max(params_.speed.max_speed_mps, request_.start.speed_mps) + 1e-3f);
-    }
-    if (plan.check.overlap_points > 0 || plan.search.start_in_obstacle) return;
-    for (const Pose2& pose : plan.path) CheckFree(map, pose);
-    if (plan.is_seed || plan.ends_short || plan.narrow) return;
-    if (!IsUsable(plan.optimizer_status) || plan.base.size() < 3) return;
-    Require(plan.cost_after.total() <= plan.cost_before.total() * 1.001f + 0.1f);
-  }
-
-  // The middles of both discs are not on an obstacle.
-  void CheckFree(const Costmap& map, const Pose2& pose) const {
-    const float offset_m = params_.vehicle.footprint_disc_offset_m;
-    for (const float side : {-1.0f, 1.0f}) {
-      const Cell cell = CellAt({pose.x_m + side * offset_m * std::cos(pose.theta_rad),
-                                pose.y_m + side * offset_m * std::sin(pose.theta_rad)});
-      if (!map.window.Contains(cell)) continue;
-      Require((map.flags[map.window.Index(cell)] & Costmap::kHard) == 0);
-    }
+    Accepted("plan");
+    PlanWitness(params_, request_, plan).CheckAll({planner_->costmap().window, flags_.get()});
+    Require(plan.cost_after.total() <= plan.cost_before.total());
+    // It is that of the path before turns on the spot, and before it was made to end short.
+    if (plan.pivots_first || plan.pivots_last || plan.ends_short) return;
+    const PathCost cost =
+        CostOf(planner_->costmap(), params_.optimizer, plan.path, request_.start.curvature_per_m);
+    Require(cost.map == plan.cost_after.map && cost.path == plan.cost_after.path);
   }
 
   Script script_;

@@ -23,9 +23,9 @@ class Adversarial : public ::testing::Test {
         planner_->costmap_builder().SetCell(y * kMapSize_cells + x, flags_of(x, y));
       }
     }
-    int steps = 0;
+    int units = 0;
     while (planner_->StepCells(Planner::kPortion_units) == Progress::kBusy) {
-      ASSERT_LE(++steps, Planner::kMaxUnits);
+      ASSERT_LE(units += Planner::kPortion_units, Planner::kMaxUnits);
     }
     ++planned_;
   }
