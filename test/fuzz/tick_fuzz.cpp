@@ -1,176 +1,61 @@
 // SPDX-License-Identifier: Apache-2.0
 // The whole tick with any interleaving of bytes and time. A simulated vehicle has driven for some
-// seconds; what came in the ticks behind that is recorded, and each input is a script that plays
-// the recording to a copy of the state: it loses, repeats, reorders, cuts and changes datagrams and
-// frames, adds its own bytes, lets time pass or stand, changes the bus and gives commands.
+// seconds (tick_recording.h); what came in the ticks behind that is recorded, and each input is a
+// script that plays the recording to a copy of the state: it loses, repeats, heaps up, reorders,
+// cuts and changes datagrams and frames, adds its own bytes, lets time pass or stand, changes the
+// bus and gives commands.
+//   byte 0  bit 0: driving, else standing; bit 1: the second copy is given a flight log
 //
-// Required of every tick: what is sent are frames a bus can carry, the commands are numbers within
-// their limits, nothing is driven on inputs that are too old, a safe stop ends in time, the state
-// is finite, the tick's limits hold, and a second copy that is given the same decides the same.
-#include <cmath>
+// Required of every tick (tick_checks.h): what is sent are frames a bus can carry, and what a drive
+// reads there is within the wheels' limits, and zero where the mode does not permit to move;
+// nothing is followed on inputs that are too old, and no path at all on what is far too old, nor
+// after zero speed at once before the wheels stand; a safe stop ends in time; the state is finite;
+// everything that came is counted, and no more is taken than a tick may take; a tick that cannot be
+// changes nothing but a counter. And a second copy that is given the same, or what a flight log of
+// it says, decides the same.
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "hal/control/messages.h"
 #include "hal/vehicle_loop/vehicle_loop.h"
-#include "port_linux/ouster_metadata.h"
+#include "test/fuzz/accepted.h"
 #include "test/fuzz/mapper_script.h"
-#include "test/loop_count/counted_beams.h"
-#include "tools/sim/scripted_vehicle.h"
+#include "test/fuzz/tick_checks.h"
+#include "test/fuzz/tick_log.h"
+#include "test/fuzz/tick_recording.h"
 
 namespace hardpack {
 namespace {
 
-constexpr uint64_t kTick_ns = 10'000'000;
-constexpr uint64_t kStart_ns = 100'000'000'000;
-constexpr int kRecorded = 60;
 constexpr int kMostTicks = 48;
-
-struct RecordedTick {
-  std::vector<std::vector<uint8_t>> bytes;
-  std::vector<InputSource> sources;
-  std::vector<CanFrame> frames;
-};
-
-struct Recording {
-  std::vector<uint8_t> state;  // of the VehicleLoop
-  uint64_t index = 0;
-  uint64_t now_ns = 0;
-  std::vector<RecordedTick> ticks;
-};
-
-// A vehicle that is brought up and, if it is to drive, sent off; what comes after that is recorded.
-class Recorder {
- public:
-  Recorder() {
-    settings_.world = sim::LaneWorld();
-    settings_.lidar.columns = 512;
-    vehicle_ =
-        std::make_unique<sim::ScriptedVehicle>(settings_, std::vector<sim::ScriptEvent>{}, now_ns_);
-    config_.onboard.drive.left_sign = settings_.vehicle.left.sign;
-    config_.onboard.drive.right_sign = settings_.vehicle.right.sign;
-    config_.onboard.drive.gear_ratio = static_cast<float>(settings_.vehicle.left.gear_ratio);
-    config_.onboard.drive.login_user = settings_.vehicle.left.login_user;
-    config_.onboard.drive.login_password = settings_.vehicle.left.login_password;
-    config_.onboard.tick.planning_units = 512;
-    Require(ouster::ParseMetadata(vehicle_->lidar().MetadataJson(), "fuzz", config_.lidar).ok());
-    Require(loop_->Configure(config_) == Status::kOk);
-    CountedBeams::Set(config_.lidar.beams);
-  }
-
-  void BringUp() {
-    for (int i = 0; i < 2000 && !loop_->drives().ready(); ++i) Tick({});
-    for (int i = 0; i < 40; ++i) Tick({});
-  }
-
-  void Drive() {
-    Say(control::Kind::kArm);
-    for (int i = 0; i < 500 && !loop_->drives().enabled(); ++i) Tick({});
-    Say(control::Kind::kGoal);
-    for (int i = 0; i < 300; ++i) Tick({});
-    Require(loop_->permission().mode == Mode::kDriving);
-  }
-
-  Recording Record() {
-    Recording recording;
-    recording.state.resize(sizeof(VehicleLoop));
-    std::memcpy(recording.state.data(), loop_.get(), sizeof(VehicleLoop));
-    recording.index = index_;
-    recording.now_ns = now_ns_;
-    for (int i = 0; i < kRecorded; ++i) {
-      Tick({});
-      recording.ticks.push_back(last_);
-    }
-    return recording;
-  }
-
- private:
-  void Say(control::Kind kind) {
-    control::OperatorCommand command;
-    command.kind = kind;
-    command.sequence = ++sequence_;
-    if (kind == control::Kind::kGoal) {
-      command.waypoints = 1;
-      command.waypoint[0].frame = control::GoalFrame::kOdom;
-      command.waypoint[0].position_m = {25.0f, 1.0f};
-    }
-    uint8_t bytes[control::kMaxMessageBytes];
-    int size = 0;
-    Require(control::Encode(command, bytes, size) == Status::kOk);
-    Tick({bytes, static_cast<size_t>(size)});
-  }
-
-  void Tick(std::span<const uint8_t> command) {
-    now_ns_ += kTick_ns;
-    sim::Outgoing out;
-    vehicle_->Advance(now_ns_, out);
-    last_ = {};
-    for (const sim::SensorDatagram& datagram : out.datagrams) {
-      const InputSource source = datagram.sensor == sim::Sensor::kLidar    ? InputSource::kLidar
-                                 : datagram.sensor == sim::Sensor::kLabels ? InputSource::kLabels
-                                                                           : InputSource::kIns;
-      last_.bytes.emplace_back(datagram.bytes.begin(), datagram.bytes.end());
-      last_.sources.push_back(source);
-    }
-    last_.frames.assign(out.frames.begin(), out.frames.end());
-    std::vector<TickDatagram> datagrams;
-    for (size_t i = 0; i < last_.bytes.size(); ++i) {
-      datagrams.push_back({last_.sources[i], last_.bytes[i]});
-    }
-    const TickInput input = {++index_,  now_ns_,      CanBusState::kActive,
-                             datagrams, last_.frames, command};
-    Require(loop_->Tick(input, output_) == Status::kOk);
-    for (const CanFrame& frame : output_.frames) vehicle_->TakeFrame(frame, now_ns_);
-  }
-
-  uint64_t now_ns_ = kStart_ns;
-  uint64_t index_ = 0;
-  uint32_t sequence_ = 0;
-  sim::ScriptedVehicleSettings settings_;
-  std::unique_ptr<sim::ScriptedVehicle> vehicle_;
-  VehicleConfig config_;
-  std::unique_ptr<VehicleLoop> loop_ = std::make_unique<VehicleLoop>();
-  TickOutput output_;
-  RecordedTick last_;
-};
-
-// Standing in standby, and driving.
-const Recording& RecordingOf(bool drives) {
-  static const Recording standing = [] {
-    Recorder recorder;
-    recorder.BringUp();
-    return recorder.Record();
-  }();
-  static const Recording driving = [] {
-    Recorder recorder;
-    recorder.BringUp();
-    recorder.Drive();
-    return recorder.Record();
-  }();
-  return drives ? driving : standing;
-}
 
 class Play {
  public:
   Play(const uint8_t* data, size_t size)
-      : script_(data, size), recording_(RecordingOf((script_.Byte() & 1) != 0)) {
+      : script_(data, size), choice_(script_.Byte()), recording_(RecordingOf((choice_ & 1) != 0)) {
     std::memcpy(static_cast<void*>(loop_.get()), recording_.state.data(), sizeof(VehicleLoop));
     std::memcpy(static_cast<void*>(twin_.get()), recording_.state.data(), sizeof(VehicleLoop));
     index_ = recording_.index;
     now_ns_ = recording_.now_ns;
+    if ((choice_ & 2) != 0) log_.emplace();
   }
 
   void Run() {
     for (int i = 0; i < kMostTicks && !script_.ended(); ++i) Tick();
+    if (log_.has_value()) log_->DoAgain(*twin_);
+    Accepted(log_.has_value() ? "log" : "twin");
+    Accepted(followed_ ? "driving" : "standing");
   }
 
  private:
   void Tick() {
-    Take(recording_.ticks[next_++ % recording_.ticks.size()]);
+    Take();
     command_.clear();
     const uint8_t changes = script_.Byte() % 4u;
     for (uint8_t i = 0; i < changes; ++i) Change();
@@ -181,18 +66,20 @@ class Play {
     now_ns_ += step_ns_;
     step_ns_ = kTick_ns;
     const TickInput input = {++index_, now_ns_, bus_, datagrams, tick_.frames, command_};
+    if (log_.has_value()) log_->BeginTick(input, *loop_);
+    checks_.Before(input);
     const Status status = loop_->Tick(input, output_);
-    Require(status == Status::kOk || status == Status::kInvalidArgument);
-    Require(twin_->Tick(input, twin_output_) == status);
-    Require(loop_->decision_hash() == twin_->decision_hash());
-    CheckFrames();
-    if (status != Status::kOk) return;
-    CheckInputs();
-    CheckStop();
-    CheckState();
+    if (log_.has_value()) {
+      log_->EndTick(input, status, *loop_, output_);
+    } else {
+      Require(twin_->Tick(input, twin_output_) == status);
+      Require(loop_->decision_hash() == twin_->decision_hash());
+    }
+    checks_.After(input, status, output_);
+    followed_ = followed_ || loop_->permission().motion == Motion::kFollow;
   }
 
-  void Take(const RecordedTick& recorded) { tick_ = recorded; }
+  void Take() { tick_ = recording_.ticks[next_++ % recording_.ticks.size()]; }
 
   void Change() {
     const uint8_t what = script_.Byte();
@@ -206,9 +93,7 @@ class Play {
         DropAll(static_cast<InputSource>(script_.Byte() % 3u));
         return;
       case 2:  // twice
-        if (count == 0) return;
-        tick_.bytes.push_back(tick_.bytes[which]);
-        tick_.sources.push_back(tick_.sources[which]);
+        if (count > 0) Add(tick_.sources[which], tick_.bytes[which]);
         return;
       case 3:  // out of order
         if (count > 1) std::swap(tick_.bytes[which], tick_.bytes[count - 1]);
@@ -217,8 +102,9 @@ class Play {
       case 4:  // cut
         if (count > 0) tick_.bytes[which].resize(script_.Two() % (tick_.bytes[which].size() + 1));
         return;
-      case 5:  // changed: a byte, or several in a row
-      case 6:
+      case 5:  // those of the ticks behind come with it, as after a late one
+        return HeapUp();
+      case 6:  // changed: a byte, or several in a row
       case 7:
         if (count > 0) Corrupt(tick_.bytes[which]);
         return;
@@ -232,7 +118,8 @@ class Play {
         step_ns_ = script_.Byte() == 0 ? 0 : step_ns_ + uint64_t{script_.Byte()} * kTick_ns;
         return;
       case 11:
-        bus_ = static_cast<CanBusState>(script_.Byte() % 6u);
+        // One that there is not, too; but a log refuses that one.
+        bus_ = static_cast<CanBusState>(script_.Byte() % (kCanBusStates + (log_ ? 0u : 1u)));
         return;
       case 12:
         tick_.frames.resize(tick_.frames.size() / 2);
@@ -261,6 +148,22 @@ class Play {
     }
   }
 
+  void HeapUp() {
+    const uint8_t ticks = script_.Byte() % 8u;
+    for (uint8_t i = 0; i < ticks; ++i) {
+      const RecordedTick& next = recording_.ticks[next_++ % recording_.ticks.size()];
+      for (size_t k = 0; k < next.bytes.size(); ++k) Add(next.sources[k], next.bytes[k]);
+    }
+  }
+
+  // At most one more than a tick takes, which is refused; a log is not given such.
+  void Add(InputSource source, std::vector<uint8_t> bytes) {
+    const size_t most = VehicleLoop::kMaxDatagramsPerTick + (log_ ? 0u : 1u);
+    if (tick_.bytes.size() >= most) return;
+    tick_.sources.push_back(source);
+    tick_.bytes.push_back(std::move(bytes));
+  }
+
   void Corrupt(std::vector<uint8_t>& bytes) {
     if (bytes.empty()) return;
     const size_t at = script_.Two() % bytes.size();
@@ -271,8 +174,8 @@ class Play {
   void AddOwn() {
     std::vector<uint8_t> bytes(script_.Two() % 2048u);
     for (uint8_t& byte : bytes) byte = script_.Byte();
-    tick_.sources.push_back(static_cast<InputSource>(script_.Byte() % 3u));
-    tick_.bytes.push_back(std::move(bytes));
+    const auto source = static_cast<InputSource>(script_.Byte() % 3u);
+    Add(source, std::move(bytes));
   }
 
   void ChangeFrame() {
@@ -305,73 +208,23 @@ class Play {
     if (script_.Byte() % 8u == 0) Corrupt(command_);
   }
 
-  void CheckFrames() const {
-    Require(output_.frames.size() <= kMaxFramesOut);
-    for (const CanFrame& frame : output_.frames) Require(IsValid(frame) && !frame.extended);
-  }
-
-  // Nothing is driven on what is too old, or on a bus that is not there.
-  void CheckInputs() const {
-    const Permission& permission = loop_->permission();
-    if (permission.mode != Mode::kDriving || permission.motion != Motion::kFollow) return;
-    const SafetyParams& safety = loop_->config().onboard.safety;
-    const auto is_young = [&](uint64_t then_ns, float limit_s) {
-      return then_ns != 0 && static_cast<double>(now_ns_ - std::min(then_ns, now_ns_)) * 1e-9 <=
-                                 static_cast<double>(limit_s) + 1e-6;
-    };
-    Require(is_young(loop_->lidar_ns(), safety.max_lidar_age_s));
-    Require(is_young(loop_->ins_ns(), safety.max_ins_age_s));
-    Require(is_young(loop_->odometry().moved_ns(), safety.max_odometry_age_s));
-    Require(is_young(loop_->replanner().committed().checked_ns, safety.max_plan_age_s));
-    Require(bus_ == CanBusState::kActive || bus_ == CanBusState::kWarning ||
-            bus_ == CanBusState::kPassive);
-    // The drives are judged anew when they are commanded: what has just fallen silent is sent zero,
-    // and is a fault in the next tick.
-    const WheelCommand sent = loop_->drives().commanded();
-    Require(loop_->drives().ready() || (sent.left_radps == 0.0f && sent.right_radps == 0.0f));
-  }
-
-  // A safe stop becomes zero speed when it has lasted too long.
-  void CheckStop() {
-    const Permission& permission = loop_->permission();
-    const bool stops = permission.mode == Mode::kSafeStop;
-    if (stops && !stopped_) stop_ns_ = now_ns_;
-    stopped_ = stops;
-    if (!stops || permission.motion != Motion::kStopAlong) return;
-    const double lasted_s = static_cast<double>(now_ns_ - stop_ns_) * 1e-9;
-    Require(lasted_s <= static_cast<double>(loop_->config().onboard.safety.max_stop_s) + 0.001);
-  }
-
-  void CheckState() const {
-    const WheelCommand& command = loop_->gate().last();
-    const float most = loop_->config().planner.vehicle.max_wheel_speed_radps;
-    Require(std::abs(command.left_radps) <= most && std::abs(command.right_radps) <= most);
-    const Motion motion = loop_->permission().motion;
-    const bool may_move = motion == Motion::kFollow || motion == Motion::kStopAlong;
-    Require(may_move || (command.left_radps == 0.0f && command.right_radps == 0.0f));
-    const StampedPose& pose = loop_->odometry().pose();
-    Require(IsFinite(pose.position.x_m) && IsFinite(pose.position.y_m) && IsFinite(pose.yaw_rad));
-    Require(IsFinite(loop_->odometry().speed_mps()));
-    const CommittedPlan& plan = loop_->replanner().committed();
-    for (const float speed_mps : plan.speed) Require(speed_mps >= 0.0f && speed_mps <= 20.0f);
-    for (const Pose2& place : plan.path) Require(IsFinite(place.x_m) && IsFinite(place.y_m));
-  }
-
   Script script_;
+  uint8_t choice_;
   const Recording& recording_;
   std::unique_ptr<VehicleLoop> loop_ = std::make_unique<VehicleLoop>();
   std::unique_ptr<VehicleLoop> twin_ = std::make_unique<VehicleLoop>();
   uint64_t index_ = 0;
   uint64_t now_ns_ = 0;
   uint64_t step_ns_ = kTick_ns;
-  bool stopped_ = false;  // the tick before was of a safe stop ...
-  uint64_t stop_ns_ = 0;  // ... that began then
+  bool followed_ = false;  // a path, in one of the ticks
   size_t next_ = 0;
   CanBusState bus_ = CanBusState::kActive;
   RecordedTick tick_;
   std::vector<uint8_t> command_;
   TickOutput output_;
   TickOutput twin_output_;
+  TickChecks checks_{*loop_};
+  std::optional<TickLog> log_;
 };
 
 }  // namespace

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "hal/control/messages.h"
+#include "hal/vehicle_loop/vehicle_loop.h"
+#include "port_linux/ouster_metadata.h"
+#include "test/fuzz/mapper_script.h"
+#include "test/loop_count/counted_beams.h"
+#include "tools/sim/scripted_vehicle.h"
+
+// What the tick's fuzz target plays: a simulated vehicle that has driven for some seconds, as the
+// state of its VehicleLoop, and what came in the ticks behind that.
+
+namespace hardpack {
+
+inline constexpr uint64_t kStart_ns = 100'000'000'000;
+inline constexpr int kRecorded = 60;
+
+struct RecordedTick {
+  std::vector<std::vector<uint8_t>> bytes;
+  std::vector<InputSource> sources;
+  std::vector<CanFrame> frames;
+};
+
+struct Recording {
+  std::vector<uint8_t> state;  // of the VehicleLoop
+  uint64_t index = 0;
+  uint64_t now_ns = 0;
+  std::vector<RecordedTick> ticks;
+};
+
+// A vehicle that is brought up and, if it is to drive, sent off; what comes after that is recorded.
+class RecordedDrive {
+ public:
+  RecordedDrive() {
+    settings_.world = sim::LaneWorld();
+    settings_.lidar.columns = 512;
+    vehicle_ =
+        std::make_unique<sim::ScriptedVehicle>(settings_, std::vector<sim::ScriptEvent>{}, now_ns_);
+    config_.onboard.drive.left_sign = settings_.vehicle.left.sign;
+    config_.onboard.drive.right_sign = settings_.vehicle.right.sign;
+    config_.onboard.drive.gear_ratio = static_cast<float>(settings_.vehicle.left.gear_ratio);
+    config_.onboard.drive.login_user = settings_.vehicle.left.login_user;
+    config_.onboard.drive.login_password = settings_.vehicle.left.login_password;
+    config_.onboard.tick.planning_units = 512;
+    config_.onboard.tick.directions = 160;  // the least there may be, so that it can be reached
+    Require(ouster::ParseMetadata(vehicle_->lidar().MetadataJson(), "fuzz", config_.lidar).ok());
+    Require(loop_->Configure(config_) == Status::kOk);
+    CountedBeams::Set(config_.lidar.beams);
+  }
+
+  void BringUp() {
+    for (int i = 0; i < 2000 && !loop_->drives().ready(); ++i) Tick({});
+    for (int i = 0; i < 40; ++i) Tick({});
+  }
+
+  void Drive() {
+    Say(control::Kind::kArm);
+    for (int i = 0; i < 500 && !loop_->drives().enabled(); ++i) Tick({});
+    Say(control::Kind::kGoal);
+    for (int i = 0; i < 300; ++i) Tick({});
+    Require(loop_->permission().mode == Mode::kDriving);
+  }
+
+  Recording Record() {
+    Recording recording;
+    recording.state.resize(sizeof(VehicleLoop));
+    std::memcpy(recording.state.data(), loop_.get(), sizeof(VehicleLoop));
+    recording.index = index_;
+    recording.now_ns = now_ns_;
+    for (int i = 0; i < kRecorded; ++i) {
+      Tick({});
+      recording.ticks.push_back(last_);
+    }
+    return recording;
+  }
+
+ private:
+  void Say(control::Kind kind) {
+    control::OperatorCommand command;
+    command.kind = kind;
+    command.sequence = ++sequence_;
+    if (kind == control::Kind::kGoal) {
+      command.waypoints = 1;
+      command.waypoint[0].frame = control::GoalFrame::kOdom;
+      command.waypoint[0].position_m = {25.0f, 1.0f};
+    }
+    uint8_t bytes[control::kMaxMessageBytes];
+    int size = 0;
+    Require(control::Encode(command, bytes, size) == Status::kOk);
+    Tick({bytes, static_cast<size_t>(size)});
+  }
+
+  void Tick(std::span<const uint8_t> command) {
+    now_ns_ += kTick_ns;
+    sim::Outgoing out;
+    vehicle_->Advance(now_ns_, out);
+    last_ = {};
+    for (const sim::SensorDatagram& datagram : out.datagrams) {
+      const InputSource source = datagram.sensor == sim::Sensor::kLidar    ? InputSource::kLidar
+                                 : datagram.sensor == sim::Sensor::kLabels ? InputSource::kLabels
+                                                                           : InputSource::kIns;
+      last_.bytes.emplace_back(datagram.bytes.begin(), datagram.bytes.end());
+      last_.sources.push_back(source);
+    }
+    last_.frames.assign(out.frames.begin(), out.frames.end());
+    std::vector<TickDatagram> datagrams;
+    for (size_t i = 0; i < last_.bytes.size(); ++i) {
+      datagrams.push_back({last_.sources[i], last_.bytes[i]});
+    }
+    const TickInput input = {++index_,  now_ns_,      CanBusState::kActive,
+                             datagrams, last_.frames, command};
+    Require(loop_->Tick(input, output_) == Status::kOk);
+    for (const CanFrame& frame : output_.frames) vehicle_->TakeFrame(frame, now_ns_);
+  }
+
+  uint64_t now_ns_ = kStart_ns;
+  uint64_t index_ = 0;
+  uint32_t sequence_ = 0;
+  sim::ScriptedVehicleSettings settings_;
+  std::unique_ptr<sim::ScriptedVehicle> vehicle_;
+  VehicleConfig config_;
+  std::unique_ptr<VehicleLoop> loop_ = std::make_unique<VehicleLoop>();
+  TickOutput output_;
+  RecordedTick last_;
+};
+
+// Standing in standby, and driving.
+inline const Recording& RecordingOf(bool drives) {
+  static const Recording standing = [] {
+    RecordedDrive drive;
+    drive.BringUp();
+    return drive.Record();
+  }();
+  static const Recording driving = [] {
+    RecordedDrive drive;
+    drive.BringUp();
+    drive.Drive();
+    return drive.Record();
+  }();
+  return drives ? driving : standing;
+}
+
+}  // namespace hardpack
