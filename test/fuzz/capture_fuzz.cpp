@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <memory>
 
+#include "test/fuzz/accepted.h"
 #include "test/fuzz/temporary_file.h"
 #include "tools/capture/flight_reader.h"
 #include "tools/capture/pcap_reader.h"
@@ -27,11 +28,15 @@ void ReadPackets(const std::string& path, bool drops_duplicates) {
   CapturedPacket packet;
   int64_t datagrams = 0;
   int64_t frames = 0;
+  int64_t fragmented = 0;
   while (reader.Next(packet)) {
     const bool is_frame = packet.kind == CapturedPacket::Kind::kCanFrame;
     (is_frame ? frames : datagrams) += 1;
     if (is_frame) Require(IsValid(packet.frame));
+    if (is_frame) Accepted("can");
     if (is_frame) continue;
+    Accepted(reader.reassembly().completed > fragmented ? "fragments" : "datagrams");
+    fragmented = reader.reassembly().completed;
     Require(packet.datagram.payload.size() <= 65507);
     uint32_t sum = 0;
     for (const uint8_t byte : packet.datagram.payload) sum += byte;
@@ -59,6 +64,7 @@ void ReadTicks(const std::string& path) {
     size_t datagrams = 0;
     for (const uint16_t count : tick->begin.datagrams) datagrams += count;
     Require(tick->datagrams.size() == datagrams);
+    Accepted("flight");
   }
   std::abort();  // a file of so few bytes has no end
 }

@@ -10,6 +10,7 @@
 
 #include "config/validate.h"
 #include "port_linux/configuration.h"
+#include "test/fuzz/accepted.h"
 
 namespace {
 
@@ -37,6 +38,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
           hardpack::kMaxConfigurationProblems);
   if (!outcome.ok()) return 0;
 
+  hardpack::Accepted("configuration");
   Require(hardpack::FirstInvalidParameter(configuration.planner) == nullptr);
   Require(hardpack::FirstInvalidParameter(configuration.perception) == nullptr);
   Require(hardpack::FirstInvalidParameter(configuration.onboard) == nullptr);

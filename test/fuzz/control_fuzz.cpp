@@ -13,6 +13,7 @@
 
 #include "hal/control/messages.h"
 #include "hal/control/status_report.h"
+#include "test/fuzz/accepted.h"
 
 using namespace hardpack;
 using Bytes = std::vector<uint8_t>;
@@ -46,9 +47,10 @@ void FixHeader(Bytes& bytes, uint8_t choice) {
 }
 
 template <typename Message>
-bool RoundTrips(const Bytes& bytes) {
+bool RoundTrips(const Bytes& bytes, const char* sort) {
   Message message;
   if (Decode(bytes, message) != Status::kOk) return false;
+  Accepted(sort);
   Bytes again(bytes.size());
   int size_bytes = 0;
   Require(Encode(message, again, size_bytes) == Status::kOk);
@@ -59,6 +61,7 @@ bool RoundTrips(const Bytes& bytes) {
 bool ReportRoundTrips(const Bytes& bytes, uint32_t sequence) {
   static control::StatusReport report;
   if (Decode(bytes, report) != Status::kOk) return false;
+  Accepted("status");
   Bytes again(bytes.size());
   int size_bytes = 0;
   Require(Encode(report, sequence, again, size_bytes) == Status::kOk);
@@ -75,9 +78,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
 
   control::Header header;
   const Status status = ReadHeader(bytes, header);
-  const int taken = RoundTrips<control::OperatorCommand>(bytes) +
-                    RoundTrips<control::Question>(bytes) + RoundTrips<control::Done>(bytes) +
-                    RoundTrips<control::ParametersPart>(bytes) +
+  const int taken = RoundTrips<control::OperatorCommand>(bytes, "command") +
+                    RoundTrips<control::Question>(bytes, "question") +
+                    RoundTrips<control::Done>(bytes, "done") +
+                    RoundTrips<control::ParametersPart>(bytes, "parameters") +
                     ReportRoundTrips(bytes, header.sequence);
   Require(taken <= (status == Status::kOk ? 1 : 0));
   return 0;

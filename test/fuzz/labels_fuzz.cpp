@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hal/labels/labels.h"
+#include "test/fuzz/accepted.h"
 
 using hardpack::ColumnLabels;
 using hardpack::Status;
@@ -55,6 +56,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   Header header;
   const Status checked = CheckDatagram(bytes, beams, columns_per_revolution, header);
   if (checked == Status::kOk) {
+    hardpack::Accepted("labels");
     Require(header.beams == beams);
     RequireRoundTrip(header, bytes);
     return 0;

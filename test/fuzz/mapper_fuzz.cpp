@@ -263,6 +263,7 @@ class Drive {
                 : taken == Status::kNotStarted);
     if (has_twin_) Require(twin_.AddColumn(column_, time_ns) == taken);
     if (taken != Status::kOk) return;
+    Accepted("columns");
     const Result<int64_t> sequence =
         mapper_.ring().SequenceOf(column_.frame_id, column_.measurement_id);
     Require(sequence.ok() && mapper_.ring().Holds(sequence.value()));
@@ -312,6 +313,7 @@ class Drive {
                 : taken == Status::kNotStarted);
     if (has_twin_) Require(twin_.AddLabels(labels) == taken);
     if (taken != Status::kOk) return;
+    Accepted("labels");
     const ScanRing& ring = mapper_.ring();
     const int slot = ring.SlotOf(ring.SequenceOf(labels.frame_id, labels.measurement_id).value());
     Require(ring.column(slot).labelled);

@@ -11,6 +11,7 @@
 
 #include "core/scan/scan.h"
 #include "port_linux/ouster_metadata.h"
+#include "test/fuzz/accepted.h"
 
 namespace {
 
@@ -29,6 +30,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   for (const char c : outcome.message) Require(c >= ' ' && c <= '~');
   if (!outcome.ok()) return 0;
 
+  hardpack::Accepted("metadata");
   hardpack::ouster::PacketLayout layout;
   const hardpack::Status made = MakeLayout(*metadata, layout);
   Require(made == hardpack::Status::kOk || made == hardpack::Status::kCapacityExceeded);

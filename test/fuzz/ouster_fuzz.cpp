@@ -18,6 +18,7 @@
 #include "hal/ouster/crc64.h"
 #include "hal/ouster/ouster.h"
 #include "hal/ouster/packet_monitor.h"
+#include "test/fuzz/accepted.h"
 
 using hardpack::BeamModel;
 using hardpack::ImuSample;
@@ -100,9 +101,16 @@ void DecodeAll(const PacketLayout& layout, const Metadata& metadata, const BeamM
 void CheckImu(std::span<const uint8_t> packet) {
   ImuSample sample;
   if (!IsUsable(hardpack::ouster::DecodeImu(packet, sample))) return;
+  hardpack::Accepted("imu");
   Require(packet.size() == 48);
   Require(hardpack::IsFinite(sample.acceleration_mps2.x_m) &&
           hardpack::IsFinite(sample.angular_rate_radps.z_m));
+}
+
+void NoteAccepted(const Metadata& metadata) {
+  constexpr const char* kProfiles[] = {"legacy", "rng19", "rng15", "dual"};
+  hardpack::Accepted(kProfiles[static_cast<int>(metadata.profile)]);
+  if (metadata.crc_in_footer) hardpack::Accepted("crc");
 }
 
 void Treat(uint8_t treatment, const PacketLayout& layout, std::vector<uint8_t>& packet) {
@@ -147,6 +155,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     Require(SumOf(monitor.counters()) == given);
     Require(monitor.counters().missing <= given * 101 * 2048);
     if (accepted) Require(static_cast<int>(packet.size()) == layout.packet_bytes);
+    if (accepted) NoteAccepted(metadata);
     DecodeAll(layout, metadata, *model, packet, accepted);
   }
   return 0;

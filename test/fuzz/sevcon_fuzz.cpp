@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any frames and demands, in ticks, as the drives' bus. Each byte is one step: a frame made of the
-// bytes behind it, an answer to the last question (so that the bring-up gets on), or a tick.
+// bytes behind it, what is demanded, or a tick, before which either drive may answer the last
+// question as it should (so that the bring-up gets on).
 
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <map>
 
 #include "hal/sevcon/sevcon.h"
+#include "test/fuzz/accepted.h"
 
 using hardpack::CanBatch;
 using hardpack::CanFrame;
@@ -80,8 +83,6 @@ uint32_t Wanted(int index, int subindex, uint32_t node) {
       return 0x606c0020;
     case 0x1a0003:
       return 0x60770010;
-    case 0x511000:
-      return 5;
     case 0x590200:
       return 2;
     case 0x608000:
@@ -91,16 +92,52 @@ uint32_t Wanted(int index, int subindex, uint32_t node) {
   }
 }
 
-CanFrame GoodAnswer(const CanFrame& question) {
-  CanFrame answer = question;
-  answer.id -= 0x80;
-  const bool read = question.data[0] == 0x40;
-  answer.data[0] = read ? 0x42 : 0x60;
-  const int index = question.data[1] | question.data[2] << 8;
-  const uint32_t value = read ? Wanted(index, question.data[3], question.id & 0x7fu) : 0;
-  for (int i = 0; i < 4; ++i) answer.data[4 + i] = static_cast<uint8_t>(value >> (8 * i));
-  return answer;
-}
+// One that answers as the bring-up wants it: what was written is read again, and its state is the
+// one that it was told last.
+class Answerer {
+ public:
+  explicit Answerer(uint32_t node) : node_(node) {}
+
+  void Take(const CanFrame& frame) {
+    const bool is_mine = frame.data[1] == 0 || frame.data[1] == node_;
+    if (frame.id == 0 && is_mine) is_operational_ = frame.data[0] == 1;
+    if (frame.id != 0x600 + node_) return;
+    question_ = frame;
+    is_asked_ = true;
+  }
+
+  // To the last question, or to none: then, too, no other one waits.
+  bool Answer(bool will, CanFrame& answer) {
+    const bool does = is_asked_ && will;
+    is_asked_ = false;
+    if (!does) return false;
+    answer = question_;
+    answer.id -= 0x80;
+    const int object = question_.data[1] << 8 | question_.data[2] << 16 | question_.data[3];
+    const bool is_read = question_.data[0] == 0x40;
+    answer.data[0] = is_read ? 0x42 : 0x60;
+    uint32_t value = 0;
+    for (int i = 0; i < 4; ++i) value |= static_cast<uint32_t>(question_.data[4 + i]) << (8 * i);
+    if (!is_read) written_[object] = value;
+    value = is_read ? Value(object) : 0;
+    for (int i = 0; i < 4; ++i) answer.data[4 + i] = static_cast<uint8_t>(value >> (8 * i));
+    return true;
+  }
+
+ private:
+  uint32_t Value(int object) const {
+    constexpr int kNmtState = 0x511000;
+    if (object == kNmtState) return is_operational_ ? 5 : 127;
+    const auto written = written_.find(object);
+    return written != written_.end() ? written->second : Wanted(object >> 8, object & 0xff, node_);
+  }
+
+  uint32_t node_;
+  bool is_operational_ = false;
+  bool is_asked_ = false;
+  CanFrame question_;
+  std::map<int, uint32_t> written_;
+};
 
 void CheckSent(const DrivePair& pair, const CanBatch& out) {
   Require(out.size() <= DrivePair::kMaxFramesPerTick);
@@ -122,8 +159,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   Require(pair.Configure(hardpack::DriveParams{}) == hardpack::Status::kOk);
   uint64_t now_ns = 0;
   DriveDemand demand;
-  CanFrame questions[2];
-  bool asked[2] = {false, false};
+  Answerer drives[2] = {Answerer(2), Answerer(3)};
   while (input.size > 0) {
     const uint8_t step = input.Next();
     if (step < 0x40) {
@@ -135,16 +171,16 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     } else {
       now_ns += step == 0xff ? 1'000'000'000u : 10'000'000u;
       for (int i = 0; i < 2; ++i) {
-        if (asked[i] && (step & (1 << i)) != 0) pair.TakeFrame(GoodAnswer(questions[i]), now_ns);
-        asked[i] = false;
+        CanFrame answer;
+        if (drives[i].Answer((step & (1 << i)) != 0, answer)) pair.TakeFrame(answer, now_ns);
       }
       CanBatch out;
       pair.Tick(now_ns, demand, out);
       CheckSent(pair, out);
+      if (pair.ready()) hardpack::Accepted("ready");
+      if (pair.enabled()) hardpack::Accepted("enabled");
       for (const CanFrame& frame : out) {
-        if (frame.id != 0x602 && frame.id != 0x603) continue;
-        questions[frame.id - 0x602] = frame;
-        asked[frame.id - 0x602] = true;
+        for (Answerer& drive : drives) drive.Take(frame);
       }
     }
   }

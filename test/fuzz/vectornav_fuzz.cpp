@@ -18,6 +18,7 @@
 #include "hal/vectornav/crc16.h"
 #include "hal/vectornav/encode.h"
 #include "hal/vectornav/stream_parser.h"
+#include "test/fuzz/accepted.h"
 #include "test/hal/vectornav/vectornav_messages.h"
 
 using hardpack::Abs;
@@ -115,6 +116,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   Require(c.bytes == stream.size() && c.samples == at_once.size());
   Require(c.samples + c.unused + c.not_finite + c.out_of_range ==
           c.binary_messages + c.ascii_messages);
+  if (c.samples > 0 && c.ascii_messages > 0) hardpack::Accepted("ascii");
+  if (c.samples > 0 && c.binary_messages > 0) hardpack::Accepted("binary");
   for (const InsSample& sample : at_once) {
     CheckSample(sample);
     CheckRoundTrip(sample);
