@@ -60,7 +60,8 @@ class FlowGraph:
             except Refused as reason:
                 self.refuse(reason)
             if effect.kind is Kind.CALL and effect.target in self.image.stops:
-                effect = Effect(Kind.STOP)
+                # Where its condition does not hold it goes on, and does nothing.
+                effect = Effect(Kind.NEXT if effect.conditional else Kind.STOP)
             effects.append(effect)
         places = {ins.address: i for i, ins in enumerate(instructions)}
         leaders = {0}

@@ -11,7 +11,7 @@ from image import EM_ARM, Refused
 class Kind(enum.Enum):
     NEXT = "goes on"
     JUMP = "jump"  # to the target; conditional: or goes on
-    CALL = "call"  # of the target, then goes on
+    CALL = "call"  # of the target, then goes on; conditional: or goes on at once
     RETURN = "return"  # conditional: or goes on
     STOP = "stop"  # never goes on
 
@@ -52,7 +52,7 @@ def thumb_effect(instruction):
         return Effect(Kind.JUMP, target_of(instruction), match.group(1) is not None)
     match = THUMB_CALL.match(name)
     if match:
-        return Effect(Kind.CALL, target_of(instruction))
+        return Effect(Kind.CALL, target_of(instruction), match.group(2) is not None)
     match = THUMB_RETURN.match(name)
     if match:
         if operands != "lr":

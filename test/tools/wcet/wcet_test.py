@@ -5,7 +5,7 @@ every kind that it must refuse."""
 
 import unittest
 
-from assembled import OfThumb, image
+from assembled import OfThumb, bound, image
 
 
 class Thumb(OfThumb):
@@ -238,6 +238,25 @@ done f
         self.assertEqual(self.analysis(text, stops=["fails"]).bound("f"), 3 + 2)
         self.expect_refused(text, "runs on behind its end")
 
+    def test_call_that_does_not_return_on_a_condition(self):
+        text = """
+function fails
+  udf #0
+done fails
+function f
+  cmp r0, #0
+  it ne
+  blne fails
+  nop
+  nop
+  nop
+  nop
+  nop
+  bx lr
+done f
+"""
+        self.assertEqual(self.analysis(text, stops=["fails"]).bound("f"), 3 + 5 + 1)
+
     def test_given(self):
         text = "function g\n bx r3\ndone g\nfunction f\n push {lr}\n bl g\n pop {pc}\ndone f\n"
         self.assertEqual(self.analysis(text, given={"g": 100}).bound("f"), 103)
@@ -326,8 +345,6 @@ done f
         with self.assertRaises(image.Refused):
             self.analysis(text.replace("100000", "3"), units={"f": 9}).bound("f")
 
-    # What it must refuse.
-
     def test_calls_that_are_bounded_in_all(self):
         # f calls g in each of its 5 iterations, g calls h 4 times each: h runs 7 times in all.
         text = """
@@ -388,6 +405,8 @@ done g
         counted = self.analysis(text, rounds={"f": {"g": 10}})
         self.assertEqual(counted.bound("f"), plain - 6 * 3 * 4 + 10 * 4)
         self.assertEqual(counted.bound("g"), 4 * 4 + 1)
+
+    # What it must refuse.
 
     def test_refuses_loop_without_record(self):
         self.expect_refused("function f\n1: subs r0, #1\n bne 1b\n bx lr\ndone f\n",
