@@ -10,14 +10,20 @@ registers that the procedure call standard has a callee keep.
 import re
 
 from image import EM_ARM
+from instructions import CONDITION
 
 CONSTANT = ""
 NUMBER = r"#(-?\d+|0x[0-9a-f]+)"
-NO_RESULT = re.compile(r"(cmp|cmn|tst|teq|nop|it[te]*|b|b[a-z]{2}|b\.[a-z]{2}|cbn?z|tbn?z|v?cmpe?"
+NO_RESULT = re.compile(rf"(cmp|cmn|tst|teq|nop|it[te]*|b|b\.?{CONDITION}|cbn?z|tbn?z|v?cmpe?"
                        r"|f?ccmpe?|fcmpe?|vmsr|dmb|dsb|isb|prfm)$")
 STORE = re.compile(r"(v?str[bh]?|strd|stp|stur[bh]?)$")
 SEVERAL = re.compile(r"(v?)(ldm|stm|pop|push)(ia|db|fd)?$")
-TWO_RESULTS = ("ldrd", "ldp", "ldpsw", "umull", "smull", "umlal", "smlal", "vmov")
+SEVERAL_IF = re.compile(rf"v?(ldm|stm|pop|push)(ia|db|fd)?{CONDITION}$")
+CALL = re.compile(rf"blx?{CONDITION}?$")
+# Whatever condition there is behind it.
+TWO_RESULTS = re.compile(r"(ldrd|ldrexd|ldn?p|lda?xp|[us]mull|[us]mlal|umaal|smlsld|vmov)")
+# Of an access that writes its base back whether or not a condition holds.
+ALWAYS = re.compile(r"(ldr(s?[bh]|sw|d)?|str[bhd]?|ldp(sw)?|stp|(ld|st)[1-4]r?)$")
 THUMB_KEPT = {f"r{i}" for i in range(4, 9)} | {"r9", "sl", "fp", "sp"}
 A64_KEPT = {f"x{i}" for i in range(19, 30)} | {"sp"}
 
@@ -41,6 +47,9 @@ class Registers:
         register = self._name(register)
         if register in ("xzr", "wzr"):
             return CONSTANT, 0
+        if register == "pc":  # another one with each instruction
+            self._unknown += 1
+            return self._unknown, 0
         return self.values.get(register, (register, 0))
 
     def constant(self, register):
@@ -71,12 +80,14 @@ class Registers:
         mnemonic = instruction.mnemonic
         name = mnemonic.split(".")[0] if self.is_thumb else mnemonic
         operands = instruction.operands
-        if name in ("bl", "blx"):
+        if CALL.match(name):
             self.forget_all(but=THUMB_KEPT if self.is_thumb else A64_KEPT)
         elif NO_RESULT.match(name):
             pass
         elif self.is_thumb and SEVERAL.match(name):
             self._several(SEVERAL.match(name), operands)
+        elif self.is_thumb and SEVERAL_IF.match(name):
+            self.forget_all()
         elif not self._assign(name, operands):
             self._other(name, operands)
 
@@ -139,13 +150,15 @@ class Registers:
         written = operands.split(", ")
         if not STORE.match(name):
             self.forget(written[0])
-            if name in TWO_RESULTS and len(written) > 1:
+            if TWO_RESULTS.match(name) and len(written) > 1:
                 self.forget(written[1])
         after = re.search(rf"\[(\w+)\], {NUMBER}$", operands)
         before = re.search(rf"\[(\w+), {NUMBER}\]!$", operands)
         for match in (after, before):
-            if match:
+            if match and ALWAYS.match(name):
                 self.set_sum(match.group(1), match.group(1), int(match.group(2), 0))
+            elif match:
+                self.forget(match.group(1))
         if "]!" in operands and not before or re.search(r"\], \w+$", operands):
             self.forget_all()
         if name in ("msr", "svc") or written[0] == "pc":

@@ -202,6 +202,26 @@ done f
         self.expect_refused(text.replace("str.w r0, [ip, #-16]", "tst r0, r1"), "has no record")
         self.expect_refused(text.replace("add.w r9, r9, #16", "add.w r9, r9, r0"), "has no record")
 
+    def test_refuses_copying_loop_whose_way_is_not_known(self):
+        text = """
+function f
+  {}
+1: str r0, [r1], #4
+  {}
+  cmp r1, r3
+  bne 1b
+  bx lr
+done f
+"""
+        self.assertEqual(self.analysis(text.format("add.w r3, r1, #64", "nop")).bound("f"),
+                         1 + 16 * 4 + 1)
+        for before, inside in (("add.w r3, r1, #64\n bic r1, r1, #31", "nop"),
+                               ("add.w r3, r1, #64", "it eq\n ldreq r2, [r1], #-4"),
+                               ("add.w r3, r1, #64", "it eq\n streq r2, [r1, #-4]!"),
+                               ("mov r1, pc\n mov r3, pc\n add.w r3, r3, #64", "nop")):
+            with self.subTest(before + inside):
+                self.expect_refused(text.format(before, inside), "has no record")
+
     def test_call_and_tail_call(self):
         text = """
 function g
@@ -310,6 +330,19 @@ done memset
                    f"function f\n push {{lr}}\n {before}\n bl memset\n pop {{pc}}\ndone f\n"
             self.expect_refused(text, "a size that is no constant")
             self.assertGreater(self.analysis(text, sizes={"f": 8}).bound("f"), 9 * 3)
+
+    def test_refuses_size_that_something_else_writes(self):
+        for before in ("bfi r2, r1, #4, #12", "bfc r2, #1, #2", "bic r2, r1, #1",
+                       "umaal r1, r2, r3, r4", "smlald r1, r2, r3, r4", "smlsld r1, r2, r3, r4",
+                       "smlalbb r1, r2, r3, r4", "umull r1, r2, r3, r4",
+                       "it eq\n umulleq r1, r2, r3, r4", "it eq\n ldrdeq r1, r2, [r3]",
+                       "it eq\n ldmiaeq r0!, {r1, r2}", "it eq\n popeq {r1, r2}",
+                       "it eq\n bleq g"):
+            with self.subTest(before):
+                self.expect_refused(f"{self.MEMSET}function g\n bx lr\ndone g\n"
+                                    f"function f\n push {{lr}}\n movs r2, #8\n {before}\n"
+                                    " bl memset\n pop {pc}\ndone f\n",
+                                    "a size that is no constant")
 
     def test_tail_call_of_a_sized_function(self):
         text = self.MEMSET + "function f\n movs r2, #8\n b.w memset\ndone f\n"
