@@ -79,12 +79,20 @@ class Analysis:
         return bound
 
     def _round(self, start):
-        """What one round of the loop of units takes."""
-        return self._analyse(start, None, 2) - self._analyse(start, None, 1)
+        """The most that a round of the loop of units takes: its price. What a second round adds to
+        a call can be less, where another way through the function is dearer than the first."""
+        if start in self.given:
+            return 0
+        graph, bounds, costs = self._prepare(start, None, limited=False)
+        return Dearest(graph, bounds, costs).prices[id(bound_of_units(graph, bounds))]
 
-    def _analyse(self, start, size, units=None):
+    def _analyse(self, start, size):
         if start in self.given:
             return self.given[start]
+        return Dearest(*self._prepare(start, size)).way()
+
+    def _prepare(self, start, size, limited=True):
+        """The function's graph, its loops' bounds and its blocks' costs. limited: to its units."""
         function = self.image.by_start.get(start)
         if function is None:
             raise Refused(f"{start:#x} is called, where no function begins")
@@ -96,9 +104,8 @@ class Analysis:
             graph = FlowGraph(self.image, function)
             if size is None:
                 bounds = LoopBounds(graph).bounds
-                if units is None:
-                    units = 0 if (start, ROUNDS) in self._counted else self.units.get(start)
-                if units is not None:
+                units = 0 if (start, ROUNDS) in self._counted else self.units.get(start)
+                if limited and units is not None:
                     limit_units(graph, bounds, units)
             else:
                 bounds = [Bound([loop], [loop], size // bytes_an_iteration(graph, loop))
@@ -107,7 +114,7 @@ class Analysis:
                      for block in graph.blocks]
         finally:
             self._stack.pop()
-        return dearest_way(graph, bounds, costs)
+        return graph, bounds, costs
 
     def _call(self, graph, block, call):
         instruction, target = call
@@ -123,44 +130,56 @@ def by_start(image, limits):
             for scope, callees in (limits or {}).items()}
 
 
-def limit_units(graph, bounds, units):
+def bound_of_units(graph, bounds):
+    """That of the outermost loop of the largest bound."""
     outer = [b for b in bounds if all(loop.parent is None for loop in b.entered)]
     largest = max((b.n for b in outer), default=0)
     found = [b for b in outer if b.n == largest]
     if len(found) != 1:
         raise Refused(f"{graph.function.name}: {len(found)} outermost loops could be that of units")
-    # Its condition begins with a comparison of the units. Where that is at its top, n rounds are n
-    # back edges; where the header cannot leave the loop before the rest it is at the bottom.
-    n = units
-    if not any(leaves(graph, loop) for loop in found[0].loops):
-        n = max(0, units - 1)
-    found[0].n = n
-    found[0].records = [(block, n) for block, _ in found[0].records]
+    return found[0]
 
 
-def leaves(graph, loop):
-    """Whether the header of a loop can leave it before the rest of it."""
-    return loop.header not in loop.latches and \
-        any(s not in loop.blocks for s in graph.blocks[loop.header].successors)
+def limit_units(graph, bounds, units):
+    # Its condition begins with a comparison of the units. Where that can only be at the bottom, n
+    # rounds are n - 1 back edges.
+    bound = bound_of_units(graph, bounds)
+    bound.n = max(0, units - 1) if all(leaves_at_its_bottom(graph, loop)
+                                       for loop in bound.loops) else units
+    bound.records = [(block, bound.n) for block, _ in bound.records]
 
 
-def dearest_way(graph, bounds, costs):
-    """The greatest sum of the blocks' costs."""
-    priced = Priced(graph, costs)
-    prices = {}
-    for loop in graph.loops:  # the inner ones first
-        bound = next(b for b in bounds if loop in b.loops)
-        trip = priced.dearest(loop.header, loop.blocks).get(BACK, 0)
-        prices[id(bound)] = max(prices.get(id(bound), 0), trip)
-        if loop is max(bound.loops, key=lambda one: graph.loops.index(one)):
-            priced.apply(bound, prices[id(bound)])
-    everything = set(range(len(graph.blocks)))
-    ways = priced.dearest(0, everything)
-    if EXIT not in ways:
-        raise Refused(f"{graph.function.name}: it never returns")
-    if priced.gains():
-        raise Refused(f"{graph.function.name}: a cycle gains by the prices of its loops")
-    return costs[0] + priced.entry_pays + ways[EXIT]
+def leaves_at_its_bottom(graph, loop):
+    """Whether a loop is left only where its back edge could be taken instead. What is left for
+    where nothing returns is no matter."""
+    return all(block in loop.latches for block in loop.blocks
+               for s in graph.blocks[block].successors
+               if s not in loop.blocks and (s == EXIT or graph.blocks[s].successors))
+
+
+class Dearest:
+    """The way through a function with the greatest sum of the blocks' costs."""
+
+    def __init__(self, graph, bounds, costs):
+        self.graph = graph
+        self.costs = costs
+        self.priced = Priced(graph, costs)
+        self.prices = {}  # of the bounds' back edges, by id
+        for loop in graph.loops:  # the inner ones first
+            bound = next(b for b in bounds if loop in b.loops)
+            trip = self.priced.dearest(loop.header, loop.blocks).get(BACK, 0)
+            self.prices[id(bound)] = max(self.prices.get(id(bound), 0), trip)
+            if loop is max(bound.loops, key=lambda one: graph.loops.index(one)):
+                self.priced.apply(bound, self.prices[id(bound)])
+
+    def way(self):
+        """The sum."""
+        ways = self.priced.dearest(0, set(range(len(self.graph.blocks))))
+        if EXIT not in ways:
+            raise Refused(f"{self.graph.function.name}: it never returns")
+        if self.priced.gains():
+            raise Refused(f"{self.graph.function.name}: a cycle gains by the prices of its loops")
+        return self.costs[0] + self.priced.entry_pays + ways[EXIT]
 
 
 BACK = -2  # the end of a trip round a loop

@@ -378,6 +378,43 @@ done f
         with self.assertRaises(image.Refused):
             self.analysis(text.replace("100000", "3"), units={"f": 9}).bound("f")
 
+    # 9 rounds are begun, and a tenth as far as to where it asks for the units.
+    def test_units_asked_for_in_the_middle(self):
+        text = """
+function f
+  record 100000
+1: nop
+  nop
+  cbz r3, 3f
+  nop
+3: cbz r1, 2f
+  nop
+  nop
+  subs r1, #1
+  b 1b
+2: bx lr
+done f
+"""
+        self.assertEqual(self.analysis(text, units={"f": 9}).bound("f"), 9 * 9 + 5 + 1)
+
+    # What is left for where nothing returns does not ask for the units.
+    def test_units_asked_for_at_the_bottom_behind_a_check(self):
+        text = """
+function fails
+  udf #0
+done fails
+function f
+  record 100000
+1: nop
+  cbz r3, 3f
+  subs r1, #1
+  bne 1b
+  bx lr
+3: bl fails
+done f
+"""
+        self.assertEqual(self.analysis(text, stops=["fails"], units={"f": 9}).bound("f"), 9 * 4 + 1)
+
     def test_calls_that_are_bounded_in_all(self):
         # f calls g in each of its 5 iterations, g calls h 4 times each: h runs 7 times in all.
         text = """
@@ -438,6 +475,40 @@ done g
         counted = self.analysis(text, rounds={"f": {"g": 10}})
         self.assertEqual(counted.bound("f"), plain - 6 * 3 * 4 + 10 * 4)
         self.assertEqual(counted.bound("g"), 4 * 4 + 1)
+
+    # g's other way is dearer than its loop's first rounds.
+    def test_rounds_beside_a_dear_way(self):
+        text = """
+function h
+  record 50
+1: subs r0, #1
+  bne 1b
+  bx lr
+done h
+function g
+  cmp r1, #0
+  beq 2f
+  push {lr}
+  bl h
+  pop {pc}
+2: nop
+  record 100000
+1: cmp r0, #0
+  beq 3f
+  subs r0, #1
+  b 1b
+3: bx lr
+done g
+function f
+  push {lr}
+  bl g
+  pop {pc}
+done f
+"""
+        counted = self.analysis(text, rounds={"f": {"g": 1000}})
+        self.assertEqual(counted.round("g"), 4)
+        self.assertEqual(counted.bound("f"), 3 + (5 + 51 * 2 + 1) + 1000 * 4)
+        self.assertEqual(self.analysis(text, given={"g": 7}).round("g"), 0)
 
     # What it must refuse.
 
