@@ -612,6 +612,53 @@ function f
 done f
 """, "where no function begins")
 
+    def test_refuses_jump_to_between_instructions(self):
+        self.expect_refused("function f\n b.n 1f + 2\n1: movw r0, #0x1234\n bx lr\ndone f\n",
+                            "a jump to between instructions")
+
+    def test_refuses_function_of_data(self):
+        self.expect_refused("function f\n .word 0\ndone f\n", "there are no instructions of it")
+
+    # No record leads to it: loops that share one have others between them.
+    def test_refuses_prices_with_which_a_cycle_gains(self):
+        text = """
+function f
+  record 3
+1: nop
+  record 4
+2: nop
+  record 5
+3: subs r0, #1
+  bne 3b
+  subs r1, #1
+  bne 2b
+  subs r2, #1
+  bne 1b
+  bx lr
+done f
+"""
+        analysis = self.analysis(text)
+        graph, bounds, costs = analysis._prepare(analysis.image.named("f").start, None)
+        bound.Dearest(graph, bounds, costs).way()
+        inner, middle, outer = (next(b for b in bounds if loop in b.loops) for loop in graph.loops)
+        outer.loops += inner.loops
+        outer.entered += inner.entered
+        with self.assertRaises(image.Refused) as caught:
+            bound.Dearest(graph, [outer, middle], costs).way()
+        self.assertIn("a cycle gains", str(caught.exception))
+
+    def test_refuses_half_a_record(self):
+        for section in ("loops", "inner", "beams"):
+            with self.assertRaises(image.Refused) as caught:
+                self.analysis("function f\n bx lr\ndone f\n"
+                              f'.section .note.hardpack.{section},"",%note\n.long 0x8000\n', beams=4)
+            self.assertIn("ends in the middle of a record", str(caught.exception))
+
+    def test_refuses_what_is_no_elf_file(self):
+        with self.assertRaises(image.Refused) as caught:
+            image.Image(__file__)
+        self.assertIn("not a little-endian ELF file", str(caught.exception))
+
     def test_beams_that_the_lidar_lacks(self):
         text = """
 function f
