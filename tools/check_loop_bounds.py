@@ -4,9 +4,9 @@
 
 usage: tools/check_loop_bounds.py FILE...     objects (ld -r output included) or linked images
 
-A record is two words, the address of a loop's entry and its bound, in .note.hardpack.loops, that of
-the loops directly inside it, in .note.hardpack.inner, or the beams that both are of, in
-.note.hardpack.beams. There must be records in all; each bound must be positive; each address must
+A record is three words: the address of a loop's entry, a bound, and the line that says so. The bound
+is the loop's own in .note.hardpack.loops, that of the loops directly inside it in
+.note.hardpack.inner, and the beams that both are of in .note.hardpack.beams. There must be records in all; each bound must be positive; each address must
 lie in executable code. Reads 32 and 64 bit little-endian ELF. Exits 1 and names the record when one
 is not so.
 """
@@ -19,6 +19,7 @@ ET_REL = 1
 SHT_RELA, SHT_REL = 4, 9
 SHF_EXECINSTR = 4
 MAX_BOUND = 2**31 - 1
+WORDS = 3
 
 
 class Elf:
@@ -75,12 +76,13 @@ def check(path):
     for index, section in enumerate(elf.sections):
         if section["name"] not in SECTIONS:
             continue
-        if section["size"] % (2 * elf.word):
+        size = WORDS * elf.word
+        if section["size"] % size:
             findings.append("the section ends in the middle of a record")
         relocated = elf.relocated_sections(index) if elf.type == ET_REL else {}
-        for at in range(0, section["size"] - 2 * elf.word + 1, 2 * elf.word):
-            address, bound = struct.unpack_from("<QQ" if elf.wide else "<II", elf.data,
-                                                section["offset"] + at)
+        for at in range(0, section["size"] - size + 1, size):
+            address, bound, _ = struct.unpack_from("<QQQ" if elf.wide else "<III", elf.data,
+                                                   section["offset"] + at)
             count += 1
             if not 0 < bound <= MAX_BOUND:
                 findings.append(f"record {count}: the bound {bound} is not positive")

@@ -8,11 +8,12 @@
 //   HP_LOOP_BOUND(kMapRows)
 //   for (int row = 0; row < rows; ++row) { ... }
 //
-// In a normal build it writes one record (address of the loop's entry, n) into the non-loaded
-// section .note.hardpack.loops of the object file and no instruction at all; a static timing
-// analyser reads the records from the linked image, in which every inlined copy has its own. The
-// record of a template's or an inline function's loop joins that function's section group ("?"), so
-// that the linker keeps and drops both together.
+// In a normal build it writes one record (address of the loop's entry, n, the macro's line) into
+// the non-loaded section .note.hardpack.loops of the object file and no instruction at all; a
+// static timing analyser reads the records from the linked image, in which every inlined copy has
+// its own, and knows by the line which of several records is a loop's: that of the line before it.
+// The record of a template's or an inline function's loop joins that function's section group
+// ("?"), so that the linker keeps and drops both together.
 // In a counting build (test/loop_count) the same words count the iterations instead and stop the
 // test when a loop runs more often than it says. A loop without the macro does not compile there.
 //
@@ -98,36 +99,46 @@ class LoopCounter {
 #define HP_LOOP_BOUND_WORD ".long"
 #endif
 
-// A record of two words in one of the sections; those of one place stand behind the same label.
-#define HP_LOOP_BOUND_RECORD(kind, operand)                                                    \
-  ".pushsection .note.hardpack." kind ",\"?\",%%note\n" HP_LOOP_BOUND_WORD " 771b, %c" operand \
-  "\n.popsection\n"
+#define HP_LOOP_BOUND_NUMBER(name, n) [name] "i"(static_cast<unsigned long>(n))
 
-#define HP_LOOP_BOUND(n)                                                                           \
-  if (!__builtin_is_constant_evaluated()) {                                                        \
-    asm volatile("771:\n" HP_LOOP_BOUND_RECORD("loops", "0")::"i"(static_cast<unsigned long>(n))); \
+// A record of three words in one of the sections; those of one place stand behind the same label.
+#define HP_LOOP_BOUND_RECORD(kind, name)                                                     \
+  ".pushsection .note.hardpack." kind ",\"?\",%%note\n" HP_LOOP_BOUND_WORD " 771b, %c[" name \
+  "], %c[line]\n.popsection\n"
+
+#define HP_LOOP_BOUND(n)                                                                 \
+  if (!__builtin_is_constant_evaluated()) {                                              \
+    asm volatile("771:\n" HP_LOOP_BOUND_RECORD("loops", "most")                          \
+                 : /* no outputs */                                                      \
+                 : HP_LOOP_BOUND_NUMBER(most, n), HP_LOOP_BOUND_NUMBER(line, __LINE__)); \
   }
 
-#define HP_LOOP_BOUND_INNER(n, m)                                                            \
-  if (!__builtin_is_constant_evaluated()) {                                                  \
-    asm volatile("771:\n" HP_LOOP_BOUND_RECORD("loops", "0")                                 \
-                     HP_LOOP_BOUND_RECORD("inner", "1")::"i"(static_cast<unsigned long>(n)), \
-                 "i"(static_cast<unsigned long>(m)));                                        \
+#define HP_LOOP_BOUND_INNER(n, m)                                                  \
+  if (!__builtin_is_constant_evaluated()) {                                        \
+    asm volatile("771:\n" HP_LOOP_BOUND_RECORD("loops", "most")                    \
+                     HP_LOOP_BOUND_RECORD("inner", "shared")                       \
+                 : /* no outputs */                                                \
+                 : HP_LOOP_BOUND_NUMBER(most, n), HP_LOOP_BOUND_NUMBER(shared, m), \
+                   HP_LOOP_BOUND_NUMBER(line, __LINE__));                          \
   }
 
-#define HP_LOOP_BOUND_BEAMS(n)                                                               \
-  if (!__builtin_is_constant_evaluated()) {                                                  \
-    asm volatile("771:\n" HP_LOOP_BOUND_RECORD("loops", "0")                                 \
-                     HP_LOOP_BOUND_RECORD("beams", "1")::"i"(static_cast<unsigned long>(n)), \
-                 "i"(static_cast<unsigned long>(::hardpack::kMaxBeams)));                    \
+#define HP_LOOP_BOUND_BEAMS(n)                                                                \
+  if (!__builtin_is_constant_evaluated()) {                                                   \
+    asm volatile(                                                                             \
+        "771:\n" HP_LOOP_BOUND_RECORD("loops", "most") HP_LOOP_BOUND_RECORD("beams", "beams") \
+        : /* no outputs */                                                                    \
+        : HP_LOOP_BOUND_NUMBER(most, n), HP_LOOP_BOUND_NUMBER(beams, ::hardpack::kMaxBeams),  \
+          HP_LOOP_BOUND_NUMBER(line, __LINE__));                                              \
   }
 
-#define HP_LOOP_BOUND_INNER_BEAMS(n, m)                                                         \
-  if (!__builtin_is_constant_evaluated()) {                                                     \
-    asm volatile("771:\n" HP_LOOP_BOUND_RECORD("loops", "0") HP_LOOP_BOUND_RECORD("inner", "1") \
-                     HP_LOOP_BOUND_RECORD("beams", "2")::"i"(static_cast<unsigned long>(n)),    \
-                 "i"(static_cast<unsigned long>(m)),                                            \
-                 "i"(static_cast<unsigned long>(::hardpack::kMaxBeams)));                       \
+#define HP_LOOP_BOUND_INNER_BEAMS(n, m)                                               \
+  if (!__builtin_is_constant_evaluated()) {                                           \
+    asm volatile("771:\n" HP_LOOP_BOUND_RECORD("loops", "most") HP_LOOP_BOUND_RECORD( \
+                     "inner", "shared") HP_LOOP_BOUND_RECORD("beams", "beams")        \
+                 : /* no outputs */                                                   \
+                 : HP_LOOP_BOUND_NUMBER(most, n), HP_LOOP_BOUND_NUMBER(shared, m),    \
+                   HP_LOOP_BOUND_NUMBER(beams, ::hardpack::kMaxBeams),                \
+                   HP_LOOP_BOUND_NUMBER(line, __LINE__));                             \
   }
 
 #endif

@@ -122,13 +122,13 @@ class Image:
     def _read_records(self, elf, section):
         """{address of a loop's entry: bounds}; an address may have several, of loops whose entries
         are the same instruction."""
-        form, size = ("<QQ", 16) if elf.wide else ("<II", 8)
+        form, size = ("<QQQ", 24) if elf.wide else ("<III", 12)
         data = elf.section(section)
         if len(data) % size:
             raise Refused(f"{self.path}: {section} ends in the middle of a record")
         records = {}
         for at in range(0, len(data), size):
-            address, bound = struct.unpack_from(form, data, at)
+            address, bound, _ = struct.unpack_from(form, data, at)
             records.setdefault(address, []).append(bound)
         return records
 
