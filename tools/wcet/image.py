@@ -9,7 +9,7 @@ import bisect
 import re
 import struct
 import subprocess
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 RECORDS = ".note.hardpack.loops"
 INNER = ".note.hardpack.inner"
@@ -30,6 +30,27 @@ class Instruction:
 
     def __str__(self):
         return f"{self.address:#x}: {self.mnemonic} {self.operands}"
+
+
+@dataclass(frozen=True)
+class Record:
+    """What HP_LOOP_BOUND says: n, and the line where; its file's name, "" where that is not known."""
+    n: int
+    line: int
+    file: str = ""
+
+    def place(self):
+        """Where in the source it stands: records of one place are copies of one record."""
+        return self.file, self.line
+
+    def is_before(self, file, line):
+        """Whether a loop whose head begins at that line has it right before it."""
+        return line == self.line + 1 and self.file in ("", file.rsplit("/", 1)[-1])
+
+    def is_nearest(self, file, line, lines):
+        """Whether it is in that file before that line, and none of the lines is between."""
+        return self.file == file.rsplit("/", 1)[-1] and self.line < line and \
+            not any(self.line < other < line for other in lines)
 
 
 @dataclass
@@ -109,6 +130,7 @@ class Image:
         self._chains = {}
         self.machine = elf.machine
         self.prefix = self.PREFIXES[elf.machine]
+        self._files = self._read_files()
         self.records = self._read_records(elf, RECORDS)
         self.inner = self._read_records(elf, INNER)
         if beams is not None:
@@ -119,8 +141,19 @@ class Image:
         self._disassemble()
         self.stops = {self.named(name).start for name in stops}
 
+    def _read_files(self):
+        """{(address, line): names of files} of the image's line table: an address has several lines
+        where some are of no instruction, as that of a record."""
+        row = re.compile(r"(\S+)\s+(\d+)\s+(0x[0-9a-f]+)")
+        files = {}
+        for match in map(row.match, self._run("objdump", "-WL", self.path).splitlines()):
+            if match:
+                place = int(match.group(3), 16), int(match.group(2))
+                files.setdefault(place, set()).add(match.group(1))
+        return files
+
     def _read_records(self, elf, section):
-        """{address of a loop's entry: bounds}; an address may have several, of loops whose entries
+        """{address of a loop's entry: records}; an address may have several, of loops whose entries
         are the same instruction."""
         form, size = ("<QQQ", 24) if elf.wide else ("<III", 12)
         data = elf.section(section)
@@ -128,22 +161,27 @@ class Image:
             raise Refused(f"{self.path}: {section} ends in the middle of a record")
         records = {}
         for at in range(0, len(data), size):
-            address, bound, _ = struct.unpack_from(form, data, at)
-            records.setdefault(address, []).append(bound)
+            address, n, line = struct.unpack_from(form, data, at)
+            files = self._files.get((address, line), set())
+            records.setdefault(address, []).append(
+                Record(n, line, min(files) if len(files) == 1 else ""))
         return records
 
     def _lack_beams(self, capacities, beams):
         """Each beam that the lidar lacks is one round less of the loops over beams. Where loops share
-        an address, and only some of them are such, none is."""
-        for address, capacity in capacities.items():
-            if len(capacity) != len(self.records[address]):
-                continue
-            lacking = max(capacity) - beams
-            if lacking < 0:
-                raise Refused(f"{self.path}: {beams} beams are more than its {max(capacity)}")
-            for records in (self.records, self.inner):
-                if address in records:
-                    records[address] = [max(n - lacking, 0) for n in records[address]]
+        an address and a line, and only some of them are such, none is."""
+        for address, records in capacities.items():
+            for place in {record.place() for record in records}:
+                capacity = [r.n for r in records if r.place() == place]
+                if len(capacity) != len([r for r in self.records[address] if r.place() == place]):
+                    continue
+                lacking = max(capacity) - beams
+                if lacking < 0:
+                    raise Refused(f"{self.path}: {beams} beams are more than its {max(capacity)}")
+                for table in (self.records, self.inner):
+                    if address in table:
+                        table[address] = [replace(r, n=max(r.n - lacking, 0))
+                                          if r.place() == place else r for r in table[address]]
 
     def _read_functions(self, elf):
         """One for each start address, by address; of several names the shortest."""

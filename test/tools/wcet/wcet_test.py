@@ -158,13 +158,203 @@ done f
 """
         self.assertGreaterEqual(self.analysis(text).bound("f"), 2 + 5 * (7 * 2 + 2) + 1)
 
+    # --- whose record it is -----------------------------------------------------------------------
+    # At the outer header stands the inner loop's record: its body begins with that loop.
+    def test_record_of_an_inner_loop_at_the_header(self):
+        text = """
+function f
+  record 1000
+  movs r1, #0
+1: record 3
+  movs r2, #3
+2: subs r2, #1
+  bne 2b
+  adds r1, #1
+  cmp r1, r5
+  bne 1b
+  bx lr
+done f
+"""
+        self.assertEqual(self.analysis(text).bound("f"), 1 + 1001 * (1 + 4 * 2 + 3) + 1)
+        vanished = text.replace("2: subs r2, #1\n  bne 2b\n", "")
+        self.assertEqual(self.analysis(vanished).bound("f"), 1 + 1001 * 4 + 1)
+
+    # Without lines any of them can be its own, with lines it is the one before its line.
+    def test_lines_tell_which_record_it_is(self):
+        text = """
+.file 1 "core/outer.cpp"
+function f
+  record 10, 6
+  movs r1, #0
+1: record 30, 8
+  movs r2, #3
+  adds r1, #1
+  cmp r1, r5
+  .loc 1 {}
+  bne 1b
+  bx lr
+done f
+"""
+        self.assertEqual(self.analysis(text.format(7)).bound("f"), 1 + 11 * 4 + 1)
+        self.assertEqual(self.analysis(text.format(9)).bound("f"), 1 + 31 * 4 + 1)
+        for line in (6, 8, 10):
+            self.expect_refused(text.format(line), "has no record")
+        # One in a loop of another loop's line is that other one's.
+        within = text.format(7).replace(" cmp r1, r5", "2: subs r2, #1\n bne 2b\n cmp r1, r5")
+        self.expect_refused(within.replace("  .loc 1 7\n", "").replace("2:", ".loc 1 7\n2:"),
+                            "has no record")
+
+    # The first iteration's condition, with the record of a loop in it, stands before the loop.
+    def test_own_record_behind_one_of_a_copied_condition(self):
+        text = """
+.file 1 "core/until.cpp"
+function f
+  record 1000, 6
+  nop
+  record 3, 2
+  nop
+1: record 3, 2
+  nop
+  .loc 1 7
+  bne 1b
+  bx lr
+done f
+"""
+        self.assertEqual(self.analysis(text).bound("f"), 2 + 1001 * 2 + 1)
+
+    def test_loops_of_one_header_with_records_before(self):
+        text = """
+function f
+  record 4
+  record 6
+  nop
+1: subs r2, #1
+  bne 1b
+  movs r2, #7
+  record 6
+  nop
+  subs r1, #1
+  bne 1b
+  bx lr
+done f
+"""
+        self.assertGreaterEqual(self.analysis(text).bound("f"), 1 + 5 * (7 * 2 + 4) + 1)
+
+    # Closed by an `if` of its body: another of its jumps is of its head.
+    def test_loop_closed_from_its_body(self):
+        text = """
+.file 1 "core/body.cpp"
+function f
+  record 5, 6
+  movs r2, #3
+1: cmp r1, r2
+  .loc 1 7
+  beq 2f
+  adds r1, #1
+  cmp r0, r1
+  .loc 1 9
+  bne 1b
+2: bx lr
+done f
+"""
+        self.assertEqual(self.analysis(text).bound("f"), 1 + 6 * 5 + 1)
+        # Lines of what is elsewhere tell nothing.
+        self.expect_refused(text.replace("core/body", "lib/body"), "has no record")
+
+    # The second one's is of the first line that is a loop's head: one in the other.
+    def test_two_loops_of_one_header_by_their_lines(self):
+        text = """
+.file 1 "core/nested.cpp"
+function f
+  record 4, 6
+  nop
+1: record 6, 8
+  subs r2, #1
+  .loc 1 9
+  bne 1b
+  subs r1, #1
+  .loc 1 7
+  bne 1b
+  bx lr
+done f
+"""
+        # 5 times 7 trips, all as dear as the longer one.
+        self.assertEqual(self.analysis(text).bound("f"), 1 + (5 * 7 + 1) * 4 + 1)
+
+    def nested(self, body="", inner=100):
+        return f"""
+.file 1 "core/shared.cpp"
+function f
+  record_inner 32, 32, 2
+  nop
+1: subs r0, #1
+  {body}
+  record {inner}, 7
+  nop
+2: subs r2, #1
+  .loc 1 8
+  bne 2b
+  subs r1, #1
+  .loc 1 3
+  bne 1b
+  bx lr
+done f
+"""
+
+    # A loop between the two that has vanished has left its record.
+    def test_shared_work_is_of_loops_directly_inside(self):
+        self.assertEqual(self.analysis(self.nested()).bound("f"), 1 + 33 * (2 + 2 + 2) + 32 * 2 + 1)
+        between = self.analysis(self.nested("record 1, 5\n nop"))
+        self.assertEqual(between.bound("f"), 1 + 33 * (3 + 101 * 2 + 2) + 1)
+        # That of a loop beside it is none between.
+        beside = self.analysis(self.nested("record 1, 5\n3: subs r3, #1\n .loc 1 6\n bne 3b"))
+        self.assertEqual(beside.bound("f"), 1 + 33 * (2 + 2 + 2 + 2) + 2 * 32 * 2 + 1)
+
+    NESTED = """
+int Nested(const short* p, int rows, int cols) {
+  int sum = 0;
+  HP_LOOP_BOUND(1000)
+  for (int r = 0; r < rows; ++r) {
+    HP_LOOP_BOUND(3)
+    for (int k = 0; k < cols; ++k) sum = (sum ^ p[k]) * 3;
+    p += 5;
+  }
+  return sum;
+}
+"""
+
+    # What they took on the processor.
+    def test_compiled_loops_bound_what_they_took(self):
+        for text, name, taken in (
+                (self.NESTED, "Nested", 22011),
+                ("""
+unsigned Shared(const unsigned char* p, unsigned mask) {
+  unsigned sum = 0;
+  HP_LOOP_BOUND_INNER(32, 32)
+  while (mask != 0) {
+    mask &= mask - 1;
+    HP_LOOP_BOUND(1)
+    for (int once = 0; once < 1; ++once) {
+      HP_LOOP_BOUND(100)
+      for (int k = 0; k < p[0]; ++k) sum = (sum ^ p[k]) * 3;
+    }
+    ++p;
+  }
+  return sum;
+}
+""", "Shared", 16293)):
+            with self.subTest(name):
+                found = self.compiled(text).bound(name)
+                self.assertGreaterEqual(found, taken)
+                self.assertLess(found, 1.5 * taken)
+
     def test_split_loop_shares_its_record(self):
         # As a vectorised loop and what it leaves over: one line of the source.
         text = """
 .file 1 "core/split.cpp"
 function f
   .loc 1 7
-  record 20
+  record 20, 6
   nop
 1: subs r1, #4
   bgt 1b
@@ -529,6 +719,33 @@ function f
   bx lr
 done f
 """, "has no record")
+        # Not even where the outer one's stands at the header.
+        self.expect_refused("""
+function f
+  record 4
+1: movs r2, #100
+2: subs r2, #1
+  bne 2b
+  subs r1, #1
+  bne 1b
+  bx lr
+done f
+""", "has no record")
+
+    # A counted loop has its record for itself.
+    def test_refuses_loop_with_the_record_of_a_counted_one(self):
+        self.expect_refused("""
+function f
+  record 16
+  add.w r3, r1, #64
+1: str r0, [r1], #4
+  cmp r1, r3
+  bne 1b
+2: subs r2, #1
+  bne 2b
+  bx lr
+done f
+""", "shares its record with another one")
 
     def test_refuses_loop_with_a_way_around_its_record(self):
         self.expect_refused("""
@@ -548,7 +765,7 @@ done f
 .file 1 "core/two.cpp"
 function f
   .loc 1 7
-  record 20
+  record 20, 6
   nop
 1: subs r1, #4
   bgt 1b
@@ -557,7 +774,20 @@ function f
   bgt 2b
   bx lr
 done f
-""", "shares its record with one of another line")
+""", "has no record")
+
+    def test_refuses_two_loops_for_one_record_without_lines(self):
+        self.expect_refused("""
+function f
+  record 20
+  nop
+1: subs r1, #4
+  bgt 1b
+2: subs r2, #1
+  bgt 2b
+  bx lr
+done f
+""", "shares its record with another one")
 
     def test_refuses_loop_with_two_entries(self):
         self.expect_refused("""
