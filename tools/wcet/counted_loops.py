@@ -14,7 +14,9 @@ Of a vector loop over a part of a row it is known how many of the source's itera
     ...                       the loop, from x1 on, by 16 bytes
     and  w9, w4, #0xfffffffc  behind it: those that are done
 The same register behind the loop, without its lowest bits, vouches for what was shifted being the
-number of the source's iterations, and all of the shift being the vector's.
+number of the source's iterations, and all of the shift being the vector's. A division that the source
+itself does looks the same: so what is left has to be done by the same loop of the source
+(OwnRecords.has_rest_behind).
 """
 
 import re
@@ -56,7 +58,8 @@ def back_edges(graph, loop):
 
 
 def lanes(graph, loop):
-    """How many of the source's iterations one of an A64 loop does; 1 where that is not known."""
+    """How many of the source's iterations one of an A64 loop does, if what is left of them comes
+    behind it; 1 where that is not known."""
     if graph.image.machine == EM_ARM or len(loop.blocks) != 1:
         return 1
     body = graph.blocks[loop.header].instructions

@@ -74,7 +74,7 @@ class LoopBounds:
         others.append(loop)
 
     def _bind_to(self, loop, own):
-        many = lanes(self.graph, loop)
+        many = self._lanes(loop)
         if many > 1 or not own.is_before:  # one of several, with a bound of its own
             self._of[loop.header] = Bound([loop], [loop], own.n // many)
             return
@@ -87,6 +87,9 @@ class LoopBounds:
         bound.loops.append(loop)
         bound.entered.append(loop)
         self._of[loop.header] = bound
+
+    def _lanes(self, loop):
+        return lanes(self.graph, loop) if self.records.has_rest_behind(loop) else 1
 
     def _bind_inner(self, bound):
         outer = bound.entered[0].parent
@@ -101,5 +104,5 @@ class LoopBounds:
         if all(inner):
             bound.outer = outer
             bound.in_all = max(max(n) for n in inner) // \
-                min(lanes(self.graph, loop) for loop in bound.loops)
+                min(self._lanes(loop) for loop in bound.loops)
 

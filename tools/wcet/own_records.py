@@ -20,6 +20,7 @@ import math
 import re
 from dataclasses import dataclass
 
+from flow_graph import EXIT
 from image import EM_AARCH64, Record
 
 RECORDED = re.compile(r"(^|/)(core|hal|config)/")  # files whose loops all have records
@@ -169,6 +170,22 @@ class OwnRecords:
         own = self.of(loop)
         return met.block == loop.header and own is not None and own.is_known and \
             all(one.address != met.address for one in own.met)
+
+    def has_rest_behind(self, loop):
+        """Whether what is left of the source's loop comes right behind it, as behind a vector loop:
+        the first jump there is of the line of the one that closes it, and no record lies before."""
+        own = self.of(loop)
+        behind = {s for block in loop.blocks for s in self.graph.blocks[block].successors
+                  if s not in loop.blocks}
+        while own is not None and own.is_known and len(behind) == 1:
+            block = behind.pop()
+            if block == EXIT or self._here[block]:
+                break
+            if self._ends_in_jump(block):
+                lines = self.lines(block)
+                return bool(lines) and all(self.lines(latch) == lines for latch in loop.latches)
+            behind = set(self.graph.blocks[block].successors)
+        return False
 
     # --- which one it is --------------------------------------------------------------------------
     def _find(self, loop):

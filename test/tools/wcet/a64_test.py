@@ -62,28 +62,32 @@ done f
 
     # --- part of a row, several cells at a time ---------------------------------------------------
     def part_of(self, trips="lsr w3, w4, #2", end="add x3, x1, w3, uxtw #4", between="nop",
-                step="#16", behind="and w9, w4, #0xfffffffc", record=100):
+                step="#16", behind="and w9, w4, #0xfffffffc", record=100, rest="nop"):
         """A loop with 5 instructions of which the record's loop is one in four."""
         text = f"""
+.file 1 "core/part.cpp"
 function f
+  .loc 1 7
   {trips}
   {end}
   {between}
-  record {record}
+  record {record}, 6
 1: ldr q0, [x1], {step}
   fadd v0.4s, v0.4s, v1.4s
   str q0, [x2], #16
   cmp x3, x1
   b.ne 1b
   {behind}
-  ret
+  {rest}
+  b.eq 2f
+2: ret
 done f
 """
         return self.analysis(text).bound("f")
 
     def trips_of(self, **options):
         """Trips round it: as often as its back edge, and once more."""
-        rounds, rest = divmod(self.part_of(**options) - 3 - 2, 5)
+        rounds, rest = divmod(self.part_of(**options) - 3 - 4, 5)
         self.assertEqual(rest, 0)
         return rounds - 1
 
@@ -110,7 +114,51 @@ done f
                         {"trips": "lsr w4, w4, #2", "end": "add x3, x1, w4, uxtw #4"}):
             with self.subTest(**options):
                 extra = options.get("behind", "").count("\n")
-                self.assertEqual(self.part_of(**options) - extra, 3 + 101 * 5 + 2)
+                self.assertEqual(self.part_of(**options) - extra, 3 + 101 * 5 + 4)
+
+    # A division that the source does by hand looks the same, but the rest is then another loop.
+    def test_rest_has_to_be_of_the_same_loop(self):
+        for rest in ("record 3, 8\n nop", ".loc 1 9\n nop", "nop\n record 3, 8"):
+            with self.subTest(rest):
+                self.assertEqual(self.trips_of(rest=rest), 100)
+
+    def test_division_by_hand(self):
+        bounds = self.compiled("""
+void ByHand(const float* __restrict in, float* __restrict out, unsigned long cells) {
+  const unsigned long whole = cells / 4;
+  HP_LOOP_BOUND(100)
+  for (unsigned long k = 0; k < whole; ++k) {
+    out[4 * k] = in[4 * k] + 1.0f;
+    out[4 * k + 1] = in[4 * k + 1] + 1.0f;
+    out[4 * k + 2] = in[4 * k + 2] + 1.0f;
+    out[4 * k + 3] = in[4 * k + 3] + 1.0f;
+  }
+  const unsigned long done = cells & ~3ul;
+  HP_LOOP_BOUND(3)
+  for (unsigned long i = done; i < cells; ++i) out[i] = in[i] + 1.0f;
+}
+""")
+        self.assertGreaterEqual(bounds.bound("ByHand"), 633)  # of 403 cells
+
+    # The jump that closes it is of its body's last line.
+    def test_vector_loop_that_is_closed_from_its_body(self):
+        text = """
+.file 1 "core/body.cpp"
+function f
+  .loc 1 6
+  record 10, 6
+  .loc 1 7
+  cbz x1, 2f
+  .loc 1 9
+1: sub x1, x1, #1
+  cbnz x1, 1b
+2: ret
+  {}
+done f
+"""
+        self.assertEqual(self.analysis(text.format("")).bound("f"), 1 + 11 * 2 + 1)
+        # Another loop's record between the two: the line can be that loop's.
+        self.expect_refused(text.format(".loc 1 8\n record 5, 8\n ret"), "has no record")
 
     # (n >> 1) at eight a round and n at sixteen are shifted by the same: what is done behind tells.
     def test_lanes_of_half_of_a_number_are_not_those_of_the_number(self):
@@ -118,51 +166,58 @@ done f
 
     def bytes_of(self, end="and x3, x4, #0xfffffff0", behind="tst x4, #0xf", first="mov x0, #0"):
         text = f"""
+.file 1 "core/bytes.cpp"
 function f
+  .loc 1 7
   {end}
   {first}
-  record 512
+  record 512, 6
 1: ldr q0, [x1, x0]
   str q0, [x2, x0]
   add x0, x0, #16
   cmp x3, x0
   b.ne 1b
   {behind}
-  ret
+  b.eq 2f
+2: ret
 done f
 """
         return self.analysis(text).bound("f")
 
     def test_vector_loop_over_bytes(self):
-        self.assertEqual(self.bytes_of(), 2 + 33 * 5 + 2)
-        self.assertEqual(self.bytes_of(behind="and w5, w4, #0xfffffff0"), 2 + 33 * 5 + 2)
+        self.assertEqual(self.bytes_of(), 2 + 33 * 5 + 3)
+        self.assertEqual(self.bytes_of(behind="and w5, w4, #0xfffffff0"), 2 + 33 * 5 + 3)
         for options in ({"behind": "tst x4, #0x7"}, {"behind": "tst x5, #0xf"}, {"behind": "nop"},
                         {"first": "mov x0, #16"}, {"first": "mov x0, x6"},
                         {"end": "and x3, x4, #0xfffffff8"}, {"end": "and x3, x4, #0xf0"}):
             with self.subTest(**options):
-                self.assertEqual(self.bytes_of(**options), 2 + 513 * 5 + 2)
+                self.assertEqual(self.bytes_of(**options), 2 + 513 * 5 + 3)
 
     # Shared out among the rounds of the loop around it, the rounds are as much fewer in all.
     def test_vector_loop_whose_work_is_shared(self):
         text = """
+.file 1 "core/shared.cpp"
 function f
   mov x7, #4
-  record_inner 4, 512
+  record_inner 4, 512, 5
 2: and x3, x4, #0xfffffff0
   mov x0, #0
-  record 512
+  record 512, 7
+  .loc 1 8
 1: ldr q0, [x1, x0]
   str q0, [x2, x0]
   add x0, x0, #16
   cmp x3, x0
   b.ne 1b
   tst x4, #0xf
-  subs x7, x7, #1
+  b.eq 3f
+3: subs x7, x7, #1
+  .loc 1 6
   b.ne 2b
   ret
 done f
 """
-        self.assertEqual(self.analysis(text).bound("f"), 1 + 5 * (2 + 5 + 3) + 32 * 5 + 1)
+        self.assertEqual(self.analysis(text).bound("f"), 1 + 5 * (2 + 5 + 4) + 32 * 5 + 1)
 
     def test_size_is_a_constant_before_the_call(self):
         memset = """
