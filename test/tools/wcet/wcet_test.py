@@ -348,6 +348,21 @@ unsigned Shared(const unsigned char* p, unsigned mask) {
                 self.assertGreaterEqual(found, taken)
                 self.assertLess(found, 1.5 * taken)
 
+    # Two loops that each do all of one's iterations would share its bound.
+    def test_no_loop_is_distributed(self):
+        text = """
+float a[1024], b[1024], c[1024], d[1024];
+void Distributed(int n) {
+  HP_LOOP_BOUND(1000)
+  for (int i = 1; i < n; ++i) {
+    a[i] = a[i - 1] * 0.5f + b[i];
+    c[i] = d[i] + 1.0f;
+  }
+}
+"""
+        # At least two loads, two sums, a product, two stores, a comparison and a jump each.
+        self.assertGreaterEqual(self.compiled(text).bound("Distributed"), 1000 * 9)
+
     def test_split_loop_shares_its_record(self):
         # As a vectorised loop and what it leaves over: one line of the source.
         text = """
