@@ -5,8 +5,11 @@ config/timing.toml states ([schedule]). Instructions are bounded; cycles are not
 A tick begins every period, or when the one before has ended. So what the lidar's light tells waits for
 the rest of its packet, for the directions beside its own that its class depends on, for the tick that
 has just begun, and for the tick that decides; then for the frames before its own on the bus. The
-reaction radius is the way driven meanwhile (docs/safety.md).
+reaction radius is the way driven meanwhile (docs/safety.md). Neither is bounded where more columns come
+in the longest tick than it takes: what they tell is lost.
 """
+
+import math
 
 
 class Schedule:
@@ -32,6 +35,13 @@ class Schedule:
         waiting = max(tick_ms, self.of["period_ms"])
         return 1000 * lidar + waiting + tick_ms + self.of["bus_us"] / 1000
 
+    def lost(self, tick_ms):
+        """Which of the columns that come while a tick lasts it does not take, as text; None: it takes
+        them all."""
+        come = math.ceil(self.of["columns_per_s"] * max(tick_ms, self.of["period_ms"]) / 1000)
+        more = come - self.of["directions"]
+        return f"none: {more} columns of {come} are lost in a tick" if more > 0 else None
+
     def radius_m(self, latency_ms):
         return self.of["speed_mmps"] / 1000 * latency_ms / 1000
 
@@ -42,11 +52,19 @@ class Schedule:
         mean = measured.get("instructions_mean_tick")
         counted_ms = self.ms(counted) if counted else None
         rounds = measured.get("rounds_of_planning")
-        latency = self.latency_ms(worst)
-        counted_latency = self.latency_ms(counted_ms) if counted else None
 
         def text(value, unit, form=".1f"):
             return "-" if value is None else f"{format(value, form)} {unit}"
+
+        def reaction(tick_ms):
+            """Latency and radius."""
+            if tick_ms is None:
+                return "-", "-"
+            latency = self.latency_ms(tick_ms)
+            lost = self.lost(tick_ms)
+            return lost or text(latency, "ms"), lost or text(self.radius_m(latency), "m", ".2f")
+        latency, radius = reaction(worst)
+        counted_latency, counted_radius = reaction(counted_ms)
         return [
             ("tick period", text(self.of["period_ms"], "ms", "d"), ""),
             ("units of planning in a tick", str(self.of["planning_units"]), ""),
@@ -56,10 +74,8 @@ class Schedule:
             ("ticks for a whole plan", str(self.plan_ticks(self.constants["plan_units"],
                                                            self.constants["plan_transitions"])),
              text(measured["ticks"] / rounds if rounds else None, "(mean)")),
-            ("from a return's light to a frame", text(latency, "ms"), text(counted_latency, "ms")),
-            (f"reaction radius at {self.of['speed_mmps'] / 1000:g} m/s",
-             text(self.radius_m(latency), "m", ".2f"),
-             text(self.radius_m(counted_latency) if counted else None, "m", ".2f")),
+            ("from a return's light to a frame", latency, counted_latency),
+            (f"reaction radius at {self.of['speed_mmps'] / 1000:g} m/s", radius, counted_radius),
         ]
 
 

@@ -31,6 +31,7 @@ class Command(OfThumb):
         self.assertEqual(self.run_wcet("/nowhere", "f").returncode, 2)
         self.assertEqual(self.run_wcet().returncode, 2)
         self.assertIn("neither", self.run_wcet(sys.executable, "f").stderr)
+        self.assertIn("not a little-endian ELF file", self.run_wcet(__file__, "f").stderr)
         self.assertEqual(self.run_wcet("--help").returncode, 0)
 
 
@@ -94,11 +95,13 @@ function f
 done f
 """
 
-    def schedule(self, period, measured="", program=PROGRAM, idle="", excluded="", with_g=0):
+    def schedule(self, period, measured="", program=PROGRAM, idle="", excluded="", with_g=0,
+                 directions=400):
         self.analysis(program)
         configuration = os.path.join(self.folder, "tick.toml")
         with open(configuration, "w", encoding="utf-8") as file:
-            file.write(f"[tick]\nperiod_ms = {period}\ndirections = 4\nplanning_units = 128\n")
+            file.write(f"[tick]\nperiod_ms = {period}\ndirections = {directions}\n"
+                       "planning_units = 128\n")
         facts = os.path.join(self.folder, "facts.toml")
         with open(facts, "w", encoding="utf-8") as file:
             file.write(FACTS.format(configuration=configuration, idle=idle,
@@ -126,6 +129,20 @@ done f
         # A tick that ends before its period does is waited for until then.
         self.assertEqual(self.schedule(period=5)["from a return's light to a frame"],
                          ["10.7", "ms", "-"])
+
+    # 22 columns come in the 2.2 ms that a tick may last.
+    def test_no_latency_where_columns_are_lost(self):
+        lost = "none: 1 columns of 22 are lost in a tick"
+        table = self.schedule(period=1, directions=21, measured="instructions_worst_tick 10\n")
+        for name in ("from a return's light to a frame", "reaction radius at 5 m/s"):
+            self.assertEqual(" ".join(table[name][:10]), lost)
+        # As counted, it is 2 ms.
+        self.assertEqual(table["from a return's light to a frame"][10:], ["7.5", "ms"])
+        table = self.schedule(period=1, directions=22)
+        self.assertEqual(table["from a return's light to a frame"], ["7.9", "ms", "-"])
+        # And of a shorter tick, those of its period: 50.
+        table = self.schedule(period=5, directions=49)
+        self.assertIn("none: 1 columns of 50", " ".join(table["reaction radius at 5 m/s"]))
 
     def test_without_planning_its_functions_are_not_called(self):
         # A loop that looks at its units behind its first round.
