@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdint>
 
+#include "config/onboard_parameters.h"
+#include "core/autonomy/mapper.h"
 #include "core/autonomy/planner.h"
 #include "core/base/assert.h"
 #include "hal/vehicle_loop/vehicle_loop.h"
@@ -161,8 +163,13 @@ void PrintConstants() {
   print("corridor_tests", Corridor::kMaxTests);
   print("corridor_rows", Corridor::kMaxMarked_rows);
   print("person_cells", SpeedCaps::kMaxPersonCells);
+  print("folds", Mapper::kMaxFolds);
   print("plan_units", Planner::kMaxUnits);
   print("plan_transitions", Planner::kMaxTransitions);
+  // What parameters are by default.
+  print("planning_units", TickParams{}.planning_units);
+  print("directions", TickParams{}.directions);
+  print("beams", kMaxBeams);
 }
 
 }  // namespace

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # The static bounds of a processor's image are within their budgets (config/timing.toml), and nothing
 # that is counted on the adversarial maps, or in a mission, exceeds them; a budget that is too small
-# and a constant that is not as the sources have it are noticed. Arguments: python3, timing.py,
-# measure_units, replay_tape, what a mission has taken (a file that need not be there).
+# and a constant or a default that is not as the sources have it are noticed. Arguments: python3,
+# timing.py, measure_units, replay_tape, what a mission has taken (a file that need not be there).
 set -euo pipefail
 python=$1
 timing=$2
@@ -35,6 +35,9 @@ sed -E 's/^(cortex_m7|aarch64) = .*/\1 = 1000/' "$facts" >"$folder/small.toml"
 fails_with 'the worst tick: .* are more than its budget of 1000' --facts "$folder/small.toml"
 sed 's/^aged_cells = .*/aged_cells = 100/' "$facts" >"$folder/other.toml"
 fails_with 'the constant aged_cells is 8192, not 100' --facts "$folder/other.toml"
+sed 's/^directions = 256 /directions = 300 /' "$facts" >"$folder/default.toml"
+fails_with 'the parameter directions is 256 by default, not 300' --facts "$folder/default.toml"
+fails_with 'Mapper::Fold: 3 \* directions are 255, fewer than 256' --set directions=85
 sed 's/^unit costmap .*/unit costmap 999999999/' "$folder/units" >"$folder/more"
 measured+=(--measured "$folder/more")
 fails_with 'measured 999999999, more than its bound' --facts "$facts"

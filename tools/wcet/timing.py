@@ -11,7 +11,7 @@ so.
 
   --measured FILE  lines "name number" of a run of the same code: test/timing/measure_units and
                    test/bare_metal/replay_tape. Lines "constant name number" have to be as the facts
-                   say.
+                   say, those of parameters where they are not set otherwise.
   --set NAME=N     another value of one of the facts' parameters; budgets are then not looked at
   --json           the table as JSON
   --schedule       what they mean in time on the processor of the facts' schedule, an estimate
@@ -62,6 +62,8 @@ class Facts:
         for name, _ in changed:
             if name not in self.table["parameters"]:
                 raise Refused(f"{name} is not one of the parameters")
+        self.unchanged = {name: value for name, value in self.table["parameters"].items()
+                          if name not in dict(changed)}
         self.values = {**self.table["constants"], **self.table["parameters"], **dict(changed)}
 
     def image(self, path):
@@ -88,8 +90,11 @@ class Facts:
     def _scoped(self, kind):
         scopes = {}
         for entry in self.table.get(kind, []):
-            scope = scopes.setdefault(entry["within"], {})
-            scope.update({name: evaluate(entry["most"], self.values) for name in entry["of"]})
+            most = evaluate(entry["most"], self.values)
+            least = evaluate(entry.get("at_least", 0), self.values)
+            if most < least:
+                raise Refused(f"{entry['of'][0]}: {entry['most']} are {most}, fewer than {least}")
+            scopes.setdefault(entry["within"], {}).update(dict.fromkeys(entry["of"], most))
         return scopes
 
 
@@ -144,6 +149,9 @@ def judge(facts, found, numbers, constants, target, with_budgets):
     for name, value in facts.table["constants"].items():
         if constants and constants.get(name) != value:
             wrong.append(f"the constant {name} is {constants.get(name)}, not {value}")
+    for name, value in facts.unchanged.items():
+        if constants.get(name, value) != value:
+            wrong.append(f"the parameter {name} is {constants[name]} by default, not {value}")
     for entry, value in found:
         measured = numbers.get(entry.get("measured"))
         row = {"name": entry["name"], "bound": value, "budget": entry.get(target),

@@ -181,5 +181,60 @@ done f
         self.assertEqual(table["reaction radius at 5 m/s"][-2:], ["0.12", "m"])
 
 
+class Timing(OfThumb):
+    """tools/wcet/timing.py on facts that are not as they should be."""
+
+    CALLS = """
+[[calls]]
+within = "f"
+because = "a test"
+of = ["g"]
+most = "{most}"
+at_least = "{least}"
+"""
+
+    def timing(self, *arguments, most="3 * directions", least="12", measured=""):
+        self.analysis("function g\n bx lr\ndone g\nfunction f\n record 1000\n1: bl g\n"
+                      " subs r0, #1\n bne 1b\n bx lr\ndone f\n")
+        facts, numbers = os.path.join(self.folder, "facts.toml"), os.path.join(self.folder, "counted")
+        with open(facts, "w", encoding="utf-8") as file:
+            file.write(FACTS.format(configuration="", idle="", excluded="", with_g=1))
+            file.write(self.CALLS.format(most=most, least=least))
+        with open(numbers, "w", encoding="utf-8") as file:
+            file.write(measured)
+        command = os.path.join(os.environ["HARDPACK_SOURCE"], "tools", "wcet", "timing.py")
+        return subprocess.run([sys.executable, command, "--facts", facts, "--measured", numbers,
+                               *arguments, os.path.join(self.folder, "a")], capture_output=True,
+                              text=True, check=False)
+
+    def expect_wrong(self, words, *arguments, **options):
+        done = self.timing(*arguments, **options)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn(words, done.stderr)
+
+    def test_facts_as_they_should_be(self):
+        self.assertEqual(self.timing().returncode, 0)
+        self.assertEqual(self.timing("--set", "directions=5").returncode, 0)
+        self.assertEqual(self.timing("--set", "directions").returncode, 2)
+
+    def test_refuses_facts_that_it_does_not_know(self):
+        self.expect_wrong("columns is not one of the parameters", "--set", "columns=5")
+        for most in ("columns", "directions / 2", "1.5", "most(directions, 2)"):
+            with self.subTest(most):
+                self.expect_wrong(f"{most}: not understood", most=most)
+
+    def test_refuses_fewer_than_the_reason_needs(self):
+        self.expect_wrong("g: 3 * directions are 9, fewer than 12", "--set", "directions=3")
+
+    def test_parameters_are_compared_with_the_defaults(self):
+        constants = "constant portion_units 64\nconstant plan_units 6400\n" \
+                    "constant plan_transitions 10\n"
+        self.assertEqual(self.timing(measured=constants).returncode, 0)
+        same, other = (f"{constants}constant directions {n}\n" for n in (4, 5))
+        self.assertEqual(self.timing(measured=same).returncode, 0)
+        self.expect_wrong("the parameter directions is 5 by default, not 4", measured=other)
+        self.assertEqual(self.timing("--set", "directions=6", measured=other).returncode, 0)
+
+
 if __name__ == "__main__":
     unittest.main(verbosity=1)
