@@ -923,6 +923,9 @@ done f
         # Of two loops at one address nobody knows which one it is.
         both = text.replace("  record_beams", "  record 20\n  record_beams")
         self.assertEqual(self.analysis(both, beams=64).bound("f"), self.analysis(both).bound("f"))
+        # But for their lines.
+        lines = both.replace("130, 128", "130, 128, 8").replace("record 20", "record 20, 6")
+        self.assertEqual(self.analysis(lines, beams=64).bound("f"), 1 + 67 * 3 + 1)
 
     def test_refuses_what_runs_on_behind_its_end(self):
         self.expect_refused("function f\n nop\ndone f\nfunction g\n bx lr\ndone g\n",
