@@ -6,9 +6,9 @@ usage: tools/check_loop_bounds.py FILE...     objects (ld -r output included) or
 
 A record is three words: the address of a loop's entry, a bound, and the line that says so. The bound
 is the loop's own in .note.hardpack.loops, that of the loops directly inside it in
-.note.hardpack.inner, and the beams that both are of in .note.hardpack.beams. There must be records in all; each bound must be positive; each address must
-lie in executable code. Reads 32 and 64 bit little-endian ELF. Exits 1 and names the record when one
-is not so.
+.note.hardpack.inner, and the beams that both are of in .note.hardpack.beams. There must be records
+in all; each bound must be positive; each address must lie in executable code. Reads 32 and 64 bit
+little-endian ELF. Exits 1 and names the record when one is not so.
 """
 
 import struct

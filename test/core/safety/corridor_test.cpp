@@ -307,7 +307,8 @@ TEST(Corridor, LooksIntoTheFirstCellOfItsCoarseGrid) {
   EXPECT_FALSE(test.Holds(1.0f, 1.0f));
 }
 
-//  /\/\/\/\/\   Up and down, so that each chord reaches into most rows of the coarse grid: more than
+//  /\/\/\/\/\   Up and down, so that each chord reaches into most rows of the coarse grid: more
+//  than
 //  \/\/\/\/\/   are marked, so every chord is looked at for every return.
 TEST(Corridor, OfAPathThatFillsItsCoarseGridIsTheSame) {
   constexpr float kHalf_m = 0.1f;

@@ -122,6 +122,17 @@ class OfThumb(Processor):
     compile_flags = (*flags, "-mfpu=fpv5-sp-d16", "-mfloat-abi=hard")
     macros = ".syntax unified\n" + MACROS.format(word=".long", thumb=".thumb_func")
 
+    # One instruction, a loop of two for each byte, and one.
+    MEMSET = """
+function memset
+  add r3, r0, r2
+1: strb r1, [r0], #1
+  cmp r0, r3
+  bne 1b
+  bx lr
+done memset
+"""
+
 
 class OfA64(Processor):
     prefix = "aarch64-linux-gnu-"
