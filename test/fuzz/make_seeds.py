@@ -208,8 +208,7 @@ def drive_scripts(seeds):
 
 
 def scripts(seeds):
-    for first in range(4):
-        kind = ("standing", "driving", "log", "log")[first]
+    for first, kind in enumerate(("standing", "driving", "log", "log", "standing", "blocked")):
         seeds.add("tick", kind, bytes([first]) + bytes((i * 37 + first) % 256 for i in range(96)))
     # Of mapper: setup, then poses, columns, labels of the last of them, time, a build and its end.
     setup = bytes([1, 5, 0, 0, 0, 1, 0, 0])

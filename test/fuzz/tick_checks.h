@@ -21,6 +21,9 @@ class TickChecks {
  public:
   explicit TickChecks(const VehicleLoop& loop) : loop_(loop) {}
 
+  // Once the state to begin with is there.
+  void Begin() { left_path_ = motion() == Motion::kZero; }
+
   void Before(const TickInput& input) {
     before_ns_ = loop_.now_ns();
     before_index_ = loop_.index();

@@ -4,7 +4,9 @@
 // script that plays the recording to a copy of the state: it loses, repeats, heaps up, reorders,
 // cuts and changes datagrams and frames, adds its own bytes, lets time pass or stand, changes the
 // bus and gives commands.
-//   byte 0  bit 0: driving, else standing; bit 1: the second copy is given a flight log
+//   byte 0  bit 0: driving, else standing; bit 1: the second copy is given a flight log; bit 2,
+//   where
+//           it drives: something stands too near ahead
 //
 // Required of every tick (tick_checks.h): what is sent are frames a bus can carry, and what a drive
 // reads there is within the wheels' limits, and zero where the mode does not permit to move;
@@ -38,11 +40,12 @@ constexpr int kMostTicks = 48;
 class Play {
  public:
   Play(const uint8_t* data, size_t size)
-      : script_(data, size), choice_(script_.Byte()), recording_(RecordingOf((choice_ & 1) != 0)) {
+      : script_(data, size), choice_(script_.Byte()), recording_(RecordingOf(scene())) {
     std::memcpy(static_cast<void*>(loop_.get()), recording_.state.data(), sizeof(VehicleLoop));
     std::memcpy(static_cast<void*>(twin_.get()), recording_.state.data(), sizeof(VehicleLoop));
     index_ = recording_.index;
     now_ns_ = recording_.now_ns;
+    checks_.Begin();
     if ((choice_ & 2) != 0) log_.emplace();
   }
 
@@ -50,10 +53,15 @@ class Play {
     for (int i = 0; i < kMostTicks && !script_.ended(); ++i) Tick();
     if (log_.has_value()) log_->DoAgain(*twin_);
     Accepted(log_.has_value() ? "log" : "twin");
-    Accepted(followed_ ? "driving" : "standing");
+    Accepted(followed_ ? "driving" : scene() == Scene::kBlocked ? "blocked" : "standing");
   }
 
  private:
+  Scene scene() const {
+    if ((choice_ & 1) == 0) return Scene::kStanding;
+    return (choice_ & 4) == 0 ? Scene::kDriving : Scene::kBlocked;
+  }
+
   void Tick() {
     Take();
     command_.clear();

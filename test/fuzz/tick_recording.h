@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <map>
 #include <memory>
 #include <span>
 #include <vector>
@@ -13,6 +15,8 @@
 #include "test/fuzz/mapper_script.h"
 #include "test/loop_count/counted_beams.h"
 #include "tools/sim/scripted_vehicle.h"
+#include "tools/world/features.h"
+#include "tools/world/world.h"
 
 // What the tick's fuzz target plays: a simulated vehicle that has driven for some seconds, as the
 // state of its VehicleLoop, and what came in the ticks behind that.
@@ -41,6 +45,7 @@ class RecordedDrive {
   RecordedDrive() {
     settings_.world = sim::LaneWorld();
     settings_.lidar.columns = 512;
+    settings_.vehicle.right.sign = -1;  // the motors face each other
     vehicle_ =
         std::make_unique<sim::ScriptedVehicle>(settings_, std::vector<sim::ScriptEvent>{}, now_ns_);
     config_.onboard.drive.left_sign = settings_.vehicle.left.sign;
@@ -66,6 +71,17 @@ class RecordedDrive {
     Say(control::Kind::kGoal);
     for (int i = 0; i < 300; ++i) Tick({});
     Require(loop_->permission().mode == Mode::kDriving);
+  }
+
+  // Something stands ahead, too near to come to rest along the path: zero goes out at once.
+  void Block() {
+    const StampedPose& pose = loop_->odometry().pose();
+    const double ahead_m = 2.5;
+    const double x_m = static_cast<double>(pose.position.x_m) + ahead_m * std::cos(pose.yaw_rad);
+    const double y_m = static_cast<double>(pose.position.y_m) + ahead_m * std::sin(pose.yaw_rad);
+    world::AddBoxOnGround(vehicle_->world(), {x_m, y_m}, 0.0, 1.0, 3.0, 1.4, world::kThing);
+    for (int i = 0; i < 60 && loop_->permission().motion != Motion::kZero; ++i) Tick({});
+    Require(loop_->permission().motion == Motion::kZero && !loop_->drives().standstill());
   }
 
   Recording Record() {
@@ -131,20 +147,22 @@ class RecordedDrive {
   RecordedTick last_;
 };
 
-// Standing in standby, and driving.
-inline const Recording& RecordingOf(bool drives) {
-  static const Recording standing = [] {
-    RecordedDrive drive;
-    drive.BringUp();
-    return drive.Record();
-  }();
-  static const Recording driving = [] {
-    RecordedDrive drive;
-    drive.BringUp();
-    drive.Drive();
-    return drive.Record();
-  }();
-  return drives ? driving : standing;
+enum class Scene : uint8_t { kStanding, kDriving, kBlocked };
+
+inline Recording RecordScene(Scene scene) {
+  RecordedDrive drive;
+  drive.BringUp();
+  if (scene != Scene::kStanding) drive.Drive();
+  if (scene == Scene::kBlocked) drive.Block();
+  return drive.Record();
+}
+
+// Each is made when it is first asked for.
+inline const Recording& RecordingOf(Scene scene) {
+  static std::map<Scene, Recording> recordings;
+  const auto known = recordings.find(scene);
+  if (known != recordings.end()) return known->second;
+  return recordings.emplace(scene, RecordScene(scene)).first->second;
 }
 
 }  // namespace hardpack
