@@ -190,7 +190,6 @@ void Supervisor::StepSafeStop(const SupervisorInput& input) {
     disarming_ = false;
     return;
   }
-  if (IsFarTooOld(input)) zero_ = true;
   if (SecondsBetween(since_ns_, input.now_ns) > params_.max_stop_s) {
     zero_ = true;
     reason_ = StopReason::kStopTooLong;
@@ -244,6 +243,8 @@ Permission Supervisor::Judge(const SupervisorInput& input) {
         break;
     }
   }
+  // In the tick in which the stop begins, too: ages leap where ticks are missed.
+  if (mode_ == Mode::kSafeStop && IsFarTooOld(input)) zero_ = true;
   if (reason_ != told_) reason_since_ns_ = input.now_ns;
   told_ = reason_;
   permission.reason_since_ns = reason_since_ns_;

@@ -179,8 +179,8 @@ bool DrivePair::Beat::IsDue(uint64_t now_ns, int32_t period_ms) {
 void DrivePair::SendCommands(const DriveDemand& demand, CanBatch& out) {
   int32_t speed_rpm[kSides] = {0, 0};
   // Drives that are not to be enabled are not since Sequence.
-  const bool follow =
-      enabled() && IsFinite(demand.wheels.left_radps) && IsFinite(demand.wheels.right_radps);
+  const bool follow = enabled() && !foreign_sender() && IsFinite(demand.wheels.left_radps) &&
+                      IsFinite(demand.wheels.right_radps);
   if (follow) {
     speed_rpm[kLeftIndex] = drives_[kLeftIndex].MotorSpeed(demand.wheels.left_radps, params_);
     speed_rpm[kRightIndex] = drives_[kRightIndex].MotorSpeed(demand.wheels.right_radps, params_);

@@ -344,6 +344,16 @@ TEST(Supervisor, ZeroSpeedWhenAnInputIsFarTooOld) {
   EXPECT_EQ(vehicle.Ticks(55).motion, Motion::kZero);  // 0.9 s
 }
 
+// After ticks that were missed: in the tick in which the stop begins.
+TEST(Supervisor, ZeroSpeedAtOnceWhenAnInputHasBecomeFarTooOldBetweenTwoTicks) {
+  Vehicle vehicle;
+  vehicle.Drive();
+  vehicle.lidar_comes = false;
+  vehicle.input.now_ns += 2'000'000'000;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kZero);
+  EXPECT_EQ(vehicle.permission.mode, Mode::kSafeStop);
+}
+
 TEST(Supervisor, ZeroSpeedWhenASafeStopTakesTooLong) {
   Vehicle vehicle;
   vehicle.Drive();

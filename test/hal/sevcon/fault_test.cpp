@@ -296,6 +296,25 @@ TEST_F(DrivingFault, ForeignSenders) {
   }
 }
 
+// Its fault can be reset, and the drives enabled, while it is remembered: nothing is driven then.
+TEST(ForeignSender, LeavesNothingToDriveOnWhileItIsRemembered) {
+  Bench bench = Bench::WithDrivesSetUp();
+  CanFrame nmt;
+  nmt.id = 0x000;
+  nmt.size = 2;
+  bench.foreign = {nmt};
+  bench.Tick();
+  ASSERT_TRUE(bench.pair.foreign_sender());
+  bench.Tick(kReset);
+  bool was_enabled = false;
+  for (bench.Tick(); bench.pair.foreign_sender(); bench.Tick(Bench::Wheels(3.0f, 3.0f))) {
+    was_enabled = was_enabled || bench.pair.enabled();
+    ASSERT_EQ(bench.pair.commanded().left_radps, 0.0f);
+    ASSERT_EQ(bench.pair.commanded().right_radps, 0.0f);
+  }
+  EXPECT_TRUE(was_enabled);
+}
+
 // One that beats once a second is there all the time; one that has gone is not.
 TEST_F(DrivingFault, ForeignSenderUntilItHasBeenQuiet) {
   CanFrame heartbeat;
