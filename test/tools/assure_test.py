@@ -66,6 +66,8 @@ class Assure(unittest.TestCase):
         code, page = self.assure(command, assure.Promise("all", assure.PASSED, "all"))
         self.assertEqual(code, 1)
         self.assertIn("**NOT KEPT**", page)
+        code, _ = self.assure(command, assure.Promise("all", assure.PASSED, "all", may_skip="a.[BC]"))
+        self.assertEqual(code, 0)
 
     def test_a_number_beyond_its_budget_is_not_kept(self):
         for number, kept in ((16, 0), (17, 1)):
