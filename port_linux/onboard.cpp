@@ -13,7 +13,7 @@ namespace {
 constexpr int kMaxBacklog = 4096;
 // Batches that a tick drops at most of what waits too long.
 constexpr int kMaxWaiting = 64;
-// Longer than it takes to make up for a tick that was late by as much as a second lidar's turn.
+// Longer than it takes to make up for a late tick.
 constexpr uint64_t kMaxBehind_ns = 100'000'000;
 // Longer than a stop takes.
 constexpr uint64_t kForgotten_ns = 5'000'000'000;
@@ -22,6 +22,17 @@ constexpr uint64_t kForgotten_ns = 5'000'000'000;
 uint64_t SeenBy(const DatagramSocket& socket) {
   const DatagramCounters& counters = socket.counters();
   return counters.received + counters.foreign + counters.oversized;
+}
+
+// Takes what waits there, at most so many batches. Returns how many it would have given.
+uint64_t Drop(DatagramSocket& socket, int batches) {
+  uint64_t dropped = 0;
+  for (int batch = 0; batch < batches; ++batch) {
+    const uint64_t seen = SeenBy(socket);
+    dropped += socket.Receive(DatagramSocket::kMaxBatch).size();
+    if (SeenBy(socket) - seen < DatagramSocket::kMaxBatch) break;
+  }
+  return dropped;
 }
 
 }  // namespace
@@ -66,18 +77,7 @@ void Onboard::Run(const std::atomic<bool>& stop) {
 // as one comes in time.
 void Onboard::DropBacklog() {
   for (DatagramSocket* socket : {devices_.ins, devices_.labels, devices_.lidar}) {
-    if (socket == nullptr) continue;
-    for (int batch = 0; batch < kMaxBacklog; ++batch) {
-      if (socket->Receive(DatagramSocket::kMaxBatch).empty()) break;
-    }
-  }
-}
-
-void Onboard::DropWaiting(DatagramSocket& socket) {
-  for (int batch = 0; batch < kMaxWaiting; ++batch) {
-    const uint64_t seen = SeenBy(socket);
-    program_.dropped_datagrams += socket.Receive(DatagramSocket::kMaxBatch).size();
-    if (SeenBy(socket) - seen < DatagramSocket::kMaxBatch) return;
+    if (socket != nullptr) static_cast<void>(Drop(*socket, kMaxBacklog));
   }
 }
 
@@ -150,7 +150,7 @@ void Onboard::TakeDatagrams(DatagramSocket* socket, InputSource source, int max)
   if (socket == nullptr) return;
   uint64_t& full_since_ns = full_since_ns_[static_cast<size_t>(source)];
   if (full_since_ns != 0 && input_.now_ns - full_since_ns >= kMaxBehind_ns) {
-    DropWaiting(*socket);
+    program_.dropped_datagrams += Drop(*socket, kMaxWaiting);
     full_since_ns = 0;
   }
   const uint64_t seen = SeenBy(*socket);

@@ -67,7 +67,6 @@ class Onboard {
 
  private:
   void DropBacklog();
-  void DropWaiting(DatagramSocket& socket);
   bool IsOff() const;
   void TakeFrames();
   void TakeDatagrams(DatagramSocket* socket, InputSource source, int max);
