@@ -12,6 +12,7 @@
 
 #include "test/hal/conformance/can_bus_conformance.h"
 #include "test/hal/conformance/can_peer.h"
+#include "test/hal/conformance/delivery_barrier.h"
 #include "test/hal/conformance/without_net_admin.h"
 #include "tools/hardpack/allocation_counter.h"
 
@@ -77,9 +78,13 @@ class SocketCanHarness {
   void Stall() { EXPECT_TRUE(Plug("block")); }
   void Resume() { EXPECT_TRUE(Plug("release_indefinite")); }
   bool Busy() const { return bus_->restarting(); }
-  void Settle() { usleep(1000); }
+  void Settle() {
+    usleep(1000);
+    EXPECT_TRUE(barrier_.Wait()) << "what was sent has not arrived for ten seconds";
+  }
 
  private:
+  DeliveryBarrier barrier_;
   std::unique_ptr<CanPeer> peer_;
   std::unique_ptr<SocketCanBus> bus_;
   OpenOutcome outcome_;
