@@ -167,7 +167,8 @@ def measurements(options):
                         Promise("logs of x86-64 replay bit for bit; a mission is the same, on the bare "
                                 "processor too", PASSED, "all",
                                 ran=("onboard.mission_log_replays", "onboard.mission_is_the_same",
-                                     "bare_metal.mission_is_the_same")),
+                                     "bare_metal.mission_is_the_same",
+                                     "bare_metal.crowd_is_the_same")),
                         Promise("hardpackd drives on an arm64 kernel with a vcan", PASSED, "all",
                                 ran=("onboard.hardware_in_the_loop",)),
                         *bounds("aarch64", "aarch64")]),
@@ -190,12 +191,13 @@ def measurements(options):
                         Promise("the Cortex-M7 build: every test passes", PASSED, "all"),
                         Promise("a mission from bytes to frames on the bare processor, the host's hash "
                                 "in every tick", r"(decision hash [0-9a-f]{16})", "the host's",
-                                ran=("bare_metal.mission_is_the_same",)),
+                                ran=("bare_metal.mission_is_the_same",
+                                     "bare_metal.crowd_is_the_same")),
                         *bounds("Cortex-M7", "cortex_m7"),
                         Promise("static bound of the stack of a tick",
                                 r"(\d+)  hardpack::VehicleLoop::Tick", form="{} bytes", at_most=16384),
                         Promise("of it taken, painted, the program around it included",
-                                r"the mission took (\d+ of at most \d+ bytes)", "the bound"),
+                                r"mission and crowd took (\d+ of at most \d+ bytes)", "the bound"),
                     ]),
         Measurement("coverage", "tools/coverage.py", [
             Promise("lines of core and hal that the tests run", r"core and hal\s.*?([\d.]+) %$",

@@ -90,7 +90,12 @@ bool IsAsOnTape(const TapeTick& tick, Status status, const VehicleLoop& loop) {
          loop.decision_hash() == tick.decision_hash;
 }
 
-void ReplayTick(const TapeTick& tick, VehicleLoop& loop, Counts& counts) {
+struct Counted {
+  Counts all;
+  Counts without_goal;  // and so without planning
+};
+
+void ReplayTick(const TapeTick& tick, VehicleLoop& loop, Counted& counted) {
   Payload rest({payload, tick.payload_bytes});
   for (uint16_t i = 0; i < tick.datagrams; ++i) {
     TapeDatagram head;
@@ -106,10 +111,13 @@ void ReplayTick(const TapeTick& tick, VehicleLoop& loop, Counts& counts) {
                            {datagrams, tick.datagrams},
                            {frames_in, tick.frames_in},
                            command};
+  const bool had_goal = loop.goals() > 0;
   const uint32_t from = InstructionClock::Now();
   const Status status = loop.Tick(input, output);
   const uint32_t to = InstructionClock::Now();
-  AddTo(counts, tick.index, InstructionClock::InstructionsBetween(from, to));
+  const uint32_t instructions = InstructionClock::InstructionsBetween(from, to);
+  AddTo(counted.all, tick.index, instructions);
+  if (!had_goal && loop.goals() == 0) AddTo(counted.without_goal, tick.index, instructions);
   if (IsAsOnTape(tick, status, loop)) return;
   PrintNumber("decided otherwise, tick", static_cast<uint32_t>(tick.index));
   Exit(1);
@@ -153,14 +161,15 @@ void ReplayTape() {
   InstructionClock::Start();
   VehicleLoop& loop = loop_memory.Construct();
   const uint32_t ticks = Begin(file, loop);
-  Counts counts;
+  Counted counted;
   for (uint32_t i = 0; i < ticks; ++i) {
     TapeTick tick;
     ReadInto(file, tick);
     if (!IsPossible(tick)) GiveUp("the tape's ticks are damaged");
     if (!Read(file, {payload, tick.payload_bytes})) GiveUp("the tape ends too early");
-    ReplayTick(tick, loop, counts);
+    ReplayTick(tick, loop, counted);
   }
+  const Counts& counts = counted.all;
   if (counts.ticks == 0) GiveUp("there is no tick on the tape");
   PrintNumber("ticks", counts.ticks);
   PrintHex("decision hash", loop.decision_hash());
@@ -170,6 +179,7 @@ void ReplayTape() {
   PrintNumber("instructions_mean_tick", (kibi / counts.ticks) << 10u);
   PrintNumber("instructions_worst_tick", counts.most);
   PrintNumber("worst_tick", static_cast<uint32_t>(counts.most_index));
+  PrintNumber("instructions_worst_tick_without_planning", counted.without_goal.most);
   PrintNumber("stack_size_bytes", stack_size_bytes());
   PrintNumber("stack_peak_bytes", stack_peak_bytes());
 }

@@ -2,10 +2,7 @@
 #include <charconv>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <memory>
-#include <span>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -13,7 +10,7 @@
 
 #include "port_linux/configuration.h"
 #include "port_linux/ouster_metadata.h"
-#include "test/bare_metal/tape.h"
+#include "test/bare_metal/tape_writer.h"
 #include "tools/capture/flight_reader.h"
 #include "tools/replay/replay.h"
 
@@ -29,41 +26,15 @@ std::string_view TextOf(const capture::Assembled& assembled) {
   return {reinterpret_cast<const char*>(assembled.bytes.data()), assembled.bytes.size()};
 }
 
-template <typename T>
-std::span<const uint8_t> BytesOf(std::span<T> things) {
-  return {reinterpret_cast<const uint8_t*>(things.data()), things.size_bytes()};
-}
-
-void Append(std::vector<uint8_t>& bytes, std::span<const uint8_t> more) {
-  bytes.insert(bytes.end(), more.begin(), more.end());
-}
-
-template <typename T>
-void AppendOne(std::vector<uint8_t>& bytes, const T& thing) {
-  Append(bytes, BytesOf(std::span(&thing, 1)));
-}
-
-void AppendTick(std::vector<uint8_t>& tape, const LoggedTick& logged) {
-  std::vector<uint8_t> payload;
+void AddTick(const LoggedTick& logged, TapeWriter& tape) {
+  std::vector<TickDatagram> datagrams;
   for (const capture::LoggedDatagram& datagram : logged.datagrams) {
-    AppendOne(payload, TapeDatagram{static_cast<uint32_t>(datagram.source),
-                                    static_cast<uint32_t>(datagram.bytes.size())});
-    Append(payload, datagram.bytes);
+    datagrams.push_back({datagram.source, datagram.bytes});
   }
-  Append(payload, BytesOf(std::span(logged.frames_in)));
-  Append(payload, logged.command);
-  Append(payload, BytesOf(std::span(logged.frames_out)));
-  AppendOne(tape, TapeTick{.index = logged.begin.index,
-                           .now_ns = logged.begin.now_ns,
-                           .decision_hash = logged.end.decision_hash,
-                           .bus = static_cast<uint16_t>(logged.begin.bus),
-                           .status = static_cast<uint16_t>(logged.end.status),
-                           .datagrams = static_cast<uint16_t>(logged.datagrams.size()),
-                           .frames_in = static_cast<uint16_t>(logged.frames_in.size()),
-                           .frames_out = static_cast<uint16_t>(logged.frames_out.size()),
-                           .command_bytes = static_cast<uint16_t>(logged.command.size()),
-                           .payload_bytes = static_cast<uint32_t>(payload.size())});
-  Append(tape, payload);
+  const TickInput input = {logged.begin.index, logged.begin.now_ns,
+                           logged.begin.bus,   datagrams,
+                           logged.frames_in,   logged.command};
+  tape.Add(input, logged.end.status, logged.frames_out, logged.end.decision_hash);
 }
 
 ReadOutcome ReadConfig(const FlightReader& reader, const std::string& path, VehicleConfig& config) {
@@ -84,30 +55,21 @@ ReadOutcome WriteTape(const std::string& log, uint32_t most_ticks, const std::st
   FlightReader reader;
   const ReadOutcome opened = reader.Open(log);
   if (!opened.ok()) return opened;
-  TapeHead head;
-  std::vector<uint8_t> ticks;
+  TapeWriter tape;
   const auto tick = std::make_unique<LoggedTick>();
-  while (head.ticks < most_ticks && reader.Next(*tick) == FlightReader::Item::kTick) {
-    AppendTick(ticks, *tick);
-    ++head.ticks;
+  while (tape.ticks() < most_ticks && reader.Next(*tick) == FlightReader::Item::kTick) {
+    AddTick(*tick, tape);
   }
-  if (head.ticks == 0 || reader.version().next_tick != 0) {
+  if (tape.ticks() == 0 || reader.version().next_tick != 0) {
     return {Status::kInvalidArgument, log + ": is not the first file of a run"};
   }
   const auto config = std::make_unique<VehicleConfig>();
   const ReadOutcome read = ReadConfig(reader, log, *config);
   if (!read.ok()) return read;
-  std::vector<uint8_t> opening;
-  AppendOne(opening, head);
-  AppendOne(opening, *config);
-  std::ofstream file(path, std::ios::binary);
-  for (const std::vector<uint8_t>* part : {&opening, &ticks}) {
-    file.write(reinterpret_cast<const char*>(part->data()),
-               static_cast<std::streamsize>(part->size()));
+  if (!tape.WriteTo(path, *config)) {
+    return {Status::kInvalidArgument, path + ": cannot be written"};
   }
-  file.close();
-  if (!file) return {Status::kInvalidArgument, path + ": cannot be written"};
-  std::printf("%u ticks\n", head.ticks);
+  std::printf("%u ticks\n", tape.ticks());
   return {};
 }
 

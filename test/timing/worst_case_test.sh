@@ -1,24 +1,25 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
 # The static bounds of a processor's image are within their budgets (config/timing.toml), and nothing
-# that is counted on the adversarial maps, or in a mission, exceeds them; a budget that is too small
-# and a constant or a default that is not as the sources have it are noticed. Arguments: python3,
-# timing.py, measure_units, replay_tape, what a mission has taken (a file that need not be there).
+# that is counted on the adversarial maps, in a mission or in a crowd exceeds them; a budget that is too
+# small and a constant or a default that is not as the sources have it are noticed. Arguments: python3,
+# timing.py, measure_units, replay_tape, what a mission and a crowd have taken (files that need not be
+# there).
 set -euo pipefail
 python=$1
 timing=$2
 measure_units=$3
 image=$4
-mission=$5
+tapes=("${@:5}")
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
 "$(dirname "$0")/../bare_metal/run.sh" "$measure_units" >"$folder/units" 2>&1
 measured=(--measured "$folder/units")
 facts=$(dirname "$timing")/../../config/timing.toml
-if [ -f "$mission" ]; then
-  measured+=(--measured "$mission")
-else  # then nothing is said of what only a mission takes
+if [ -f "${tapes[0]}" ] && [ -f "${tapes[1]}" ]; then
+  measured+=(--measured "${tapes[0]}" --measured "${tapes[1]}")
+else  # then nothing is said of what only they take
   grep -v '^measured = "instructions_' "$facts" >"$folder/facts.toml"
   facts=$folder/facts.toml
 fi
