@@ -31,9 +31,8 @@ void AddTick(const LoggedTick& logged, TapeWriter& tape) {
   for (const capture::LoggedDatagram& datagram : logged.datagrams) {
     datagrams.push_back({datagram.source, datagram.bytes});
   }
-  const TickInput input = {logged.begin.index, logged.begin.now_ns,
-                           logged.begin.bus,   datagrams,
-                           logged.frames_in,   logged.command};
+  const TickInput input = {logged.begin.index, logged.begin.now_ns, logged.begin.bus,
+                           datagrams,          logged.frames_in,    logged.command};
   tape.Add(input, logged.end.status, logged.frames_out, logged.end.decision_hash);
 }
 
