@@ -7,12 +7,12 @@ usage: tools/assure.sh [--fuzz-minutes N] [--mutants N] [--only NAME]... [--resu
 
 On a machine with nothing but Debian and this checkout: packages are installed, everything is built in
 build/, and each command below is run, one after the other, its output kept in build/assure. The page
-has a line for each promise: the figure that was measured, the budget that it is held to, the command;
-and how long each command took.
+has a section for each command, with how long it took and a line for each promise that it shows: the
+figure that was measured, and the budget that it is held to. What is not kept is named at its top.
 
   --fuzz-minutes N  of all targets together (default 30)
   --mutants N       faults planted (default 300)
-  --only NAME       only these commands (--list prints their names); the page then has their lines
+  --only NAME       only these commands (--list prints their names); the page then has their sections
   --resume          what has succeeded on this very commit is not run again, but read from its output;
                     nothing is resumed where sources have changed since the commit
   --out FILE        the page (default assurance.md)
@@ -47,25 +47,27 @@ class Promise:
     group: int = 0  # the group whose number is held to ...
     at_most: float | None = None
     at_least: float | None = None
+    times: int | None = None  # the group that tells how many times the bound is what was counted
     ran: tuple = ()  # tests that must have passed by name: one that is left out keeps nothing
     may_skip: str = "$."  # names of tests that cannot run there
 
     def limit(self):
         if self.at_most is not None:
-            return f"at most {self.at_most:,}"
+            return f"at most {self.at_most:,}" + (f", {RATIO:g} times" if self.times is not None else "")
         return f"at least {self.at_least:,}" if self.at_least is not None else self.budget
 
     def holds(self, groups):
-        if self.at_most is None and self.at_least is None:
-            return True
-        number = float(groups[self.group].replace(",", ""))
-        return ((self.at_most is None or number <= self.at_most) and
-                (self.at_least is None or number >= self.at_least))
+        def number(group):
+            return float(groups[group].replace(",", ""))
+        return ((self.at_most is None or number(self.group) <= self.at_most) and
+                (self.at_least is None or number(self.group) >= self.at_least) and
+                (self.times is None or number(self.times) <= RATIO))
 
 
 @dataclass
 class Measurement:
     name: str
+    title: str
     command: str
     promises: list = field(default_factory=list)
 
@@ -77,6 +79,7 @@ class Outcome:
     seconds: float
 
 
+NONE = "none"  # a budget: the figure is only told
 PASSED = r"(100% tests passed, 0 tests failed out of \d+)"
 SKIPPED = re.compile(r"^\s*\d+ - (.*) \(Skipped\)$", re.MULTILINE)
 # Of stages: what is counted is the worst of adversarial inputs, so that the bound may be this far off.
@@ -84,21 +87,20 @@ RATIO = 3.0
 MIB = 1024 * 1024
 
 
-def bounds(processor, column):
+def bounds(column):
     """A promise for each bound of config/timing.toml, whose budgets of a processor are in a column;
-    and for each stage that is counted, of the ratio."""
+    of stages that are counted also for how many times the count it is."""
     with open(ROOT / "config" / "timing.toml", "rb") as file:
         entries = tomllib.load(file)["bounds"]
     said = []
     for entry in entries:
         counted = "measured" in entry
         columns = r"\s{2,}([\d,]+)\s+[\d,]+\s+" + (r"([\d,]+)\s+([\d.]+)" if counted else "-")
-        figure = r"\b" + re.escape(entry["name"]) + columns
-        said.append(Promise(f"{processor}, instructions of: {entry['name']}", figure,
-                            form="{}, counted {}" if counted else "{}", at_most=entry[column]))
-        if counted and not entry["measured"].startswith("instructions_"):
-            said.append(Promise(f"{processor}, bound by count of: {entry['name']}", figure,
-                                form="{2}", group=2, at_most=RATIO))
+        of_stage = counted and not entry["measured"].startswith("instructions_")
+        said.append(Promise(f"static bound of the instructions of: {entry['name']}",
+                            r"\b" + re.escape(entry["name"]) + columns,
+                            form="{0}, {2} times the {1} counted" if counted else "{}",
+                            at_most=entry[column], times=2 if of_stage else None))
     return said
 
 
@@ -110,25 +112,27 @@ def fuzz_targets():
 def measurements(options):
     in_release = "cmake --build --preset release && "
     return [
-        Measurement("packages", "tools/check.sh --all --deps"),
-        Measurement("release", "cmake --preset release && cmake --build --preset release && "
+        Measurement("packages", "Packages", "tools/check.sh --all --deps"),
+        Measurement("release", "g++, every test but the slow ones",
+                    "cmake --preset release && cmake --build --preset release && "
                     "ctest --preset release -LE slow", [
                         Promise("every test passes in g++'s optimised build; the README's programs "
                                 "among them", PASSED, "all"),
                         Promise("a mission over UDP and a real vcan, and its log replays bit for bit",
                                 PASSED, "all", ran=("onboard.mission", "onboard.program")),
                     ]),
-        Measurement("slow", in_release + "ctest --preset release -L slow", [
+        Measurement("slow", "The slow tests", in_release + "ctest --preset release -L slow", [
             Promise("worlds (five seeds each) end as they should", PASSED, "all"),
             Promise("each fault on a real vcan stops the vehicle within its limit", PASSED, "all",
                     ran=("onboard.faults", "onboard.bus_faults")),
             Promise("it drives without an allocation from the first tick on, beside a busy disk",
                     PASSED, "all", ran=("onboard.hil", "onboard.soak"))]),
-        Measurement("tidy", "tools/check_tidy.sh build/release && echo nothing", [
+        Measurement("tidy", "clang-tidy", "tools/check_tidy.sh build/release && echo nothing", [
             Promise("clang-tidy (bugprone, cert; in the core the C++ Core Guidelines) says",
                     r"^(nothing)$", "nothing"),
         ]),
-        Measurement("no_heap", in_release + "ctest --preset release -R '^rails'", [
+        Measurement("no_heap", "No heap, and the rules of the sources",
+                    in_release + "ctest --preset release -R '^rails'", [
             Promise("no heap: core and hal need four functions of memory and nothing else, and link "
                     "alone; planted uses of new are found", PASSED, "all",
                     ran=("rails.symbols.core", "rails.symbols.core_and_hal", "rails.links_alone",
@@ -136,17 +140,18 @@ def measurements(options):
             Promise("every rule of the sources and the objects is kept, and every check finds a planted "
                     "violation", PASSED, "all"),
         ]),
-        Measurement("memory", in_release + "build/release/test/docs/memory_doc", [
+        Measurement("memory", "Memory", in_release + "build/release/test/docs/memory_doc", [
             Promise("memory of everything on board, fixed at compile time",
                     r"\| `VehicleLoop` \| (\d+) \|", form="{} bytes", at_most=8650752),
             Promise("of planning", r"takes (\d+) of its \d+ bytes", form="{} bytes", at_most=6 * MIB),
             Promise("of perception", r"\| `Mapper` \| (\d+) \|", form="{} bytes", at_most=5 * MIB),
         ]),
-        Measurement("same_bits", "tools/decision_hash.sh --all", [
+        Measurement("same_bits", "The same bits everywhere", "tools/decision_hash.sh --all", [
             Promise("the same decisions by every compiler, option and processor: builds that agree",
                     r"^decision_hash: all (\d+) equal$", at_least=7),
         ]),
-        Measurement("clang", "cmake --preset release-clang -DHARDPACK_COUNT_LOOPS=ONLY && "
+        Measurement("clang", "clang++, every loop counted",
+                    "cmake --preset release-clang -DHARDPACK_COUNT_LOOPS=ONLY && "
                     "cmake --build --preset release-clang && rm -f build/loops && "
                     "HARDPACK_LOOP_REPORT=$PWD/build/loops ctest --preset release-clang -LE slow", [
                         Promise("every test passes in clang++'s build, and in those of core and hal no "
@@ -154,17 +159,19 @@ def measurements(options):
                         Promise("calls and rounds within a tick, which the bounds rest on, are no more "
                                 "than is stated", PASSED, "all",
                                 ran=("counted/facts.OfCallsAndRounds",))]),
-        Measurement("loops", "tools/loop_report.py build/loops", [
+        Measurement("loops", "Loops that the tests come to", "tools/loop_report.py build/loops", [
             Promise("the tests come to every loop, and to the bound of many",
                     r"^loops: (\d+) have records, (\d+) were entered, (\d+) of them",
                     "all entered", form="{} loops, {} entered, {} of them gone round as often as they "
                     "may")]),
-        Measurement("sanitizers", "cmake --preset asan && cmake --build --preset asan && "
+        Measurement("sanitizers", "Sanitizers",
+                    "cmake --preset asan && cmake --build --preset asan && "
                     "ctest --preset asan -LE slow", [
                         Promise("every test passes with address and undefined-behaviour sanitizers "
                                 "(they own the allocator: allocations are not counted there)",
                                 PASSED, "all", may_skip="Alloc")]),
-        Measurement("aarch64", "cmake --preset aarch64 && cmake --build --preset aarch64 && "
+        Measurement("aarch64", "aarch64",
+                    "cmake --preset aarch64 && cmake --build --preset aarch64 && "
                     "ctest --preset aarch64 -V", [
                         Promise("the aarch64 build: every test passes", PASSED, "all"),
                         Promise("logs of x86-64 replay bit for bit; a mission is the same, on the bare "
@@ -174,43 +181,42 @@ def measurements(options):
                                      "bare_metal.crowd_is_the_same")),
                         Promise("hardpackd drives on an arm64 kernel with a vcan", PASSED, "all",
                                 ran=("onboard.hardware_in_the_loop",)),
-                        *bounds("aarch64", "aarch64")]),
-        Measurement("schedule", "cmake --build --preset aarch64 && "
+                        *bounds("aarch64")]),
+        Measurement("schedule", "Schedule, an estimate",
+                    "cmake --build --preset aarch64 && "
                     "tools/wcet/timing.py --schedule --measured "
                     "build/aarch64/test/bare_metal/mission.measured "
                     "build/aarch64/test/bare_metal/replay_tape", [
-                        Promise(f"estimate, Cortex-A72 at 1.5 GHz: {name}", f"^{pattern}\\s{{2,}}(.*)$",
-                                "none")
-                        for name, pattern in (
-                            ("tick period", "tick period"),
-                            ("a tick without planning, by the bounds", "a tick without planning"),
-                            ("the worst tick, by the bounds, as counted", "the worst tick"),
-                            ("ticks for a whole plan, the same", "ticks for a whole plan"),
-                            ("from a return's light to a frame, the same",
-                             "from a return's light to a frame"),
-                            ("reaction radius, the same", "reaction radius at 5 m/s"))]),
-        Measurement("cortex_m7", "cmake --preset cortex-m7 && cmake --build --preset cortex-m7 && "
+                        Promise("Cortex-A72 at 1.5 GHz: tick period", r"^tick period\s{2,}(\d+ ms)", NONE),
+                        *(Promise(f"{name}: by the bounds; as counted",
+                                  rf"^{name}\s{{2,}}(.+?)(?:\s+(-|[\d.]+ (?:ms|m|\(mean\))))$", NONE,
+                                  form="{}; {}")
+                          for name in ("a tick without planning", "the worst tick",
+                                       "ticks for a whole plan", "from a return's light to a frame",
+                                       "reaction radius at 5 m/s"))]),
+        Measurement("cortex_m7", "Cortex-M7",
+                    "cmake --preset cortex-m7 && cmake --build --preset cortex-m7 && "
                     "ctest --preset cortex-m7 -V", [
                         Promise("the Cortex-M7 build: every test passes", PASSED, "all"),
                         Promise("a mission from bytes to frames on the bare processor, the host's hash "
                                 "in every tick", r"(decision hash [0-9a-f]{16})", "the host's",
                                 ran=("bare_metal.mission_is_the_same",
                                      "bare_metal.crowd_is_the_same")),
-                        *bounds("Cortex-M7", "cortex_m7"),
+                        *bounds("cortex_m7"),
                         Promise("static bound of the stack of a tick",
                                 r"(\d+)  hardpack::VehicleLoop::Tick", form="{} bytes", at_most=16384),
                         Promise("of it taken, painted, the program around it included",
                                 r"mission and crowd took (\d+ of at most \d+ bytes)", "the bound"),
                     ]),
-        Measurement("coverage", "tools/coverage.py", [
+        Measurement("coverage", "Coverage", "tools/coverage.py", [
             Promise("lines of core and hal that the tests run", r"core and hal\s.*?([\d.]+) %$",
                     form="{} %", at_least=95)]),
-        Measurement("fuzz", f"tools/fuzz.sh --minutes {options.fuzz_minutes}", [
+        Measurement("fuzz", "Fuzzing", f"tools/fuzz.sh --minutes {options.fuzz_minutes}", [
             Promise(f"fuzzing finds nothing: {target}",
                     rf"^{target}\s+fine\s+(\d+) runs in (\d+) s, (\d+) edges",
                     form="{} runs in {} s, {} edges", at_least=1)
             for target in fuzz_targets()]),
-        Measurement("mutation", f"tools/mutate.py --mutants {options.mutants}", [
+        Measurement("mutation", "Planted faults", f"tools/mutate.py --mutants {options.mutants}", [
             Promise(f"of {options.mutants} planted faults the tests notice",
                     r"noticed (\d+) of (\d+) \(([\d.]+) %\)", form="{} of {}: {} %", group=2,
                     at_least=90)]),
@@ -291,6 +297,8 @@ def judge(promise, outcome):
     groups = [re.sub(r"\s+", " ", group) for group in groups]
     missing, skipped = left_out(promise, outcome.output)
     figure = promise.form.format(*groups)
+    if promise.figure == PASSED and promise.ran:
+        figure = "passed: " + (", ".join(name for name in promise.ran if name not in missing) or "none")
     if missing:
         figure += f"; did not run: {', '.join(missing)}"
     if skipped:
@@ -299,31 +307,49 @@ def judge(promise, outcome):
     return kept and (not skipped or not has_recordings()), figure
 
 
-def lines_of(measurement, outcome):
-    """[(whether it is kept, its line of the page)] of each promise."""
+@dataclass
+class Section:
+    """What the page says of one command."""
+    measurement: Measurement
+    seconds: float
+    lines: list  # (whether it is kept, or None where there is no budget; the promise; its figure)
+
+    def kept(self):
+        return all(is_kept is not False for is_kept, _, _ in self.lines)
+
+
+def section_of(measurement, outcome):
     lines = []
-    command = measurement.command.replace("|", "\\|")
-    for promise in measurement.promises:
+    for promise in measurement.promises or [Promise("it succeeds", "", form="it did")]:
         kept, figure = judge(promise, outcome)
-        lines.append((kept, f"| {promise.what} | {figure} | {promise.limit()} | "
-                      f"{'kept' if kept else '**NOT KEPT**'} | `{command}` |"))
-    if not measurement.promises and not outcome.succeeded:
-        lines.append((False, f"| {measurement.name} | - | | **NOT KEPT** | `{command}` |"))
-    return lines
+        told = kept and promise.budget == NONE
+        lines.append((None if told else kept, promise, figure))
+    return Section(measurement, outcome.seconds, lines)
 
 
-def write_page(path, lines, times):
-    """times: [(name of a command, its seconds)]"""
-    day = datetime.date.today().isoformat()
-    kept = sum(1 for is_kept, _ in lines if is_kept)
-    whole_s = sum(seconds for _, seconds in times)
-    text = [f"# Assurance\n\nRevision {revision()}, {day}, {platform.machine()}, {os.cpu_count()} "
-            f"processors. {kept} of {len(lines)} promises kept. Outputs are in `build/assure`. Written "
-            "by `tools/assure.sh`.\n",
-            "| promise | measured | budget | | command |", "|---|---|---|---|---|",
-            *(line for _, line in lines),
-            f"\n{whole_s / 60:.0f} minutes: " +
-            ", ".join(f"{name} {seconds:.0f} s" for name, seconds in times) + "."]
+def text_of(section):
+    of = section.measurement
+    words = {True: "kept", False: "**NOT KEPT**", None: "told"}
+    return [f"\n## {of.title}\n",
+            f"`{of.command}`: {section.seconds:.0f} s, `build/assure/{of.name}.log`\n",
+            "| promise | measured | budget | |", "|---|---|---|---|",
+            *(f"| {promise.what} | {figure} | {promise.limit()} | {words[kept]} |"
+              for kept, promise, figure in section.lines)]
+
+
+def write_page(path, sections):
+    lines = [line for section in sections for line in section.lines]
+    promised = [kept for kept, _, _ in lines if kept is not None]
+    minutes = sum(section.seconds for section in sections) / 60
+    text = ["# Assurance\n",
+            f"{sum(promised)} of {len(promised)} promises kept. Revision {revision()}, "
+            f"{datetime.date.today().isoformat()}, {platform.machine()}, {os.cpu_count()} processors, "
+            f"{minutes:.0f} minutes. Written by `tools/assure.sh`."]
+    broken = [f"- {section.measurement.title}: {promise.what}: {figure}"
+              for section in sections for kept, promise, figure in section.lines if kept is False]
+    text += ["\nNot kept:\n", *broken] if broken else []
+    for section in sections:
+        text += text_of(section)
     path.write_text("\n".join(text) + "\n", "utf-8")
 
 
@@ -348,8 +374,7 @@ def main(arguments):
             print(f"{measurement.name:12} {measurement.command}")
         return 0
     LOGS.mkdir(parents=True, exist_ok=True)
-    lines = []
-    times = []
+    sections = []
     for measurement in every:
         if options.only and measurement.name not in options.only:
             continue
@@ -360,10 +385,9 @@ def main(arguments):
             outcome = run(measurement)
             word = "done" if outcome.succeeded else "FAILED"
         print(f"  {word}, {outcome.seconds:.0f} s", flush=True)
-        times.append((measurement.name, outcome.seconds))
-        lines += lines_of(measurement, outcome)
-        write_page(options.out, lines, times)
-    return 0 if all(kept for kept, _ in lines) else 1
+        sections.append(section_of(measurement, outcome))
+        write_page(options.out, sections)
+    return 0 if all(section.kept() for section in sections) else 1
 
 
 if __name__ == "__main__":

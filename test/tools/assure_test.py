@@ -28,7 +28,7 @@ class Assure(unittest.TestCase):
 
     def assure(self, command, promise, *options):
         """(exit code, the page)"""
-        assure.measurements = lambda _: [assure.Measurement("one", command, [promise])]
+        assure.measurements = lambda _: [assure.Measurement("one", "The one", command, [promise])]
         with contextlib.redirect_stdout(io.StringIO()):
             code = assure.main(["--out", str(self.folder / "page.md"), *options])
         return code, (self.folder / "page.md").read_text("utf-8")
@@ -39,8 +39,34 @@ class Assure(unittest.TestCase):
     def test_a_kept_promise_has_its_figure_and_command(self):
         code, page = self.assure("echo took 12 of 16", assure.Promise("little", r"took (\d+)", "16"))
         self.assertEqual(code, 0)
-        self.assertIn("| little | 12 | 16 | kept | `echo took 12 of 16` |", page)
+        self.assertIn("| little | 12 | 16 | kept |", page)
+        self.assertIn("## The one\n\n`echo took 12 of 16`: 0 s, `build/assure/one.log`\n", page)
         self.assertIn("1 of 1 promises kept", page)
+        self.assertNotIn("Not kept", page)
+
+    def test_what_is_not_kept_is_named_at_the_top(self):
+        _, page = self.assure("echo took 17", assure.Promise("little", r"took (\d+)", at_most=16))
+        self.assertLess(page.index("Not kept:\n\n- The one: little: 17\n"), page.index("## The one"))
+        self.assertIn("0 of 1 promises kept", page)
+
+    def test_a_figure_without_a_budget_is_told_and_no_promise(self):
+        promise = assure.Promise("little", r"took (\d+)", assure.NONE)
+        code, page = self.assure("echo took 12", promise)
+        self.assertEqual(code, 0)
+        self.assertIn("| little | 12 | none | told |", page)
+        self.assertIn("0 of 0 promises kept", page)
+        code, page = self.assure("echo nothing", promise)
+        self.assertEqual(code, 1)
+        self.assertIn("| little | - | none | **NOT KEPT** |", page)
+
+    def test_a_bound_that_is_too_many_times_what_was_counted_is_not_kept(self):
+        for times, kept in (("2.99", 0), ("3.01", 1)):
+            code, page = self.assure(f"echo took 12 4 {times}",
+                                     assure.Promise("stage", r"took (\d+) (\d+) (.*)", at_most=16,
+                                                    form="{0}, {2} times the {1} counted",
+                                                    times=2))
+            self.assertEqual(code, kept)
+            self.assertIn(f"| stage | 12, {times} times the 4 counted | at most 16, 3 times |", page)
 
     def test_a_failed_command_keeps_nothing_whatever_it_printed(self):
         code, page = self.assure("echo took 12; false", assure.Promise("little", r"took (\d+)", "16"))
