@@ -130,10 +130,11 @@ class Planner {
   static constexpr int kSearchUnits = 8;
   static constexpr float kMaxShort_m = 1.0f;
   static constexpr int kMaxTransitions = 32;
-  static constexpr int kMaxUnits =
-      kMaxTransitions + CostmapBuilder::kUnits + ScanRing::kMaxColumns +
-      AstarSearch::kMaxUnits / kSearchUnits + 1 + 2 * kMapCells + 1 + PathSmoother::kMaxPasses +
-      2 * Optimizer::kMaxUnits + 12 * PathCheck::kMaxUnits + SpeedCaps::kMaxUnits;
+  static constexpr int kMaxUnits = kMaxTransitions + CostmapBuilder::kUnits +
+                                   ScanRing::kMaxColumns + AstarSearch::kMaxUnits / kSearchUnits +
+                                   1 + PathSampler::kMaxUnits + PathSmoother::kMaxPasses +
+                                   2 * Optimizer::kMaxUnits + 12 * PathCheck::kMaxUnits +
+                                   SpeedCaps::kMaxUnits;
 
  private:
   // What the cells are made from: heights and, if there is one, the mapper that pends columns.

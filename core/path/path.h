@@ -91,6 +91,8 @@ class PathSampler {
   static constexpr int kMinPathSteps = 3;
   static constexpr float kMinPathLength_m = 0.05f;
   static constexpr float kMinStep_m = 0.05f;
+  // A path has every cell of the map at most.
+  static constexpr int kMaxUnits = 2 * kMapCells + 1;
 
   // kNotStarted: the search has no path; kNotFinite; kParameterOutOfRange: params.step_m below
   // kMinStep_m.

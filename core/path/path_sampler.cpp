@@ -117,7 +117,6 @@ void PathSampler::DoUnit(const AstarSearch& search) {
 }
 
 Progress PathSampler::Step(const AstarSearch& search, int units) {
-  constexpr int kMaxUnits = 2 * kMapCells + 1;
   HP_LOOP_BOUND(kMaxUnits)
   for (int unit = 0; unit < units && phase_ != Phase::kIdle; ++unit) DoUnit(search);
   return phase_ == Phase::kIdle ? Progress::kDone : Progress::kBusy;
