@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "hal/control/messages.h"
 #include "hal/labels/labels.h"
 #include "hal/vehicle_loop/vehicle_loop.h"
 #include "test/bare_metal/tape_writer.h"
+#include "test/hal/control/command_bytes.h"
 #include "test/hal/ouster/ouster_packets.h"
 #include "tools/sim/scripted_vehicle.h"
 
@@ -42,13 +42,10 @@ constexpr int kRevolutionsAlike = 2;
 constexpr int kCrowdedTicks = kKindsOfSeen * kRevolutionsAlike * kColumns / 256;
 static_assert(TickParams{}.directions == 256);
 
-[[noreturn]] void Fail(const char* why) {
-  std::fprintf(stderr, "%s\n", why);
+void Require(bool condition, const char* otherwise) {
+  if (condition) return;
+  std::fprintf(stderr, "%s\n", otherwise);
   std::exit(2);
-}
-
-void Require(bool condition, const char* what) {
-  if (!condition) Fail(what);
 }
 
 // The same numbers on every machine.
@@ -217,18 +214,9 @@ class CrowdedDrive {
 
  private:
   void Say(control::Kind kind) {
-    control::OperatorCommand command;
-    command.kind = kind;
-    command.sequence = ++sequence_;
-    if (kind == control::Kind::kGoal) {
-      command.waypoints = 1;
-      command.waypoint[0].frame = control::GoalFrame::kOdom;
-      command.waypoint[0].position_m = {45.0f, 40.0f};
-    }
-    uint8_t bytes[control::kMaxMessageBytes];
-    int size_bytes = 0;
-    Require(IsUsable(control::Encode(command, bytes, size_bytes)), "no command");
-    Tick({bytes, static_cast<size_t>(size_bytes)}, true);
+    const std::vector<uint8_t> command = control::CommandBytes(kind, ++sequence_, {45.0f, 40.0f});
+    Require(!command.empty(), "no command");
+    Tick(command, true);
     Require(output_.has_answer && IsUsable(output_.answer), "a command is refused");
   }
 

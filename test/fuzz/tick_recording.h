@@ -9,10 +9,10 @@
 #include <span>
 #include <vector>
 
-#include "hal/control/messages.h"
 #include "hal/vehicle_loop/vehicle_loop.h"
 #include "port_linux/ouster_metadata.h"
 #include "test/fuzz/mapper_script.h"
+#include "test/hal/control/command_bytes.h"
 #include "test/loop_count/counted_beams.h"
 #include "tools/sim/scripted_vehicle.h"
 #include "tools/world/features.h"
@@ -99,18 +99,9 @@ class RecordedDrive {
 
  private:
   void Say(control::Kind kind) {
-    control::OperatorCommand command;
-    command.kind = kind;
-    command.sequence = ++sequence_;
-    if (kind == control::Kind::kGoal) {
-      command.waypoints = 1;
-      command.waypoint[0].frame = control::GoalFrame::kOdom;
-      command.waypoint[0].position_m = {25.0f, 1.0f};
-    }
-    uint8_t bytes[control::kMaxMessageBytes];
-    int size = 0;
-    Require(control::Encode(command, bytes, size) == Status::kOk);
-    Tick({bytes, static_cast<size_t>(size)});
+    const std::vector<uint8_t> command = control::CommandBytes(kind, ++sequence_, {25.0f, 1.0f});
+    Require(!command.empty());
+    Tick(command);
   }
 
   void Tick(std::span<const uint8_t> command) {
