@@ -2,9 +2,11 @@
 #include "tools/world/named_worlds.h"
 
 #include <algorithm>
-#include <array>
+#include <iterator>
 
 #include "tools/world/features.h"
+#include "tools/world/thicket.h"
+#include "tools/world/tight_start.h"
 
 namespace hardpack::world {
 namespace {
@@ -262,15 +264,19 @@ struct Maker {
   const char* name;
   void (*make)(uint64_t seed, Scenario& scenario);
 };
-constexpr std::array<Maker, 9> kMakers = {{{"gap", MakeGap},
-                                           {"rock_pile", MakeRockPile},
-                                           {"hill", MakeHill},
-                                           {"forest", MakeForest},
-                                           {"corridor", MakeCorridor},
-                                           {"crossing", MakeCrossing},
-                                           {"dead_end", MakeDeadEnd},
-                                           {"ditch", MakeDitch},
-                                           {"open", MakeOpen}}};
+constexpr Maker kMakers[] = {
+    {"gap", MakeGap},
+    {"rock_pile", MakeRockPile},
+    {"hill", MakeHill},
+    {"forest", MakeForest},
+    {"corridor", MakeCorridor},
+    {"crossing", MakeCrossing},
+    {"dead_end", MakeDeadEnd},
+    {"ditch", MakeDitch},
+    {"open", MakeOpen},
+    {"thicket", MakeThicket},
+    {"tight_start", MakeTightStart},
+};
 
 }  // namespace
 
@@ -286,7 +292,7 @@ Passage GapOf(uint64_t seed) {
 const std::vector<std::string>& WorldNames() {
   static const auto names = [] {
     std::vector<std::string> made;
-    made.reserve(kMakers.size());
+    made.reserve(std::size(kMakers));
     for (const Maker& maker : kMakers) made.emplace_back(maker.name);
     return made;
   }();

@@ -35,7 +35,7 @@ struct Scenario {
   double corridor_half_width_m = 0.0;  // corridor: between walls along +x, y = 0 in the middle
 };
 
-// gap, rock_pile, hill, forest, corridor, crossing, dead_end, ditch, open.
+// gap, rock_pile, hill, forest, corridor, crossing, dead_end, ditch, open, thicket, tight_start.
 const std::vector<std::string>& WorldNames();
 
 // kInvalidArgument: no such world; the message lists them.
