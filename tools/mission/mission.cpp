@@ -61,6 +61,9 @@ ReadOutcome DescribeMission(const MissionSettings& settings, sim::ScriptedVehicl
   vehicle.lidar = sim::NoisyLidar();
   vehicle.lidar.columns = settings.lidar_columns;
   vehicle.lidar.seed = seed;
+  vehicle.lidar.off_roll_rad = settings.scenario.mount_roll_rad;
+  vehicle.lidar.off_pitch_rad = settings.scenario.mount_pitch_rad;
+  vehicle.brake_pitch_rad = settings.scenario.brake_pitch_rad;
   vehicle.ins.errors = sim::Vn300Errors();
   vehicle.ins.seed = seed;
   vehicle.seed = seed;

@@ -69,6 +69,7 @@ struct ScriptedVehicleSettings {
   InsSettings ins;
   std::optional<LabelSettings> labels;  // none: nobody names the returns
   world::World world;
+  double brake_pitch_rad = 0.0;  // how far its nose goes down when it brakes at 2 m/s2
   double trace_period_s = 0.02;  // of the samples; events are traced when they happen
   uint32_t seed = 1;             // of losses and garbage
 };
@@ -133,6 +134,7 @@ class ScriptedVehicle {
   void Arrive(Sensor sensor);
   std::vector<uint8_t> Garbage();
   void AdvanceSensors();
+  void Dip(BodyMotion& motion);
   void TraceChanges(Side side);
   void TraceCollision();
   void TraceSample();
@@ -158,6 +160,9 @@ class ScriptedVehicle {
   bool quit_ = false;
   bool collided_ = false;
   double max_speed_mps_ = 0.0;
+  double brake_pitch_rad_;
+  double dip_rad_ = 0.0;
+  double speed_before_mps_ = 0.0;
   uint64_t datagrams_[kSensors] = {};
   Outgoing pending_;
 };

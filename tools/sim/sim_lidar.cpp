@@ -175,11 +175,13 @@ void SimLidar::CastOne(uint32_t measurement_id, const world::BodyPose& pose,
                 pose.position.z_m + offset.z_m};
   ray.max_range_m = settings_.reach_m;
   const std::vector<world::Body> people = world.PeopleAt(time_s);
+  const world::Rotation off =
+      world::Rotation::FromAngles(settings_.off_roll_rad, settings_.off_pitch_rad, 0.0);
   for (size_t beam = 0; beam < kBeams; ++beam) {
     const uint64_t index = columns_cast_ * kBeams + beam;
     const Vector& d = beams_[beam];
-    ray.direction = to_world.Apply({encoder.cos * d.x_m - encoder.sin * d.y_m,
-                                    encoder.sin * d.x_m + encoder.cos * d.y_m, d.z_m});
+    ray.direction = to_world.Apply(off.Apply({encoder.cos * d.x_m - encoder.sin * d.y_m,
+                                              encoder.sin * d.x_m + encoder.cos * d.y_m, d.z_m}));
     ray.key = world::DrawBits(foliage_key_, index);
     const world::Hit hit = world.Cast(ray, people);
     ranges_mm_[beam] = hit.any() ? Measured_mm(hit.range_m + n_m, index) : 0;

@@ -47,6 +47,9 @@ struct LidarSettings {
   double y_m = 0.0;
   double z_m = 1.284;
   double yaw_rad = 0.0;  // pi: the sensor looks backward
+  // How it is turned besides, about the body's axes: what nobody has measured.
+  double off_roll_rad = 0.0;
+  double off_pitch_rad = 0.0;
   double reach_m = 110.0;
   double noise_m = 0.004;                    // standard deviation of a range,
   double noise_per_m = 0.0;                  // and this more for each metre of it

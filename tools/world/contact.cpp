@@ -132,6 +132,18 @@ struct Plane {
   double middle_m = 0.0;
   double forward = 0.0;  // rise over run
   double left = 0.0;
+
+  // Under the part of the outline that is nearest to a body: on a slope what is low may lie lower
+  // than the ground under the middle.
+  double HeightNear_m(const Outline& outline, const Body& body) const {
+    const Point2 local = outline.ToOutline({body.x_m, body.y_m});
+    const auto nearest = [&body](double at_m, double half_m) {
+      const double off_m = std::max(std::abs(at_m) - body.radius_m, 0.0);
+      return std::copysign(std::min(off_m, half_m), at_m);
+    };
+    return middle_m + forward * nearest(local.x_m, outline.half_length_m) +
+           left * nearest(local.y_m, outline.half_width_m);
+  }
 };
 
 Plane PlaneThrough(const Wheels& wheels, const Footprint& footprint) {
@@ -168,8 +180,8 @@ Contact ContactOf(const World& world, double x_m, double y_m, double yaw_rad, do
     }
   }
   const double reach_m = outline.half_length_m + outline.half_width_m;
-  const double ground_m = plane.middle_m;
   for (const Body& body : world.bodies()) {
+    const double ground_m = plane.HeightNear_m(outline, body);
     double& nearest_m =
         body.material.matter == Matter::kFoliage ? contact.foliage_m : contact.hard_m;
     const double beyond_m = nearest_m + body.radius_m + reach_m;
@@ -182,7 +194,8 @@ Contact ContactOf(const World& world, double x_m, double y_m, double yaw_rad, do
     nearest_m = std::min(nearest_m, ClearanceOf(world, outline, body, ground_m));
   }
   for (const Body& person : world.PeopleAt(time_s)) {
-    contact.person_m = std::min(contact.person_m, ClearanceOf(world, outline, person, ground_m));
+    contact.person_m =
+        std::min(contact.person_m, ClearanceOf(world, outline, person, plane.middle_m));
   }
   return contact;
 }

@@ -29,8 +29,8 @@ BodyPose StandingPose(const World& world, double x_m, double y_m, double yaw_rad
 
 struct Contact {
   // Between the outline and the nearest, seen from above; negative: they overlap by so much. At
-  // most kFar_m. Bodies that end below 0.1 m or begin above 1.5 m over the ground under the middle
-  // are driven over and under.
+  // most kFar_m. Bodies that end below 0.1 m or begin above 1.5 m over the plane it stands on,
+  // there, are driven over and under.
   static constexpr double kFar_m = 50.0;
   double hard_m = kFar_m;    // solid bodies and fences
   double person_m = kFar_m;  // people

@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "tools/world/features.h"
+#include "tools/world/low_world.h"
 #include "tools/world/thicket.h"
 #include "tools/world/tight_start.h"
 
@@ -276,6 +277,8 @@ constexpr Maker kMakers[] = {
     {"open", MakeOpen},
     {"thicket", MakeThicket},
     {"tight_start", MakeTightStart},
+    {"low", MakeLow},
+    {"low_bare", MakeLowBare},
 };
 
 }  // namespace

@@ -33,9 +33,15 @@ struct Scenario {
   Point2 goal;
   std::optional<Landmark> around;      // rock_pile, hill, corridor: pile, hill and pillar
   double corridor_half_width_m = 0.0;  // corridor: between walls along +x, y = 0 in the middle
+  // Of the vehicle that is put into it: how its lidar is turned against its description, about x
+  // and y, and how far its nose goes down when it brakes at 2 m/s2.
+  double mount_roll_rad = 0.0;
+  double mount_pitch_rad = 0.0;
+  double brake_pitch_rad = 0.0;
 };
 
-// gap, rock_pile, hill, forest, corridor, crossing, dead_end, ditch, open, thicket, tight_start.
+// gap, rock_pile, hill, forest, corridor, crossing, dead_end, ditch, open, thicket, tight_start,
+// low, low_bare.
 const std::vector<std::string>& WorldNames();
 
 // kInvalidArgument: no such world; the message lists them.
