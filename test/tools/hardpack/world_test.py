@@ -6,7 +6,8 @@ import unittest
 
 from command_line import CommandTest
 
-NAMES = ("gap", "rock_pile", "hill", "forest", "corridor", "crossing", "dead_end", "ditch", "open")
+NAMES = ("gap", "rock_pile", "hill", "forest", "corridor", "crossing", "dead_end", "ditch", "open",
+         "thicket", "tight_start")
 
 
 class World(CommandTest):

@@ -30,6 +30,8 @@ LIMITS = {
     "crossing": (1, 0),
     "dead_end": (5, 0),
     "ditch": (5, 0),
+    "thicket": (4, 0),
+    "tight_start": (5, 0),
 }
 
 # Who is a person is told by a segmentation computer, and by nobody else.

@@ -33,8 +33,8 @@ uint64_t DigestOf(const Scenario& scenario) {
   return digest;
 }
 
-TEST(NamedWorlds, AreNineAndSayWhatTheyAre) {
-  EXPECT_EQ(WorldNames().size(), 9u);
+TEST(NamedWorlds, SayWhatTheyAre) {
+  EXPECT_GE(WorldNames().size(), 11u);
   for (const std::string& name : WorldNames()) {
     const Scenario scenario = Make(name, 1);
     EXPECT_EQ(scenario.name, name);
@@ -61,6 +61,7 @@ TEST(NamedWorlds, HaveRoomAtBothEnds) {
       const Scenario scenario = Make(name, seed);
       for (const double yaw_rad : {0.0, 0.8, 1.6}) {
         for (const Point2& end : {Point2{}, scenario.goal}) {
+          if (name == "tight_start" && end.x_m == 0.0) continue;
           const Contact contact = ContactOf(scenario.world, end.x_m, end.y_m, yaw_rad, 0.0);
           EXPECT_GT(contact.hard_m, 1.0) << name << " " << seed;
           EXPECT_GT(contact.person_m, 1.0) << name << " " << seed;
