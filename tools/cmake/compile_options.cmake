@@ -32,6 +32,17 @@ if(CMAKE_CROSSCOMPILING AND CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
     -fno-split-paths)
 endif()
 
+# hp_joined(<target> [<sources a batch>])
+#   compiles several of a target's sources as one (eight unless told), where headers such as JSON's and
+#   the templates of them take most of the time: a name of an anonymous name space is then of all of
+#   them. A source that cannot be has SKIP_UNITY_BUILD_INCLUSION.
+function(hp_joined target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON)
+  if(ARGC GREATER 1)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE ${ARGV1})
+  endif()
+endfunction()
+
 # Eigen, for core/odometry/covariance.cpp alone: headers only, the host's serve every target. Without
 # vectors and without a heap; what it does in loops is unrolled.
 find_path(HARDPACK_EIGEN_DIR Eigen/Core PATHS /usr/include/eigen3 /usr/local/include/eigen3
