@@ -7,16 +7,19 @@ usage() {
 usage: tools/check.sh [--all] [--deps] [--deps-bench] [--help]
 
 Installs what is missing (Debian packages, tools/packages.txt), builds the release preset and runs
-its tests, the static checks among them: at most 15 minutes on two cores.
+its tests, the static checks among them: at most 12 minutes on two cores.
 
-  --all         the slow ones too: clang and sanitizer builds and their tests (the former with
-                every loop counted, the latter with the libraries' own assertions), aarch64 and
-                Cortex-M7 under QEMU, a minute of fuzzing, the tests labelled slow: over an hour.
-                It installs what the comparisons of `hardpack bench` need as well (ten seconds), so
-                that what uses other libraries is compiled and tested
+  --all         the slow ones too: core and hal as clang++ optimises them, a build with sanitizers,
+                the libraries' own assertions and every loop counted, aarch64 and Cortex-M7 under
+                QEMU, a minute of fuzzing, the tests labelled slow (of the worlds five seeds each):
+                at most 45 minutes. It installs what the comparisons of `hardpack bench` need as
+                well (ten seconds), so that what uses other libraries is compiled and tested
   --deps        only install; with --all, what --all needs as well
   --deps-bench  only install what the comparisons of `hardpack bench` need
   --help        this text
+
+At the end it prints the steps in the order in which they began, the seconds that each took, and
+those of the processors; clang-tidy and the Cortex-M7's tests run beside others.
 
 Exit code: 0 everything passed, 1 something failed (the summary says what), 2 bad usage or packages
 are missing and cannot be installed (the line to run is printed).
@@ -92,7 +95,6 @@ jobs=$(nproc)
 mkdir -p "$logs"
 names=()
 outcomes=()
-failed=0
 failed_names=()
 
 # left_out <log>  how many tests of it were skipped, and which
@@ -102,23 +104,73 @@ left_out() {
   [ -z "$names" ] || printf '; %d skipped: %s' "$(wc -l <<<"$names")" "$(paste -sd ' ' <<<"$names")"
 }
 
+# log_of <name>  of a step
+log_of() { echo "$logs/${1// /_}.log"; }
+
+# begun <name>  gives a step its line of the summary; its number is in begun_step
+begun() {
+  begun_step=${#names[@]}
+  names+=("$1")
+  outcomes+=("not ended")
+}
+
+# ended <number> <passed or FAILED> <seconds>
+ended() {
+  local name=${names[$1]} log
+  log=$(log_of "$name")
+  if [ "$2" = FAILED ]; then failed_names+=("$name"); fi
+  # ctest's own words, where it has spoken; a test that was left out has not passed.
+  outcomes[$1]=$(printf '%-6s %5d s %6.0f s  %s%s' "$2" "$3" "$(awk '{ s += $1 + $2 } END { print s + 0 }' \
+    "$log.cpu")" "$(grep -h '% tests passed' "$log" || true)" "$(left_out "$log")")
+}
+
+# timed <name> <command>...  its processor time goes into a file beside its log
+timed() {
+  local TIMEFORMAT='%U %S' log
+  log=$(log_of "$1")
+  shift
+  { time "$@" </dev/null 2>&1; } 2>"$log.cpu"
+}
+
 # step <name> <command>...  runs it, keeps its output in build/check, and goes on when it fails.
 step() {
-  local name=$1 log start=$SECONDS outcome=passed
+  local name=$1 start=$SECONDS outcome=passed number
   shift
-  log=$logs/${name// /_}.log
+  begun "$name"
+  number=$begun_step
   echo
   echo "== $name: $*"
-  "$@" </dev/null 2>&1 | tee "$log" || outcome=FAILED
-  if [ $outcome = FAILED ]; then
-    failed=$((failed + 1))
-    failed_names+=("$name")
-  fi
-  names+=("$name")
-  # ctest's own words, where it has spoken; a test that was left out has not passed.
-  outcomes+=("$outcome, $((SECONDS - start)) s $(grep -h '% tests passed' "$log" || true)$(left_out "$log")")
+  timed "$name" "$@" | tee "$(log_of "$name")" || outcome=FAILED
+  ended "$number" $outcome $((SECONDS - start))
   [ $outcome = passed ]
 }
+
+# beside <name> <command>...  a step that takes what the steps until `join` leave of the processors
+beside() {
+  local name=$1 start=$SECONDS
+  shift
+  begun "$name"
+  beside_step=$begun_step
+  echo
+  echo "== $name, beside what follows: $*"
+  {
+    outcome=passed
+    timed "$name" nice -n 19 "$@" >"$(log_of "$name")" || outcome=FAILED
+    echo "$outcome $((SECONDS - start))" >"$logs/beside"
+  } &
+  beside_job=$!
+}
+
+join() {
+  local outcome=FAILED seconds=0
+  wait "$beside_job" || true
+  read -r outcome seconds <"$logs/beside" || true
+  rm -f "$logs/beside"
+  ended "$beside_step" "$outcome" "$seconds"
+  beside_job=
+}
+beside_job=
+trap '[ -z "$beside_job" ] || kill "$beside_job" 2>/dev/null || true' EXIT
 
 # failures_in <log>  what a reader of the end of a long output needs: the names of the tests that
 # failed and the end of what each said, or else the log's end.
@@ -138,50 +190,62 @@ failures_in() {
     done
 }
 
-cmake_options=()
-
 # A User-Mode Linux machine stands still while its host's disk takes what a build has written.
 settle() { sync; }
 
-# build_and_test <preset> [ctest option]...
-build_and_test() {
+# build <preset>
+build() {
+  step "$1 configure" cmake --preset "$1" || return
+  step "$1 build" cmake --build --preset "$1" -j "$jobs" -- -k 0
+}
+
+# tests <preset> [ctest option]...
+tests() {
   local preset=$1
   shift
-  step "$preset configure" cmake --preset "$preset" "${cmake_options[@]}" || return 0
-  step "$preset build" cmake --build --preset "$preset" -j "$jobs" -- -k 0 || return 0
   settle
   step "$preset tests" ctest --preset "$preset" -j "$jobs" "$@" || true
 }
 
-build_and_test release -LE slow
-step "clang-tidy" tools/check_tidy.sh build/release || true
+if build release; then
+  # Tests with a vcan run one at a time and wait most of the time.
+  beside "clang-tidy" tools/check_tidy.sh build/release
+  tests release -LE slow
+  join
+fi
 if $all; then
-  # Clang's optimised code without counters is what the sanitizers look at.
-  cmake_options=(-DHARDPACK_COUNT_LOOPS=ONLY)
+  if build core-clang; then tests core-clang; fi
   rm -f build/loops
-  HARDPACK_LOOP_REPORT=$root/build/loops build_and_test release-clang -LE slow
-  step "loops" tools/loop_report.py build/loops || true
-  cmake_options=()
-  build_and_test asan -LE slow
-  build_and_test aarch64
-  build_and_test cortex-m7
+  if build asan; then
+    HARDPACK_LOOP_REPORT=$root/build/loops tests asan -LE slow
+    step "loops" tools/loop_report.py build/loops || true
+  fi
+  # Each has a chain of tests that wait for each other.
+  of_cortex_m7=false
+  if build cortex-m7; then of_cortex_m7=true; fi
+  of_aarch64=false
+  if build aarch64; then of_aarch64=true; fi
+  if $of_cortex_m7; then beside "cortex-m7 tests" ctest --preset cortex-m7 -j 1; fi
+  if $of_aarch64; then tests aarch64; fi
+  if $of_cortex_m7; then join; fi
   step "fuzz" tools/fuzz.sh --minutes 1 --seed 1 || true
+  # One more at a time than there are processors: those with a vcan (a chain of their own) wait.
   settle
-  step "slow tests" ctest --preset release -j "$jobs" -L slow || true
+  step "slow tests" ctest --preset release -j $((jobs + 1)) -L slow || true
 fi
 
+for name in "${failed_names[@]}"; do
+  echo
+  echo "== what failed in $name"
+  failures_in "$(log_of "$name")"
+done
 echo
-echo "== summary, logs in build/check"
+echo "== summary, logs in build/check: what a step took, and of the processors"
 for i in "${!names[@]}"; do
   printf '%-24s %s\n' "${names[$i]}" "${outcomes[$i]}"
 done
-if [ $failed -ne 0 ]; then
-  for name in "${failed_names[@]}"; do
-    echo
-    echo "== what failed in $name"
-    failures_in "$logs/${name// /_}.log"
-  done
-  echo "check.sh: $failed of ${#names[@]} steps FAILED, in $SECONDS s"
+if [ ${#failed_names[@]} -ne 0 ]; then
+  echo "check.sh: ${#failed_names[@]} of ${#names[@]} steps FAILED, in $SECONDS s"
   exit 1
 fi
 echo "check.sh: all ${#names[@]} steps passed, in $SECONDS s"

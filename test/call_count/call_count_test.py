@@ -66,6 +66,10 @@ def wrong(facts, counts):
 
 
 def main(program, *makers):
+    lacking = [maker for maker in makers if not os.access(maker, os.X_OK)]
+    if lacking:
+        print("no tapes without", *lacking)
+        return 77
     facts = stated(Facts(FACTS))
     with tempfile.TemporaryDirectory() as folder:
         counts = count(program, facts, tapes(folder, *makers))
