@@ -30,6 +30,7 @@ struct DriveParams {
   int32_t command_timeout_ms = 200;
   int32_t command_timeout_scheme = 2;
   int32_t feedback_timeout_ms = 100;  // age of the speed that a drive reports
+  int32_t max_frame_age_ms = 100;     // by the stamp of its receipt; older ones are dropped
   int32_t sdo_timeout_ms = 100;
   int32_t sdo_retries = 3;
   int32_t vendor_id = 0x1e;  // 1018h:1; 0: any

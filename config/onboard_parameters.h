@@ -105,16 +105,23 @@ struct TrackingParams {
   float max_pivot_rate_radps = 0.8f;
 };
 
+// How far a device's clock is believed to drift from ours (core/timebase/timebase.h).
+struct ClockParams {
+  float max_drift_ppm = 500.0f;  // what a time server that slews a clock keeps to
+  float max_drift_s = 0.02f;     // and besides, in sum, since the earliest datagram so far
+};
+
 // When the vehicle may move (core/safety/supervisor.h).
 struct SafetyParams {
   float max_lidar_age_s = 0.3f;     // of the newest column
   float max_odometry_age_s = 0.1f;  // of the wheel speeds
   float max_ins_age_s = 0.2f;
-  int32_t needs_ins = 1;            // 0: a silent INS does not stop the vehicle
-  float max_plan_age_s = 1.0f;      // since the map was begun on which the plan was checked
-  float operator_timeout_s = 0.0f;  // silence of the operator's program that stops; 0: none does
-  float max_stop_s = 8.0f;          // a safe stop that takes longer becomes zero speed
-  float hard_age_factor = 3.0f;     // an age beyond this many times its limit: zero speed at once
+  int32_t needs_ins = 1;        // 0: a silent INS does not stop the vehicle
+  float max_plan_age_s = 1.0f;  // since the map was begun on which the plan was checked
+  float operator_timeout_s =
+      3.0f;                      // without a word or a press of the operator's; 0: nobody is missed
+  float max_stop_s = 8.0f;       // a safe stop that takes longer becomes zero speed
+  float hard_age_factor = 3.0f;  // an age beyond this many times its limit: zero speed at once
   // The corridor that single returns are held against (core/safety/corridor.h).
   float corridor_margin_m = 0.05f;  // beyond half the vehicle's width
   // The last limits of a command (core/safety/command_gate.h).
@@ -124,6 +131,10 @@ struct SafetyParams {
   float motion_yaw_margin_radps = 0.6f;
   float motion_time_s = 1.0f;  // so long beyond a margin is a fault
   float stuck_time_s = 5.0f;   // told to move, and standing
+  // Wheels that are faster than the ground by the INS.
+  float spin_speed_margin_mps = 1.0f;
+  float spin_share = 0.25f;  // and besides, so much of what the wheels say
+  float spin_time_s = 1.0f;  // so long is a fault
 };
 
 // The work of one tick (hal/vehicle_loop.h).
@@ -138,6 +149,7 @@ struct OnboardParams {
   InsParams ins;
   OdometryParams odometry;
   MapFromOdomParams map_from_odom;
+  ClockParams clock;
   DynamicsParams dynamics;
   TrackingParams tracking;
   SafetyParams safety;

@@ -36,6 +36,8 @@ inline constexpr std::array kDriveTable = {
     HP_DRIVE(command_timeout_scheme, 1.0f, 3.0f,
              "What it does then (5902h): 1 warn and slow down, 2 inhibit, 3 severe."),
     HP_DRIVE(feedback_timeout_ms, 20.0f, 1000.0f, "A reported speed older than this is none."),
+    HP_DRIVE(max_frame_age_ms, 20.0f, 1000.0f,
+             "What a drive sent longer ago than this is dropped, but for EMCY and restarts."),
     HP_DRIVE(sdo_timeout_ms, 10.0f, 2000.0f, "An answer to a question is waited for so long."),
     HP_DRIVE(sdo_retries, 0.0f, 10.0f, "And asked again so often."),
     HP_DRIVE(vendor_id, 0.0f, 16777216.0f, "1018h:1 that a drive has to have; 0: any."),
@@ -179,6 +181,14 @@ inline constexpr std::array kTrackingTable = {
     HP_TRACKING(max_pivot_rate_radps, 0.05f, 4.0f, "Turns on the spot: largest yaw rate.")};
 #undef HP_TRACKING
 
+#define HP_CLOCK(...) HP_ENTRY("clock", ClockParams, __VA_ARGS__)
+inline constexpr std::array kClockTable = {
+    HP_CLOCK(max_drift_ppm, 0.0f, 2000.0f,
+             "A device's clock is followed when it falls behind ours by so much in a million ..."),
+    HP_CLOCK(max_drift_s, 0.0f, 0.05f,
+             "... and besides by this in sum. What comes later than that is late, not new.")};
+#undef HP_CLOCK
+
 #define HP_SAFETY(...) HP_ENTRY("safety", SafetyParams, __VA_ARGS__)
 inline constexpr std::array kSafetyTable = {
     HP_SAFETY(max_lidar_age_s, 0.02f, 2.0f,
@@ -189,7 +199,7 @@ inline constexpr std::array kSafetyTable = {
     HP_SAFETY(max_plan_age_s, 0.1f, 10.0f,
               "The same of the map on which the committed plan was checked."),
     HP_SAFETY(operator_timeout_s, 0.0f, 60.0f,
-              "The same of the operator's last message; 0: the operator may be silent."),
+              "The same of the operator's last command or press; 0: nobody has to be there."),
     HP_SAFETY(max_stop_s, 0.5f, 30.0f,
               "A safe stop along the path that takes longer becomes zero speed."),
     HP_SAFETY(hard_age_factor, 1.0f, 20.0f,
@@ -205,7 +215,11 @@ inline constexpr std::array kSafetyTable = {
               "... or a yaw rate of the INS that is off by more than this ..."),
     HP_SAFETY(motion_time_s, 0.1f, 10.0f, "... for this long are a fault."),
     HP_SAFETY(stuck_time_s, 0.5f, 60.0f,
-              "Wheels that stand for this long although they are told to turn are a fault.")};
+              "Wheels that stand for this long although they are told to turn are a fault."),
+    HP_SAFETY(spin_speed_margin_mps, 0.1f, 5.0f,
+              "Wheels that are faster than the ground speed of the INS by more than this ..."),
+    HP_SAFETY(spin_share, 0.0f, 1.0f, "... and so much of what they say ..."),
+    HP_SAFETY(spin_time_s, 0.1f, 10.0f, "... for this long spin in place: a fault.")};
 #undef HP_SAFETY
 
 #define HP_TICK(...) HP_ENTRY("tick", TickParams, __VA_ARGS__)
@@ -225,6 +239,7 @@ static_assert(NamesAllMembers(kDriveTable));
 static_assert(NamesAllMembers(kInsTable));
 static_assert(NamesAllMembers(kOdometryTable));
 static_assert(NamesAllMembers(kMapFromOdomTable));
+static_assert(NamesAllMembers(kClockTable));
 static_assert(NamesAllMembers(kDynamicsTable));
 static_assert(NamesAllMembers(kTrackingTable));
 static_assert(NamesAllMembers(kSafetyTable));

@@ -63,6 +63,9 @@ constexpr const auto& TableOf(const OdometryParams&) {
 constexpr const auto& TableOf(const MapFromOdomParams&) {
   return kMapFromOdomTable;
 }
+constexpr const auto& TableOf(const ClockParams&) {
+  return kClockTable;
+}
 constexpr const auto& TableOf(const DynamicsParams&) {
   return kDynamicsTable;
 }
@@ -99,6 +102,7 @@ constexpr void VisitParameters(Params& params, Visit&& visit) {
     visit(params.ins, kInsTable);
     visit(params.odometry, kOdometryTable);
     visit(params.map_from_odom, kMapFromOdomTable);
+    visit(params.clock, kClockTable);
     visit(params.dynamics, kDynamicsTable);
     visit(params.tracking, kTrackingTable);
     visit(params.safety, kSafetyTable);

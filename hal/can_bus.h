@@ -57,7 +57,9 @@ class CanBus {
   // kInterfaceDown, kBusOff: nothing is accepted until the bus is back; kSystemError.
   virtual Status Send(const CanFrame& frame, uint64_t deadline_ns) = 0;
 
-  // The next frame of another node, in the order of the bus. Own frames are not given; a frame that
+  // The next frame of another node, in the order of the bus, with the time at which it came where
+  // the implementation knows it. What is more than kMaxFramesPerTick waits for the next Advance,
+  // and keeps that time: who takes it sees that it is old. Own frames are not given; a frame that
   // another node sends with one of our identifiers is. kEmpty: none is there, `frame` is untouched.
   virtual Status Receive(CanFrame& frame) = 0;
 

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "core/base/loop_bound.h"
+
 namespace hardpack {
 
 inline constexpr int kMaxCanData_bytes = 8;
@@ -18,7 +20,17 @@ struct CanFrame {
   bool remote = false;    // remote transmission request: size says what is asked for, no data
   uint8_t size = 0;       // 0 .. 8 bytes
   uint8_t data[kMaxCanData_bytes] = {};  // [size], the rest 0
-  bool operator==(const CanFrame&) const = default;
+  // Our time at which it came off the bus, as far as the receiver tells; 0: it does not. No part of
+  // the frame: what compares equal stands on the bus alike.
+  uint64_t received_ns = 0;
+
+  constexpr bool operator==(const CanFrame& other) const {
+    bool same = id == other.id && extended == other.extended && remote == other.remote &&
+                size == other.size;
+    HP_LOOP_BOUND(kMaxCanData_bytes)
+    for (int i = 0; i < kMaxCanData_bytes; ++i) same = same && data[i] == other.data[i];
+    return same;
+  }
 };
 static_assert(std::is_trivially_copyable_v<CanFrame>);
 

@@ -201,6 +201,7 @@ void Fill(const sevcon::DriveReport& drive, uint64_t now_ns, const DriveParams& 
   part.sdo_timeouts = drive.sdo_timeouts;
   part.sdo_aborts = drive.sdo_aborts;
   part.heartbeats_missed = drive.heartbeats_missed;
+  part.doubled_reports = drive.doubled_reports;
 }
 
 void Fill(const ouster::PacketCounters& counters, control::LidarPacketPart& part) {
@@ -226,6 +227,7 @@ void Fill(const Timebase& clock, control::LidarClockPart& part) {
   part.observations = clock.counters().observations;
   part.jumps = clock.counters().jumps;
   part.late = clock.counters().late;
+  part.beyond_drift = clock.counters().beyond_drift;
   part.refused = clock.counters().refused;
 }
 
@@ -254,6 +256,7 @@ void Fill(const LoopCounters& counters, control::LoopPart& part) {
   part.suspect_columns = counters.suspect_columns;
   part.lidar_restarts = counters.lidar_restarts;
   part.clock_jumps = counters.clock_jumps;
+  part.untimed_ins = counters.untimed_ins;
   part.odometry_gaps = counters.odometry_gaps;
   part.odometry_jumps = counters.odometry_jumps;
   part.refused_labels = counters.refused_labels;
@@ -272,6 +275,7 @@ void Fill(const VehicleLoop& loop, const CanBus& bus, control::CanPart& part) {
   part.frames_ignored = counters.frames_ignored;
   part.frames_malformed = counters.frames_malformed;
   part.foreign_frames = counters.foreign_frames;
+  part.frames_old = counters.frames_old;
 }
 
 }  // namespace

@@ -41,6 +41,17 @@ bool FromWire(const canfd_frame& wire, unsigned size, CanFrame& frame) {
   return IsValid(frame);
 }
 
+int64_t Nanoseconds(const timespec& time) {
+  constexpr int64_t kNanosecondsPerSecond = 1'000'000'000;
+  return time.tv_sec * kNanosecondsPerSecond + time.tv_nsec;
+}
+
+int64_t TimeOf(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return Nanoseconds(now);
+}
+
 std::string Describe(const std::string& interface, const LinkInfo& info) {
   if (info.bit_rate_bps == 0) return interface + ": no bit rate told (a virtual bus?)";
   return interface + ": " + std::to_string(info.bit_rate_bps) + " bit/s, sample point " +
@@ -80,7 +91,7 @@ OpenOutcome SocketCanBus::OpenSocket(const std::string& interface,
   address.can_ifindex = link_.info().index;
   if (!set(SOL_CAN_RAW, CAN_RAW_ERR_FILTER, all_errors) ||
       !set(SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, on) || !set(SOL_CAN_RAW, CAN_RAW_FD_FRAMES, on) ||
-      !set(SOL_SOCKET, SO_RXQ_OVFL, on) ||
+      !set(SOL_SOCKET, SO_RXQ_OVFL, on) || !set(SOL_SOCKET, SO_TIMESTAMPNS, on) ||
       bind(opened.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
     const int code = errno;
     return Failure(Status::kSystemError, interface,
@@ -213,6 +224,7 @@ Status SocketCanBus::Receive(CanFrame& frame) {
 
 // True: nothing is left to be read.
 bool SocketCanBus::Read() {
+  wall_minus_ours_ns_ = TimeOf(CLOCK_REALTIME) - TimeOf(CLOCK_MONOTONIC);
   int reads = 0;
   while (reads < kMaxReads && received_count_ < kMaxFramesPerTick) {
     const int wanted = std::min(kBatch, kMaxFramesPerTick - received_count_);
@@ -233,29 +245,44 @@ bool SocketCanBus::Read() {
     }
     reads += got - 1;
     for (size_t i = 0; i < static_cast<size_t>(got); ++i) {
-      TakeLosses(messages_[i].msg_hdr);
-      TakeFrame(wires_[i], messages_[i].msg_len, messages_[i].msg_hdr.msg_flags);
+      const uint64_t received_ns = TakeControl(messages_[i].msg_hdr);
+      TakeFrame(wires_[i], messages_[i].msg_len, messages_[i].msg_hdr.msg_flags, received_ns);
     }
     if (got < wanted) return true;
   }
   return false;
 }
 
-void SocketCanBus::TakeLosses(const msghdr& header) {
-  const cmsghdr* control = CMSG_FIRSTHDR(&header);
-  if (control == nullptr || control->cmsg_level != SOL_SOCKET ||
-      control->cmsg_type != SO_RXQ_OVFL) {
-    return;
+// What came with a frame. Returns its stamp, by our clock; 0: it has none. A wall clock that is set
+// between stamp and reading spoils those that wait at this moment: they look old, or new.
+uint64_t SocketCanBus::TakeControl(const msghdr& header) {
+  uint64_t received_ns = 0;
+  for (const cmsghdr* control = CMSG_FIRSTHDR(&header); control != nullptr;
+       control = CMSG_NXTHDR(const_cast<msghdr*>(&header), const_cast<cmsghdr*>(control))) {
+    if (control->cmsg_level != SOL_SOCKET) continue;
+    if (control->cmsg_type == SO_RXQ_OVFL) {
+      uint32_t drops = 0;
+      std::memcpy(&drops, CMSG_DATA(control), sizeof(drops));
+      TakeLosses(drops);
+    } else if (control->cmsg_type == SCM_TIMESTAMPNS) {
+      timespec stamp{};
+      std::memcpy(&stamp, CMSG_DATA(control), sizeof(stamp));
+      const int64_t ours_ns = Nanoseconds(stamp) - wall_minus_ours_ns_;
+      received_ns = ours_ns > 0 ? std::min(static_cast<uint64_t>(ours_ns), now_ns_) : 0;
+    }
   }
-  uint32_t drops = 0;
-  std::memcpy(&drops, CMSG_DATA(control), sizeof(drops));
+  return received_ns;
+}
+
+void SocketCanBus::TakeLosses(uint32_t drops) {
   if (drops == kernel_drops_) return;
   counters_.lost += drops - kernel_drops_;
   kernel_drops_ = drops;
   (void)queue_.ForgetUnconfirmed();
 }
 
-void SocketCanBus::TakeFrame(const canfd_frame& wire, unsigned size, int flags) {
+void SocketCanBus::TakeFrame(const canfd_frame& wire, unsigned size, int flags,
+                             uint64_t received_ns) {
   if ((wire.can_id & CAN_ERR_FLAG) != 0) {
     TakeErrorFrame(wire);
     return;
@@ -272,6 +299,7 @@ void SocketCanBus::TakeFrame(const canfd_frame& wire, unsigned size, int flags) 
     stale_counted_ = false;
     return;
   }
+  frame.received_ns = received_ns;
   received_[static_cast<size_t>((received_first_ + received_count_) % kMaxFramesPerTick)] = frame;
   ++received_count_;
 }

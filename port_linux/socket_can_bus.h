@@ -3,6 +3,7 @@
 
 #include <linux/can.h>
 #include <sys/socket.h>
+#include <time.h>
 
 #include <array>
 #include <cstddef>
@@ -75,15 +76,17 @@ class SocketCanBus final : public CanBus {
   static constexpr int kMaxReads = 2 * kMaxFramesPerTick;
 
   struct Control {
-    alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(uint32_t))> bytes;
+    alignas(cmsghdr)
+        std::array<std::byte, CMSG_SPACE(sizeof(uint32_t)) + CMSG_SPACE(sizeof(timespec))> bytes;
   };
 
   OpenOutcome OpenSocket(const std::string& interface, const SocketCanOptions& options);
   Status Refuse(Status status);
   void Expire(int frames);
   bool Read();
-  void TakeLosses(const msghdr& header);
-  void TakeFrame(const canfd_frame& wire, unsigned size, int flags);
+  uint64_t TakeControl(const msghdr& header);
+  void TakeLosses(uint32_t drops);
+  void TakeFrame(const canfd_frame& wire, unsigned size, int flags, uint64_t received_ns);
   void TakeErrorFrame(const canfd_frame& wire);
   Status HandOver();
   void DropAll();
@@ -99,7 +102,8 @@ class SocketCanBus final : public CanBus {
   CanBusCounters counters_;
   bool may_restart_ = false;
   uint64_t now_ns_ = 0;
-  uint32_t kernel_drops_ = 0;  // as last told, modulo 2^32
+  uint32_t kernel_drops_ = 0;       // as last told, modulo 2^32
+  int64_t wall_minus_ours_ns_ = 0;  // the kernel stamps with the wall clock; as of this Advance
 
   CanBusState error_state_ = CanBusState::kActive;
   bool bus_off_ = false;

@@ -21,6 +21,8 @@ void MotionWatch::Reset() {
   runaway_s_ = 0.0f;
   wrong_turn_s_ = 0.0f;
   stuck_s_ = 0.0f;
+  spin_s_ = 0.0f;
+  spot_spin_s_ = 0.0f;
 }
 
 // Commands that are not finite are zero: the gate sends that instead.
@@ -36,6 +38,20 @@ bool MotionWatch::Range::Excludes(float measured, float margin) const {
 
 void MotionWatch::Count(bool is_wrong, float dt_s, float& time_s) {
   time_s = is_wrong ? time_s + dt_s : 0.0f;
+}
+
+// Either way: wheels that spin in place, and wheels that stand while the vehicle slides.
+bool MotionWatch::Slips(const MotionSample& sample) const {
+  if (!sample.has_wheels || !sample.has_ground) return false;
+  const float wheels_mps = Abs(sample.wheels_mps);
+  const float margin_mps =
+      params_.spin_speed_margin_mps + params_.spin_share * Max(wheels_mps, sample.ground_mps);
+  return !(Abs(wheels_mps - sample.ground_mps) <= margin_mps);
+}
+
+bool MotionWatch::SpinsOnTheSpot(const MotionSample& sample) {
+  return sample.has_wheels && sample.has_yaw_rate && Abs(sample.wheels_mps) < kGoes_mps &&
+         Abs(sample.wheels_radps) >= kGoes_radps && Abs(sample.yaw_rate_radps) <= kStill_radps;
 }
 
 MotionFault MotionWatch::Judge(const MotionSample& sample, float dt_s) {
@@ -55,6 +71,11 @@ MotionFault MotionWatch::Judge(const MotionSample& sample, float dt_s) {
   Count(runs, dt_s, runaway_s_);
   Count(turns, dt_s, wrong_turn_s_);
   Count(is_told && stands, dt_s, stuck_s_);
+  Count(Slips(sample), dt_s, spin_s_);
+  Count(SpinsOnTheSpot(sample), dt_s, spot_spin_s_);
+  if (spin_s_ >= params_.spin_time_s || spot_spin_s_ >= params_.stuck_time_s) {
+    fault_ = MotionFault::kSpin;
+  }
   if (stuck_s_ >= params_.stuck_time_s) fault_ = MotionFault::kStuck;
   if (wrong_turn_s_ >= params_.motion_time_s) fault_ = MotionFault::kWrongTurn;
   if (runaway_s_ >= params_.motion_time_s) fault_ = MotionFault::kRunaway;

@@ -8,9 +8,9 @@
 #include "core/base/status.h"
 
 // Whether the vehicle moves as it was told to, within a wide margin: one that runs away, turns
-// against its command, or does not move at all (docs/safety.md). Not a judge of how well a path is
-// followed. What wheels and the INS cannot tell, it cannot: wheels that spin in place count as
-// moving. Ours.
+// against its command, does not move at all, or whose wheels do not hold the ground
+// (docs/safety.md). Not a judge of how well a path is followed. Wheels that spin are told by the
+// INS's ground speed; without one they count as moving. Ours.
 //
 //     speed
 //       |      ____ + margin            what was commanded lately: it rises at once, and falls by
@@ -26,6 +26,7 @@ enum class MotionFault : uint8_t {
   kRunaway,    // faster than it was told to, or moving when it was told to stand
   kWrongTurn,  // turning against its command, or much faster
   kStuck,      // told to move, and nothing moves
+  kSpin,       // the wheels turn at another speed than the vehicle goes, or stands
 };
 
 // Of one tick. Forward and anticlockwise positive.
@@ -37,6 +38,8 @@ struct MotionSample {
   float wheels_radps = 0.0f;     // yaw rate that their difference would be
   bool has_yaw_rate = false;     // a fresh one of the INS
   float yaw_rate_radps = 0.0f;
+  bool has_ground = false;  // a fresh speed over ground of the INS that it vouches for
+  float ground_mps = 0.0f;  // not negative: its magnitude
 };
 
 class MotionWatch {
@@ -56,7 +59,8 @@ class MotionWatch {
   void Reset();
 
   // Once a tick. What is found has lasted for motion_time_s without a break (kStuck:
-  // stuck_time_s); the first fault stays until Reset. A measured number that is not finite is
+  // stuck_time_s; kSpin: spin_time_s, in a turn on the spot stuck_time_s); the first fault stays
+  // until Reset. A measured number that is not finite is
   // outside of every range, a command that is not is zero. Constant cost.
   MotionFault Judge(const MotionSample& sample, float dt_s);
 
@@ -71,6 +75,8 @@ class MotionWatch {
     bool Excludes(float measured, float margin) const;
   };
   static void Count(bool is_wrong, float dt_s, float& time_s);
+  bool Slips(const MotionSample& sample) const;
+  static bool SpinsOnTheSpot(const MotionSample& sample);
 
   SafetyParams params_;
   bool configured_ = false;
@@ -80,6 +86,8 @@ class MotionWatch {
   float runaway_s_ = 0.0f;
   float wrong_turn_s_ = 0.0f;
   float stuck_s_ = 0.0f;
+  float spin_s_ = 0.0f;
+  float spot_spin_s_ = 0.0f;
 };
 static_assert(std::is_trivially_copyable_v<MotionWatch>);
 

@@ -116,6 +116,9 @@ void Supervisor::TakeWishes(const SupervisorInput& input, Permission& permission
       Change(Mode::kArmed, StopReason::kNone, input.now_ns);
       permission.reset_faults = true;
       reset_ns_ = input.now_ns;
+    } else if (input.drives_faulty && !input.foreign_sender && input.bus_active) {
+      // A drive that was stopped says nothing before it is reset: armed the next time.
+      permission.reset_faults = true;
     }
   } else if ((wishes.arm || wishes.go) && !drives) {
     refusal = reason_ == StopReason::kNone ? StopReason::kOperator : reason_;

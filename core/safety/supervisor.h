@@ -62,8 +62,9 @@ enum class StopReason : uint8_t {
   kWrongTurn,   // it turns against its command
   kStuck,       // it was told to move, and does not
   kBadCommand,  // a command was no number (core/safety/command_gate.h)
+  kWheelSpin,   // the wheels do not hold the ground
 };
-inline constexpr int kStopReasons = 23;
+inline constexpr int kStopReasons = 24;
 
 // What is asked of the drives.
 enum class Motion : uint8_t {
@@ -107,8 +108,8 @@ struct SupervisorInput {
   // it is, short of its end: kNone, kNoWay, kUnseenGround, kPerson or kGoalInObstacle. It stops
   // then.
   StopReason held_by = StopReason::kNone;
-  // What the vehicle does against its commands, or with them: kNone, kRunaway, kWrongTurn, kStuck
-  // or kBadCommand. A fault, once it has torque.
+  // What the vehicle does against its commands, or with them: kNone, kRunaway, kWrongTurn, kStuck,
+  // kWheelSpin or kBadCommand. A fault, once it has torque.
   StopReason misbehaves = StopReason::kNone;
   OperatorWishes wishes;
 };
@@ -119,7 +120,7 @@ struct Permission {
   Motion motion = Motion::kOff;
   uint64_t reason_since_ns = 0;      // that reason() has been what it is; 0: since the start
   bool drop_goal = false;            // the goals are void from this tick on
-  bool reset_faults = false;         // of the drives: arming begins with it
+  bool reset_faults = false;         // of the drives: arming begins with it, refused or not
   Status wish_status = Status::kOk;  // of this tick's wishes: kNotPermitted with `reason`
 };
 

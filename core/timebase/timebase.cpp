@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/timebase/timebase.h"
 
+#include "config/validate.h"
 #include "core/base/assert.h"
+#include "core/base/saturate.h"
 
 namespace hardpack {
 namespace {
@@ -12,14 +14,41 @@ constexpr uint64_t kStampLimit_ns = uint64_t{1} << 62;
 int64_t Smaller(int64_t a, int64_t b) {
   return b < a ? b : a;
 }
+int64_t Larger(int64_t a, int64_t b) {
+  return b < a ? a : b;
+}
+
+constexpr float kNanosecondsPerMicrosecond = 1.0e3f;
+constexpr float kMicrosecondsPerSecond = 1.0e6f;
+constexpr int64_t kBillion = 1'000'000'000;
+constexpr int64_t kThousand = 1'000;
 
 }  // namespace
 
-void Timebase::Reset() {
-  *this = Timebase{};
+Status Timebase::Configure(const ClockParams& params) {
+  if (FirstInvalidParameter(params) != nullptr) return Status::kParameterOutOfRange;
+  max_drift_ppb_ = RoundToInt(params.max_drift_ppm * kNanosecondsPerMicrosecond);
+  max_drift_ns_ = kThousand * RoundToInt(params.max_drift_s * kMicrosecondsPerSecond);
+  Reset();
+  return Status::kOk;
 }
 
-Status Timebase::Observe(uint64_t device_ns, uint64_t host_ns) {
+void Timebase::Reset() {
+  const int64_t max_drift_ppb = max_drift_ppb_;
+  const int64_t max_drift_ns = max_drift_ns_;
+  *this = Timebase{};
+  max_drift_ppb_ = max_drift_ppb;
+  max_drift_ns_ = max_drift_ns;
+}
+
+// Of two products each below 2^62, however long it is.
+int64_t Timebase::Floor_ns(uint64_t host_ns) const {
+  const auto since_ns = static_cast<int64_t>(host_ns - floor_at_ns_);
+  return floor_ns_ + since_ns / kBillion * max_drift_ppb_ +
+         since_ns % kBillion * max_drift_ppb_ / kBillion;
+}
+
+Status Timebase::Observe(uint64_t device_ns, uint64_t host_ns, bool may_fix_anew) {
   if (device_ns >= kStampLimit_ns || host_ns >= kStampLimit_ns ||
       (started_ && host_ns < last_host_ns_)) {
     ++counters_.refused;
@@ -33,9 +62,11 @@ Status Timebase::Observe(uint64_t device_ns, uint64_t host_ns) {
     StartFrom(difference_ns, device_ns, host_ns);
     return Status::kOk;
   }
-  const int64_t late_by_ns = difference_ns - offset_ns_;
-  if (late_by_ns > kJump_ns) return TakeLate(difference_ns, device_ns, host_ns);
-  if (late_by_ns < -kJump_ns) {
+  // After a long silence drift has raised the floor above the offset.
+  if (difference_ns - Larger(offset_ns_, Floor_ns(host_ns)) > kJump_ns) {
+    return TakeLate(difference_ns, device_ns, host_ns, may_fix_anew);
+  }
+  if (difference_ns - offset_ns_ < -kJump_ns) {
     ++counters_.jumps;
     StartFrom(difference_ns, device_ns, host_ns);
     return Status::kClockJumped;
@@ -51,6 +82,8 @@ void Timebase::StartFrom(int64_t difference_ns, uint64_t device_ns, uint64_t hos
   window_smallest_ns_ = difference_ns;
   previous_smallest_ns_ = kNone_ns;
   offset_ns_ = difference_ns;
+  floor_ns_ = difference_ns;
+  floor_at_ns_ = host_ns;
   run_ = LateRun{};
 }
 
@@ -63,26 +96,35 @@ void Timebase::Enter(int64_t difference_ns, uint64_t device_ns, uint64_t host_ns
     window_begin_ns_ = host_ns;
   }
   window_smallest_ns_ = Smaller(window_smallest_ns_, difference_ns);
-  offset_ns_ = Smaller(window_smallest_ns_, previous_smallest_ns_);
+  if (difference_ns <= Floor_ns(host_ns)) {
+    floor_ns_ = difference_ns;
+    floor_at_ns_ = host_ns;
+  }
+  const int64_t smallest_ns = Smaller(window_smallest_ns_, previous_smallest_ns_);
+  const int64_t bound_ns = Floor_ns(host_ns) + max_drift_ns_;
+  if (smallest_ns > bound_ns) ++counters_.beyond_drift;
+  offset_ns_ = Smaller(smallest_ns, bound_ns);
   if (device_ns > newest_device_ns_) newest_device_ns_ = device_ns;
   run_ = LateRun{};
 }
 
 // Late observations stay out of the minimum: in a window of nothing else they would be it.
-Status Timebase::TakeLate(int64_t difference_ns, uint64_t device_ns, uint64_t host_ns) {
+Status Timebase::TakeLate(int64_t difference_ns, uint64_t device_ns, uint64_t host_ns,
+                          bool may_fix_anew) {
   const int64_t off_first_ns = difference_ns - run_.first_ns;
   const bool steady =
       run_.observations > 0 && off_first_ns >= -kSteady_ns && off_first_ns <= kJump_ns;
   if (!steady) {
     run_.observations = 0;
-    run_.stamps_went_back = device_ns < newest_device_ns_;
+    // One that was overtaken on the way went back too, but not by as much.
+    run_.stamps_went_back = device_ns + static_cast<uint64_t>(kSteady_ns) < newest_device_ns_;
     run_.begin_ns = host_ns;
     run_.first_ns = difference_ns;
     run_.smallest_ns = difference_ns;
   }
   if (run_.observations < kConfirmObservations) ++run_.observations;
   run_.smallest_ns = Smaller(run_.smallest_ns, difference_ns);
-  const bool lasts = host_ns - run_.begin_ns >= static_cast<uint64_t>(kConfirm_ns);
+  const bool lasts = may_fix_anew && host_ns - run_.begin_ns >= static_cast<uint64_t>(kConfirm_ns);
   if (run_.observations < kConfirmObservations || !(run_.stamps_went_back || lasts)) {
     ++counters_.late;
     return Status::kOk;

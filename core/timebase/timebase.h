@@ -5,6 +5,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "config/onboard_parameters.h"
 #include "core/base/result.h"
 #include "core/base/status.h"
 
@@ -15,12 +16,21 @@
 // reboot, a step by its time server) from late datagrams. It does not estimate the smallest delay
 // itself, which stays in the offset. Integer nanoseconds; no clock is read here.
 //
+// A delay that grows looks like a device's clock that is slow. So the offset rises no faster than a
+// clock can drift: with the differences D_k = h_k - d_k of all datagrams since it was fixed, W the
+// minimum of the window, rho = ClockParams::max_drift_ppm and S = max_drift_s,
+//   offset(h) = min(W(h), floor(h) + S),   floor(h) = min over k of D_k + rho (h - h_k)
+// A datagram that is later than that gets the time at which it was sent, as near as that is known:
+// it is old, and never taken for new by more than S + rho t, t since the least delayed one. Drift
+// itself may go on for ever: each datagram that comes with no more delay than before lowers the
+// floor to what it shows. S leaves room for minima that differ from window to window. A delay that
+// grows by less than rho cannot be told from drift.
+//
 // How far ToHost is off the moment of a stamp of now, after the first window, if every window
 // brings a datagram that was delayed by no more than delay_short, none is delayed by less than
 // delay_min, the clocks drift apart by rho and datagrams that are not late come at least every G:
 //   delay_min - 2 rho (kWindow_ns + G) <= error <= delay_short + 2 rho (kWindow_ns + G)
-// With 100 ppm, 0.1 ms for both delays and small G: -0.3 .. +0.5 ms. Drift is no jump while
-// 2 rho (kWindow_ns + G) and the jitter together stay below kJump_ns: 1 % with 10 ms of jitter.
+// With 100 ppm, 0.1 ms for both delays and small G: -0.3 .. +0.5 ms.
 
 namespace hardpack {
 
@@ -28,6 +38,7 @@ struct TimebaseCounters {
   uint32_t observations = 0;  // that were not refused
   uint32_t jumps = 0;         // of the device's clock, either way
   uint32_t late = 0;          // observations later by more than the jump's threshold, no jump (yet)
+  uint32_t beyond_drift = 0;  // observations that no drift explains: they are late, not new
   uint32_t refused = 0;       // our clock went backwards, or the stamps do not fit the arithmetic
 };
 
@@ -37,8 +48,7 @@ class Timebase {
   // of late datagrams only, does not count.
   static constexpr int64_t kWindow_ns = 2'000'000'000;
   // What an observation may lie off the offset and be no sign of a jump. Smaller steps of the
-  // device's clock are not told: one forward is followed at once, one back when the minimum of
-  // before is forgotten.
+  // device's clock are not told: one forward is followed at once, one back as drift is.
   static constexpr int64_t kJump_ns = 50'000'000;
   // A run of late observations is steady while none is earlier than its first by more than this, or
   // later by more than kJump_ns. A jump makes a steady run. A backlog does not: each of its
@@ -46,11 +56,15 @@ class Timebase {
   // same for kConfirm_ns does too: it cannot be told from a jump, nor its end from another.
   static constexpr int64_t kSteady_ns = 5'000'000;
   // A steady run is a jump after so many observations if the device's stamps went back as it began,
-  // which no delay does; else, when it has lasted for so long besides.
+  // by more than kSteady_ns, which no delay does; else, where that is permitted, when it has lasted
+  // for so long besides.
   static constexpr int32_t kConfirmObservations = 8;
   static constexpr int64_t kConfirm_ns = 250'000'000;
 
-  // Forgets everything, the counters too.
+  // kParameterOutOfRange: nothing changes. Else forgets everything.
+  Status Configure(const ClockParams& params);
+
+  // Forgets everything but the parameters, the counters too.
   void Reset();
 
   // A datagram stamped device_ns by the device came at host_ns of our monotonic clock. Of several
@@ -61,8 +75,10 @@ class Timebase {
   // of this observation, or the smallest of those that confirmed it, from here on;
   // kInvalidArgument: host_ns is before the last observation's, or a stamp is 2^62 or more: nothing
   // changes but the counter. Each jump is told once. A first observation that was itself late by
-  // more than kJump_ns is told as a jump forward when one comes that was not. Cost: constant.
-  Status Observe(uint64_t device_ns, uint64_t host_ns);
+  // more than kJump_ns is told as a jump forward when one comes that was not. `may_fix_anew`: a
+  // delay that stays the same may be taken for a jump of the clock in a silence. False while
+  // anybody relies on the times: such data are late, whatever the reason. Cost: constant.
+  Status Observe(uint64_t device_ns, uint64_t host_ns, bool may_fix_anew = true);
 
   // True while the newest observations look like a jump back that is not confirmed yet: the stamps
   // went back. The times of their stamps are not to be relied upon.
@@ -88,10 +104,13 @@ class Timebase {
   };
   static constexpr int64_t kNone_ns = std::numeric_limits<int64_t>::max();
 
+  int64_t Floor_ns(uint64_t host_ns) const;
   void StartFrom(int64_t difference_ns, uint64_t device_ns, uint64_t host_ns);
   void Enter(int64_t difference_ns, uint64_t device_ns, uint64_t host_ns);
-  Status TakeLate(int64_t difference_ns, uint64_t device_ns, uint64_t host_ns);
+  Status TakeLate(int64_t difference_ns, uint64_t device_ns, uint64_t host_ns, bool may_fix_anew);
 
+  int64_t max_drift_ppb_ = 500'000;  // of ClockParams
+  int64_t max_drift_ns_ = 20'000'000;
   bool started_ = false;
   uint64_t last_host_ns_ = 0;
   uint64_t newest_device_ns_ = 0;  // of the observations that were not late
@@ -99,6 +118,8 @@ class Timebase {
   int64_t window_smallest_ns_ = kNone_ns;
   int64_t previous_smallest_ns_ = kNone_ns;  // of the window before
   int64_t offset_ns_ = 0;
+  int64_t floor_ns_ = 0;      // the floor ...
+  uint64_t floor_at_ns_ = 0;  // ... at this time of ours: it rises from there
   LateRun run_;
   TimebaseCounters counters_;
 };

@@ -28,6 +28,10 @@ constexpr size_t kWaypointsOffset = kHeaderBytes + 8;
 constexpr size_t kWaypointBytes = 20;
 static_assert(kWaypointsOffset + kMaxWaypoints * kWaypointBytes <= kMaxMessageBytes);
 
+// The body of an alive: the press u32, or nothing, which is no press.
+constexpr size_t kPressOffset = kHeaderBytes;
+constexpr size_t kAliveBytes = kHeaderBytes + 4;
+
 constexpr size_t kDoneBytes = kHeaderBytes + 2;
 constexpr size_t kParametersBytes = kHeaderBytes + 8;  // and the part
 
@@ -140,6 +144,21 @@ Status CheckGoal(std::span<const uint8_t> message) {
   return Status::kOk;
 }
 
+// Precondition: the message has a header. A press of 0 is written as none.
+Status CheckAlive(std::span<const uint8_t> message) {
+  if (message.size() == kHeaderBytes) return Status::kOk;
+  const Status size = CheckSize(message.size(), kAliveBytes);
+  if (size != Status::kOk) return size;
+  ByteReader reader(message);
+  return reader.U32(kPressOffset) != 0 ? Status::kOk : Status::kInvalidArgument;
+}
+
+Status CheckBody(Kind kind, std::span<const uint8_t> message) {
+  if (kind == Kind::kGoal) return CheckGoal(message);
+  if (kind == Kind::kAlive) return CheckAlive(message);
+  return CheckSize(message.size(), kHeaderBytes);
+}
+
 // Precondition: CheckGoal.
 void ReadGoal(std::span<const uint8_t> message, OperatorCommand& command) {
   ByteReader reader(message);
@@ -196,11 +215,14 @@ Status Decode(std::span<const uint8_t> message, OperatorCommand& command) {
   const Status status = ReadHeader(message, header);
   if (status != Status::kOk) return status;
   if (!IsCommand(header.kind)) return Status::kWrongPacketType;
-  const Status body =
-      header.kind == Kind::kGoal ? CheckGoal(message) : CheckSize(message.size(), kHeaderBytes);
+  const Status body = CheckBody(header.kind, message);
   if (body != Status::kOk) return body;
   command.kind = header.kind;
   command.sequence = header.sequence;
+  command.press = 0;
+  if (header.kind == Kind::kAlive && message.size() == kAliveBytes) {
+    command.press = ByteReader(message).U32(kPressOffset);
+  }
   command.waypoints = 0;
   command.has_heading = false;
   command.heading_frame = GoalFrame::kOdom;
@@ -257,11 +279,12 @@ Status Encode(const OperatorCommand& command, std::span<uint8_t> buffer, int& si
   const Status status = Check(command);
   if (status != Status::kOk) return status;
   const bool goal = command.kind == Kind::kGoal;
-  const size_t needed =
-      goal ? kWaypointsOffset + static_cast<size_t>(command.waypoints) * kWaypointBytes
-           : kHeaderBytes;
+  const bool pressed = command.kind == Kind::kAlive && command.press != 0;
+  size_t needed = pressed ? kAliveBytes : kHeaderBytes;
+  if (goal) needed = kWaypointsOffset + static_cast<size_t>(command.waypoints) * kWaypointBytes;
   if (buffer.size() < needed) return Status::kCapacityExceeded;
   MessageWriter writer(buffer, command.kind, command.sequence);
+  if (pressed) writer.U32(command.press);
   if (!goal) return writer.Finish(size_bytes);
   writer.U8(static_cast<uint8_t>(command.waypoints));
   writer.U8(command.has_heading ? 1 : 0);

@@ -31,7 +31,7 @@ enum class Kind : uint8_t {
   kGoal = 3,  // one waypoint or several, to be reached in turn
   kStop = 4,
   kEmergencyStop = 5,
-  kAlive = 6,  // the operator is there
+  kAlive = 6,  // the operator is there: has pressed something since
   // Questions: they change nothing, and are answered outside the tick.
   kGetStatus = 64,
   kGetParameters = 65,
@@ -73,6 +73,9 @@ struct Waypoint {
 struct OperatorCommand {
   Kind kind = Kind::kAlive;
   uint32_t sequence = 0;
+  // kAlive: another number at every press of the operator's; 0: none was pressed. Without a new one
+  // a program that was left over proves nobody's presence.
+  uint32_t press = 0;
   // kGoal:
   int32_t waypoints = 0;  // 1 .. kMaxWaypoints
   Waypoint waypoint[kMaxWaypoints] = {};

@@ -217,6 +217,7 @@ struct DrivePart {
   uint32_t sdo_timeouts = 0;
   uint32_t sdo_aborts = 0;
   uint32_t heartbeats_missed = 0;
+  uint32_t doubled_reports = 0;
 };
 
 struct CanPart {
@@ -228,6 +229,7 @@ struct CanPart {
   uint32_t frames_ignored = 0;
   uint32_t frames_malformed = 0;
   uint32_t foreign_frames = 0;
+  uint32_t frames_old = 0;
 };
 
 struct LidarPacketPart {
@@ -253,6 +255,7 @@ struct LidarClockPart {
   uint32_t observations = 0;
   uint32_t jumps = 0;
   uint32_t late = 0;
+  uint32_t beyond_drift = 0;
   uint32_t refused = 0;
 };
 
@@ -282,6 +285,7 @@ struct LoopPart {
   uint64_t suspect_columns = 0;
   uint64_t lidar_restarts = 0;
   uint64_t clock_jumps = 0;
+  uint64_t untimed_ins = 0;
   uint64_t odometry_gaps = 0;
   uint64_t odometry_jumps = 0;
   uint64_t refused_labels = 0;

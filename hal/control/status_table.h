@@ -209,6 +209,7 @@ constexpr void VisitDrive(Part& part, Visit& visit) {
   HP_STATUS_LOSS(sdo_timeouts);
   HP_STATUS_LOSS(sdo_aborts);
   HP_STATUS_LOSS(heartbeats_missed);
+  HP_STATUS_LOSS(doubled_reports);
 }
 
 template <typename Part, typename Visit>
@@ -236,6 +237,7 @@ constexpr void VisitCan(Part& part, Visit& visit) {
   HP_STATUS_FIELD(frames_ignored);
   HP_STATUS_LOSS(frames_malformed);
   HP_STATUS_LOSS(foreign_frames);
+  HP_STATUS_LOSS(frames_old);
 }
 
 template <typename Part, typename Visit>
@@ -263,6 +265,7 @@ constexpr void VisitLidarClock(Part& part, Visit& visit) {
   HP_STATUS_FIELD(observations);
   HP_STATUS_LOSS(jumps);
   HP_STATUS_LOSS(late);
+  HP_STATUS_LOSS(beyond_drift);
   HP_STATUS_LOSS(refused);
 }
 
@@ -321,6 +324,7 @@ constexpr void VisitLoop(Part& part, Visit& visit) {
   HP_STATUS_LOSS(suspect_columns);
   HP_STATUS_LOSS(lidar_restarts);
   HP_STATUS_LOSS(clock_jumps);
+  HP_STATUS_LOSS(untimed_ins);
   HP_STATUS_LOSS(odometry_gaps);
   HP_STATUS_LOSS(odometry_jumps);
   HP_STATUS_LOSS(refused_labels);

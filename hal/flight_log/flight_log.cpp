@@ -58,7 +58,11 @@ void FlightLog::BeginTick(const TickInput& input, const TickArrivals& arrivals,
   if (recorder_.wants_opening()) Open(state);
   RecordTick(input);
   HP_LOOP_BOUND(CanBus::kMaxFramesPerTick)
-  for (const CanFrame& frame : input.frames) RecordFrame(frame, Direction::kIn);
+  for (const CanFrame& frame : input.frames) {
+    const bool is_timed = frame.received_ns != 0 && frame.received_ns < input.now_ns;
+    const uint64_t age_ns = is_timed ? input.now_ns - frame.received_ns : 0;
+    RecordFrame(frame, Direction::kIn, tick_time_ns_ - static_cast<int64_t>(age_ns));
+  }
   HP_LOOP_BOUND(VehicleLoop::kMaxDatagramsPerTick)
   for (size_t i = 0; i < input.datagrams.size(); ++i) {
     RecordDatagram(input.datagrams[i],
@@ -70,7 +74,9 @@ void FlightLog::BeginTick(const TickInput& input, const TickArrivals& arrivals,
 void FlightLog::EndTick(const TickResult& result, const TickOutput& output) {
   if (!started_) return;
   HP_LOOP_BOUND(kMaxFramesOut)
-  for (const CanFrame& frame : output.frames) RecordFrame(frame, Direction::kOut);
+  for (const CanFrame& frame : output.frames) {
+    RecordFrame(frame, Direction::kOut, tick_time_ns_);
+  }
   RecordImageParts();
   TickEndRecord record;
   record.index = result.index;
@@ -159,10 +165,10 @@ void FlightLog::RecordDatagram(const TickDatagram& datagram, const Arrival* arri
       recorder_.Record(stamped ? arrival->kernel_time_ns : tick_time_ns_, head, datagram.bytes));
 }
 
-void FlightLog::RecordFrame(const CanFrame& frame, Direction direction) {
+void FlightLog::RecordFrame(const CanFrame& frame, Direction direction, int64_t time_ns) {
   uint8_t packet[kCanPacketBytes];
   EncodeCan(frame, direction, setup_.can_interface, packet);
-  static_cast<void>(recorder_.Record(tick_time_ns_, packet, {}));
+  static_cast<void>(recorder_.Record(time_ns, packet, {}));
 }
 
 void FlightLog::RecordImageParts() {

@@ -99,7 +99,7 @@ class FlightLog {
   void RecordText(RecordKind kind, std::span<const uint8_t> text);
   void RecordPart(RecordKind kind, const PartRecord& part, std::span<const uint8_t> bytes);
   void RecordDatagram(const TickDatagram& datagram, const Arrival* arrival);
-  void RecordFrame(const CanFrame& frame, Direction direction);
+  void RecordFrame(const CanFrame& frame, Direction direction, int64_t time_ns);
   void RecordImageParts();
   void RecordOwn(const RecordHead& head, std::span<const uint8_t> bytes);
 

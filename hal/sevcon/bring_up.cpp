@@ -33,8 +33,24 @@ bool HasLogin(const DriveParams& params) {
 
 void BringUp::Restart() {
   const uint32_t written = settings_written_;
+  const bool stopped = stopped_;
   *this = BringUp{};
   settings_written_ = written;
+  stopped_ = stopped;
+}
+
+void BringUp::Wake() {
+  if (stopped_ && phase_ == Phase::kIdentify) Go(Phase::kWake);
+}
+
+NmtCommand BringUp::AdvanceWake(uint64_t now_ns) {
+  if (!stopped_) {
+    Go(Phase::kIdentify);
+    return NmtCommand::kNone;
+  }
+  if (waits_ && now_ns < next_ns_) return NmtCommand::kNone;
+  Await(false, now_ns, Phase::kWake);
+  return halted() ? NmtCommand::kNone : NmtCommand::kEnterPreOperational;
 }
 
 void BringUp::Go(Phase phase) {
@@ -52,6 +68,7 @@ void BringUp::Fail(DriveFault fault) {
 
 DriveState BringUp::state() const {
   switch (phase_) {
+    case Phase::kWake:
     case Phase::kIdentify:
       return heard_ ? DriveState::kIdentifying : DriveState::kSilent;
     case Phase::kVerify:
@@ -70,6 +87,8 @@ DriveState BringUp::state() const {
 NmtCommand BringUp::Advance(uint64_t now_ns, const DriveParams& params, int32_t node,
                             SdoClient& client) {
   if (done() || halted()) return NmtCommand::kNone;
+  if (phase_ == Phase::kWake) return AdvanceWake(now_ns);
+  if (stopped_) return NmtCommand::kNone;
   const SdoOutcome outcome = client.TakeOutcome();
   switch (outcome) {
     case SdoOutcome::kNone:

@@ -20,6 +20,9 @@ namespace hardpack::sevcon {
 //                    v                            |
 //       login -> wait for rest -> pre-operational -> write and read back each that differs
 //
+// A drive that somebody has stopped (NMT) answers no question: it is left alone until Wake, which
+// makes it pre-operational first (CiA 301: that needs no more than the NMT command).
+//
 // No write before the identity is confirmed. A failure ends it (halted) until Restart; a drive that
 // falls silent meanwhile is waited for.
 class BringUp {
@@ -28,6 +31,11 @@ class BringUp {
   void Restart();
   // Something came from the drive.
   void Hear() { heard_ = heard_since_asked_ = true; }
+  // The same of its heartbeat: whether that says that it is stopped.
+  void HearState(bool stopped) { stopped_ = stopped; }
+  bool stopped() const { return stopped_; }
+  // The operator wants it back: after Restart, does nothing unless it is stopped.
+  void Wake();
 
   // Once a tick: takes what the client's question brought and asks the next. Gives the NMT command
   // that is to be sent to the drive now. Cost: constant.
@@ -45,10 +53,13 @@ class BringUp {
   // 6080h, or more than any command.
   int32_t speed_limit_rpm() const { return speed_limit_rpm_; }
   uint32_t settings_written() const { return settings_written_; }
+  // Its reports come by a timer of its own, not one to each SYNC.
+  bool reports_by_event() const { return by_event_; }
 
  private:
   enum class Phase : uint8_t {
-    kIdentify = 0,
+    kWake = 0,  // NMT, until its heartbeat says that it is not stopped
+    kIdentify,
     kSurvey,
     kForced,  // is the drive held in pre-operational, by a configuration that was broken off?
     kReadAccess,
@@ -65,6 +76,7 @@ class BringUp {
     kHalted,
   };
 
+  NmtCommand AdvanceWake(uint64_t now_ns);
   SdoQuestion NextQuestion(const DriveParams& params) const;
   void TakeValue(uint32_t value, uint64_t now_ns, const DriveParams& params, int32_t node);
   void TakeWritten();
@@ -84,6 +96,7 @@ class BringUp {
   uint8_t part_ = 0;
   bool heard_ = false;
   bool heard_since_asked_ = false;
+  bool stopped_ = false;        // as its last heartbeat said
   bool asked_unheard_ = false;  // the present question, once, of a drive that may be silent
   bool has_force_ = true;
   bool forced_ = false;

@@ -19,6 +19,8 @@ constexpr uint64_t kLongestStop_ns = 5'000'000'000;
 constexpr uint64_t kResetTime_ns = 1'000'000'000;
 // A wheel that is carried along may turn against its command for so many times opposite_time_s.
 constexpr uint64_t kCarriedTimes = 6;
+// So many reports more than SYNCs are a second sender's.
+constexpr int32_t kMostReports = 10;
 
 void Push(CanBatch& out, const CanFrame& frame) {
   const Status pushed = out.PushBack(frame);
@@ -76,14 +78,16 @@ void Drive::ResetFault(uint64_t now_ns, const DriveParams& params) {
   report_.fault = DriveFault::kNone;
   new_fault_ = false;
   opposite_radps_ = 0.0f;
-  if (bring_up_.halted()) BeginAnew();
+  excess_ = 0;
+  if (bring_up_.halted() || bring_up_.stopped()) BeginAnew();
+  bring_up_.Wake();
   if (IsFresh(now_ns, params) && IsFault(PowerStateOf(report_.statusword))) {
     resetting_ = true;
     resetting_since_ns_ = now_ns;
   }
 }
 
-bool Drive::TakeHeartbeat(const CanFrame& frame, uint64_t now_ns) {
+bool Drive::TakeHeartbeat(const CanFrame& frame, uint64_t came_ns) {
   if (frame.size != 1) return false;
   const uint8_t state = frame.data[0];
   switch (static_cast<NmtState>(state)) {
@@ -98,7 +102,11 @@ bool Drive::TakeHeartbeat(const CanFrame& frame, uint64_t now_ns) {
       return false;
   }
   report_.nmt_state = state;
-  heartbeat_ns_ = now_ns;
+  if (came_ns > heartbeat_ns_) heartbeat_ns_ = came_ns;
+  const bool stopped = state == static_cast<uint8_t>(NmtState::kStopped);
+  // Somebody else's doing. It answers no question then; it is brought back by the operator's reset.
+  if (stopped && !bring_up_.stopped()) SetFault(DriveFault::kRebooted);
+  bring_up_.HearState(stopped);
   const bool booted = state == static_cast<uint8_t>(NmtState::kBootUp);
   const bool left = bring_up_.done() && state != static_cast<uint8_t>(NmtState::kOperational);
   if (booted || left) {
@@ -126,21 +134,37 @@ bool Drive::TakeEmergency(const CanFrame& frame) {
   return true;
 }
 
-bool Drive::TakeFeedback(const CanFrame& frame, uint64_t now_ns, const DriveParams& params) {
+bool Drive::TakeFeedback(const CanFrame& frame, uint64_t came_ns, const DriveParams& params) {
   MotorFeedback feedback;
   if (!Unpack(frame, feedback)) return false;
   bring_up_.Hear();
-  // What is mapped there is not known before.
-  if (!commandable_ || drops_command_) return true;
+  if (reports_ < kMostReports) ++reports_;
+  // What is mapped there is not known before; and nothing is newer than what is known.
+  if (!commandable_ || drops_command_ || (has_feedback_ && came_ns < feedback_ns_)) return true;
   report_.statusword = feedback.statusword;
   report_.wheel_radps = WheelSpeed(feedback.speed_rpm, params);
-  report_.wheel_time_ns = now_ns;
+  report_.wheel_time_ns = came_ns;
   report_.torque_share = static_cast<float>(feedback.torque_permille * sign_) / kUnitsOfTorque;
-  feedback_ns_ = now_ns;
+  feedback_ns_ = came_ns;
   has_feedback_ = true;
   if (!reported_) found_enabled_ = IsIn(PowerState::kOperationEnabled);
   reported_ = true;
   return true;
+}
+
+// An answer that is late makes two in one period and none in the one before: only what is more than
+// one a period for long is somebody else's.
+void Drive::EndSyncPeriod() {
+  const int32_t reports = reports_;
+  reports_ = 0;
+  if (!bring_up_.done() || bring_up_.reports_by_event()) {
+    excess_ = 0;
+    return;
+  }
+  if (reports > 1) ++report_.doubled_reports;
+  excess_ += reports - 1;
+  if (excess_ < 0) excess_ = 0;
+  if (excess_ > kMostReports) excess_ = kMostReports;
 }
 
 bool Drive::TakeSdo(const CanFrame& frame) {
@@ -159,6 +183,7 @@ void Drive::Watch(uint64_t now_ns, const DriveParams& params, bool carried) {
   WatchSilence(now_ns, params);
   WatchStatus(now_ns, params);
   WatchDirection(now_ns, params, carried);
+  if (excess_ >= kMostReports) SetFault(DriveFault::kDoubleReports);
   Report();
 }
 

@@ -26,10 +26,13 @@ class Drive {
   int32_t node() const { return node_; }
 
   // Frames of this drive. False: malformed, and nothing taken.
-  bool TakeHeartbeat(const CanFrame& frame, uint64_t now_ns);
+  bool TakeHeartbeat(const CanFrame& frame, uint64_t came_ns);
   bool TakeEmergency(const CanFrame& frame);
-  bool TakeFeedback(const CanFrame& frame, uint64_t now_ns, const DriveParams& params);
+  bool TakeFeedback(const CanFrame& frame, uint64_t came_ns, const DriveParams& params);
   bool TakeSdo(const CanFrame& frame);
+
+  // Another SYNC of ours goes out: there was to be one report to the one before.
+  void EndSyncPeriod();
 
   // First in a tick: looks for what is missing, late or wrong. `carried`: the vehicle takes the
   // wheel along in a turn, so that it may turn against its command for longer.
@@ -103,6 +106,8 @@ class Drive {
   uint64_t opposite_seen_ns_ = 0;  // until when that was counted
   uint8_t supply_row_ = 0;
   uint64_t supply_ns_ = 0;
+  int32_t reports_ = 0;  // since the last SYNC
+  int32_t excess_ = 0;   // of reports over SYNCs, lately
 };
 static_assert(std::is_trivially_copyable_v<Drive>);
 

@@ -39,8 +39,9 @@ enum class DriveFault : uint8_t {
   kLostEnable,      // left operation enabled without our asking
   kLoginRefused,    // 5000h: user and password do not give the access that settings need
   kStateRefused,    // did not come into the NMT state, or to operation enabled, in time
+  kDoubleReports,   // more reports than SYNCs, for long: two nodes send them
 };
-inline constexpr int kDriveFaults = 16;
+inline constexpr int kDriveFaults = 17;
 
 // What a drive says of itself.
 struct DriveReport {
@@ -70,6 +71,7 @@ struct DriveReport {
   uint32_t sdo_ignored = 0;  // answers late, twice or of the wrong size
   uint32_t settings_written = 0;
   uint32_t heartbeats_missed = 0;
+  uint32_t doubled_reports = 0;  // SYNC periods with more than one
 };
 
 }  // namespace hardpack::sevcon

@@ -82,14 +82,25 @@ DrivePair::Sender DrivePair::SenderOf(uint32_t id, int& side) const {
   return Sender::kOther;
 }
 
-bool DrivePair::TakeFromDrive(Drive& drive, const CanFrame& frame, uint64_t now_ns) {
+// Whether the frame came so long ago that it says nothing of now. That a drive has stopped,
+// restarted or found a fault stays true.
+bool DrivePair::IsPast(const Drive& drive, const CanFrame& frame, uint64_t came_ns) const {
+  if (now_ns_ - came_ns <= Milliseconds(params_.max_frame_age_ms)) return false;
+  const uint32_t base = frame.id - static_cast<uint32_t>(drive.node());
+  const bool is_operational =
+      frame.size == 1 && frame.data[0] == static_cast<uint8_t>(NmtState::kOperational);
+  return base == kFeedbackBase || base == kSdoAnswerBase ||
+         (base == kHeartbeatBase && is_operational);
+}
+
+bool DrivePair::TakeFromDrive(Drive& drive, const CanFrame& frame, uint64_t came_ns) {
   if (frame.remote) return false;
   const uint32_t base = frame.id - static_cast<uint32_t>(drive.node());
   switch (base) {
     case kFeedbackBase:
-      return drive.TakeFeedback(frame, now_ns, params_);
+      return drive.TakeFeedback(frame, came_ns, params_);
     case kHeartbeatBase:
-      return drive.TakeHeartbeat(frame, now_ns);
+      return drive.TakeHeartbeat(frame, came_ns);
     case kSdoAnswerBase:
       return drive.TakeSdo(frame);
     default:
@@ -104,12 +115,18 @@ void DrivePair::TakeFrame(const CanFrame& frame, uint64_t now_ns) {
     ++counters_.frames_malformed;
     return;
   }
+  const bool is_timed = frame.received_ns != 0 && frame.received_ns < now_ns;
+  const uint64_t came_ns = is_timed ? frame.received_ns : now_ns;
   int side = 0;
   const Sender sender = frame.extended ? Sender::kOther : SenderOf(frame.id, side);
   if (sender == Sender::kOther) {
     ++counters_.frames_ignored;
   } else if (sender == Sender::kDrive) {
-    const bool taken = TakeFromDrive(drives_[side], frame, now_ns);
+    if (IsPast(drives_[side], frame, came_ns)) {
+      ++counters_.frames_old;
+      return;
+    }
+    const bool taken = TakeFromDrive(drives_[side], frame, came_ns);
     ++(taken ? counters_.frames_taken : counters_.frames_malformed);
   } else {
     ++counters_.foreign_frames;
@@ -204,6 +221,8 @@ void DrivePair::SendCommands(const DriveDemand& demand, CanBatch& out) {
 void DrivePair::SendPeriodic(CanBatch& out) {
   if (params_.sync_period_ms > 0 && sync_beat_.IsDue(now_ns_, params_.sync_period_ms)) {
     Push(out, SyncFrame());
+    HP_LOOP_BOUND(kSides)
+    for (Drive& drive : drives_) drive.EndSyncPeriod();
   }
   if (heartbeat_beat_.IsDue(now_ns_, params_.heartbeat_period_ms)) {
     Push(out, HeartbeatFrame(params_.master_node, NmtState::kOperational));

@@ -37,6 +37,7 @@ struct PairCounters {
   uint32_t frames_ignored = 0;    // of identifiers that are none of ours
   uint32_t frames_malformed = 0;  // wrong length, remote, extended, or a value that cannot be
   uint32_t foreign_frames = 0;    // with identifiers that only we send
+  uint32_t frames_old = 0;        // of a drive, longer ago than max_frame_age_ms: dropped
 };
 
 class DrivePair {
@@ -47,7 +48,10 @@ class DrivePair {
   // nothing is taken and nothing sent.
   Status Configure(const DriveParams& params);
 
-  // A frame that came since the last tick, in order. Cost: constant.
+  // A frame that was taken since the last tick, in order. It counts as of when it came, where it
+  // says so; what a drive sent longer than max_frame_age_ms ago is dropped: it says nothing of now.
+  // But EMCY, heartbeats of other states than operational and frames of foreign senders are taken
+  // however old they are. Cost: constant.
   void TakeFrame(const CanFrame& frame, uint64_t now_ns);
 
   // One tick: adds what is to be sent now, at most kMaxFramesPerTick, for which there has to be
@@ -83,7 +87,8 @@ class DrivePair {
 
   void Forget();
   Sender SenderOf(uint32_t id, int& side) const;
-  bool TakeFromDrive(Drive& drive, const CanFrame& frame, uint64_t now_ns);
+  bool TakeFromDrive(Drive& drive, const CanFrame& frame, uint64_t came_ns);
+  bool IsPast(const Drive& drive, const CanFrame& frame, uint64_t came_ns) const;
   bool has_fault() const;
   bool IsCarried(int side) const;
   bool RestOf(const Drive& drive) const;

@@ -34,7 +34,7 @@ void VehicleLoop::TakeCommand(std::span<const uint8_t> bytes, TickOutput& output
     ++counters_.refused_commands;
     return;
   }
-  operator_ns_ = now_ns_;
+  NoteOperator();
   wishes_.arm = command_.kind == control::Kind::kArm;
   wishes_.disarm = command_.kind == control::Kind::kDisarm;
   wishes_.stop = command_.kind == control::Kind::kStop;
@@ -45,6 +45,16 @@ void VehicleLoop::TakeCommand(std::span<const uint8_t> bytes, TickOutput& output
     wishes_.go = false;
     ++counters_.refused_commands;
   }
+}
+
+// Every command is the operator's doing but an alive, which a program sends by itself: that has to
+// carry a press that the one before did not.
+void VehicleLoop::NoteOperator() {
+  if (command_.kind == control::Kind::kAlive) {
+    if (command_.press == 0 || command_.press == operator_press_) return;
+    operator_press_ = command_.press;
+  }
+  operator_ns_ = now_ns_;
 }
 
 // Only where they will be driven to: what is refused changes nothing.

@@ -112,7 +112,12 @@ void VehicleLoop::WatchMotion() {
     }
     return;
   }
+  static_cast<void>(motion_.Judge(SampleMotion(), tick_s_));
+}
+
+MotionSample VehicleLoop::SampleMotion() const {
   const VehicleParams& vehicle = config_.planner.vehicle;
+  const float max_age_s = config_.onboard.safety.max_ins_age_s;
   const float rim_m = vehicle.wheel_radius_m * config_.onboard.odometry.ground_per_wheel;
   const WheelFeedback wheels = drives_.feedback(now_ns_);
   const WheelCommand& told = gate_.last();
@@ -122,10 +127,11 @@ void VehicleLoop::WatchMotion() {
   sample.has_wheels = wheels.valid;
   sample.wheels_mps = 0.5f * (wheels.left_radps + wheels.right_radps) * rim_m;
   sample.wheels_radps = (wheels.right_radps - wheels.left_radps) * rim_m / vehicle.skid_baseline_m;
-  sample.has_yaw_rate = ins_rate_ns_ != 0 && SecondsBetween(ins_rate_ns_, now_ns_) <=
-                                                 config_.onboard.safety.max_ins_age_s;
+  sample.has_yaw_rate = ins_rate_ns_ != 0 && SecondsBetween(ins_rate_ns_, now_ns_) <= max_age_s;
   sample.yaw_rate_radps = MeasuredYawRate();
-  static_cast<void>(motion_.Judge(sample, tick_s_));
+  sample.has_ground = ins_speed_ns_ != 0 && SecondsBetween(ins_speed_ns_, now_ns_) <= max_age_s;
+  sample.ground_mps = ins_speed_mps_;
+  return sample;
 }
 
 StopReason VehicleLoop::Misbehaves() const {
@@ -137,6 +143,8 @@ StopReason VehicleLoop::Misbehaves() const {
       return StopReason::kWrongTurn;
     case MotionFault::kStuck:
       return StopReason::kStuck;
+    case MotionFault::kSpin:
+      return StopReason::kWheelSpin;
     case MotionFault::kNone:
       break;
   }

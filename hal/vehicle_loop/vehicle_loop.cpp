@@ -26,17 +26,19 @@ Status VehicleLoop::Configure(const VehicleConfig& config) {
   newest_ins_ = {};
   ins_rate_radps_ = {};
   ins_rate_ns_ = 0;
+  ins_speed_mps_ = 0.0f;
+  ins_speed_ns_ = 0;
+  operator_press_ = 0;
   has_position_ = false;
-  ins_time_.Reset();
   ins_.Reset();
-  lidar_time_.Reset();
   tracking_output_ = {};
   permission_ = {};
   hash_ = {};
   counters_ = {};
   const OnboardParams& onboard = config.onboard;
   const ouster::Metadata& lidar = config.lidar;
-  Status status = drives_.Configure(onboard.drive);
+  Status status = Graver(ins_time_.Configure(onboard.clock), lidar_time_.Configure(onboard.clock));
+  if (IsUsable(status)) status = drives_.Configure(onboard.drive);
   if (IsUsable(status)) status = lidar_packets_.Configure(lidar);
   if (IsUsable(status)) status = replanner_.Configure(config.planner);
   if (IsUsable(status)) {
@@ -176,28 +178,48 @@ Status VehicleLoop::TakeIns(std::span<const uint8_t> bytes) {
     HP_LOOP_BOUND(kMaxInsMessages)
     for (int message = 0; message < kMaxInsMessages; ++message) {
       if (!IsUsable(ins_.Next(ins_sample_))) break;
-      if (!IsUsable(odometry_.TakeIns(ins_sample_, MeasuredAt(ins_sample_)))) continue;
-      newest_ins_ = ins_sample_;
-      ins_ns_ = now_ns_;
-      if (ins_sample_.has_angular_rate) {
-        ins_rate_radps_ = ins_sample_.angular_rate_radps;
-        ins_rate_ns_ = now_ns_;
+      const uint64_t measured_ns = MeasuredAt(ins_sample_);
+      if (measured_ns == 0) {
+        ++counters_.untimed_ins;
+        continue;
       }
-      if (!ins_sample_.has_position) continue;
-      ins_position_ = ins_sample_;
-      has_position_ = true;
+      if (IsUsable(odometry_.TakeIns(ins_sample_, measured_ns))) NoteIns(measured_ns);
     }
   }
   return rest.empty() ? Status::kOk : Status::kCapacityExceeded;
 }
 
-// In our clock; now where the message or its clock does not tell.
+// In our clock; now where the message has no stamp; 0: its clock is not to be relied upon, and the
+// message may be of any time.
 uint64_t VehicleLoop::MeasuredAt(const InsSample& sample) {
   if (!sample.has_timestamp) return now_ns_;
-  const Status observed = ins_time_.Observe(sample.timestamp_ns, now_ns_);
+  const bool may_fix_anew = supervisor_.mode() == Mode::kStandby;
+  const Status observed = ins_time_.Observe(sample.timestamp_ns, now_ns_, may_fix_anew);
   const Result<uint64_t> time_ns = ins_time_.ToHost(sample.timestamp_ns);
-  if (!IsUsable(observed) || ins_time_.suspect() || !time_ns.ok()) return now_ns_;
+  if (observed == Status::kInvalidArgument || ins_time_.suspect() || !time_ns.ok()) return 0;
   return time_ns.value() < now_ns_ ? time_ns.value() : now_ns_;
+}
+
+// What the sample that was just taken says besides.
+void VehicleLoop::NoteIns(uint64_t measured_ns) {
+  newest_ins_ = ins_sample_;
+  if (measured_ns > ins_ns_) ins_ns_ = measured_ns;
+  if (ins_sample_.has_angular_rate) {
+    ins_rate_radps_ = ins_sample_.angular_rate_radps;
+    ins_rate_ns_ = measured_ns;
+  }
+  const InsStatus& ins = ins_sample_.status;
+  const bool vouches_for_speed = ins_sample_.has_velocity && ins_sample_.has_status &&
+                                 ins.mode == InsMode::kTracking && ins.gnss_fix &&
+                                 !ins.gnss_error && !ins.imu_error;
+  if (vouches_for_speed) {
+    const Vec3& velocity = ins_sample_.velocity_ned_mps;
+    ins_speed_mps_ = Sqrt(velocity.x_m * velocity.x_m + velocity.y_m * velocity.y_m);
+    ins_speed_ns_ = measured_ns;
+  }
+  if (!ins_sample_.has_position) return;
+  ins_position_ = ins_sample_;
+  has_position_ = true;
 }
 
 Status VehicleLoop::TakeLabels(std::span<const uint8_t> bytes) {
@@ -222,7 +244,8 @@ Status VehicleLoop::ObserveLidarClock(std::span<const uint8_t> bytes) {
   const Status decoded =
       ouster::DecodeColumn(layout, bytes, layout.columns_per_packet - 1, column_);
   if (!IsUsable(decoded)) return Status::kOk;  // what an invalid column says is no stamp
-  const Status status = lidar_time_.Observe(column_.timestamp_ns, now_ns_);
+  const bool may_fix_anew = supervisor_.mode() == Mode::kStandby;
+  const Status status = lidar_time_.Observe(column_.timestamp_ns, now_ns_, may_fix_anew);
   if (status == Status::kClockJumped) ++counters_.clock_jumps;
   return status;
 }

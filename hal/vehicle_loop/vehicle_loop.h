@@ -82,6 +82,7 @@ struct LoopCounters {
   uint64_t suspect_columns = 0;  // dropped while the lidar's clock was not to be relied upon
   uint64_t lidar_restarts = 0;
   uint64_t clock_jumps = 0;     // of the lidar
+  uint64_t untimed_ins = 0;     // INS messages dropped while its clock was not to be relied upon
   uint64_t odometry_gaps = 0;   // pauses that odometry does not bridge: the map began anew
   uint64_t odometry_jumps = 0;  // steps that no vehicle makes: the same
   uint64_t refused_labels = 0;  // columns of labels that the map has no use for any more
@@ -175,6 +176,7 @@ class VehicleLoop {
   Status TakeLidar(std::span<const uint8_t> bytes);
   Status ObserveLidarClock(std::span<const uint8_t> bytes);
   uint64_t MeasuredAt(const InsSample& sample);
+  void NoteIns(uint64_t measured_ns);
   void AddPose();
   void LocateInMap(const StampedPose& pose);
   bool KeepsUpWithLidar() const;
@@ -183,6 +185,7 @@ class VehicleLoop {
 
   // What the operator wants (goals.cpp).
   void TakeCommand(std::span<const uint8_t> bytes, TickOutput& output);
+  void NoteOperator();
   Status TakeGoals();
   Status InOdom(const control::Waypoint& waypoint, Vec2& position_odom) const;
   void DropGoals();
@@ -208,6 +211,7 @@ class VehicleLoop {
   void FollowPlan();
   WayAhead Ahead() const;
   float MeasuredYawRate() const;
+  MotionSample SampleMotion() const;
   void WatchMotion();
   StopReason Misbehaves() const;
   bool IsPersonNear() const;
@@ -221,7 +225,8 @@ class VehicleLoop {
   uint64_t index_ = 0;
   uint64_t now_ns_ = 0;
   uint64_t lidar_ns_ = 0;  // our time of the newest column in the map
-  uint64_t ins_ns_ = 0;    // when the newest message of the INS came that was no repetition
+  uint64_t ins_ns_ = 0;    // of the newest message of the INS that was no repetition: when it was
+                           // measured, as near as its clock tells, else when it came
   uint64_t operator_ns_ = 0;
   uint64_t before_ns_ = 0;   // of the tick before
   float tick_s_ = 0.0f;      // since the tick before, within reason
@@ -236,10 +241,13 @@ class VehicleLoop {
   int32_t columns_left_ = 0;  // of the lidar, that this tick takes ...
   int32_t labels_left_ = 0;   // ... and of labels
   InsSample newest_ins_;
-  Vec3 ins_rate_radps_;       // the newest angular rate, which not every message has
-  uint64_t ins_rate_ns_ = 0;  // when it came; 0: none yet
-  InsSample ins_sample_;      // just decoded
-  InsSample ins_position_;    // of this tick, the newest with a position
+  Vec3 ins_rate_radps_;          // the newest angular rate, which not every message has
+  uint64_t ins_rate_ns_ = 0;     // the same of it; 0: none yet
+  float ins_speed_mps_ = 0.0f;   // the newest speed over ground that it vouches for ...
+  uint64_t ins_speed_ns_ = 0;    // ... and when; 0: none yet
+  uint32_t operator_press_ = 0;  // the last that a message of the operator's carried
+  InsSample ins_sample_;         // just decoded
+  InsSample ins_position_;       // of this tick, the newest with a position
   bool has_position_ = false;
   LidarColumn column_;
   ColumnLabels labels_;

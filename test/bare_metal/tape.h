@@ -52,8 +52,8 @@ inline constexpr size_t kMaxTapePayload_bytes =
     (CanBus::kMaxFramesPerTick + kMaxFramesOut) * sizeof(CanFrame) + control::kMaxMessageBytes;
 
 static_assert(sizeof(TapeHead) == 16 && sizeof(TapeTick) == 40 && sizeof(TapeDatagram) == 8);
-static_assert(sizeof(CanFrame) == 16);
-static_assert(sizeof(VehicleConfig) == 2224);
+static_assert(sizeof(CanFrame) == 24);
+static_assert(sizeof(VehicleConfig) == 2248);
 static_assert(std::is_trivially_copyable_v<VehicleConfig>);
 
 }  // namespace hardpack

@@ -54,6 +54,7 @@ class RecordedDrive {
     config_.onboard.drive.login_user = settings_.vehicle.left.login_user;
     config_.onboard.drive.login_password = settings_.vehicle.left.login_password;
     config_.onboard.tick.planning_units = 512;
+    config_.onboard.safety.operator_timeout_s = 0.0f;
     config_.onboard.tick.directions = 160;  // the least there may be, so that it can be reached
     Require(ouster::ParseMetadata(vehicle_->lidar().MetadataJson(), "fuzz", config_.lidar).ok());
     Require(loop_->Configure(config_) == Status::kOk);

@@ -212,6 +212,11 @@ bool FlightReader::TakeFrame(const CapturedPacket& packet, LoggedTick& tick) {
   if (!in_tick_) return Damage("a CAN frame is in no tick");
   if (packet.packet_type == static_cast<uint8_t>(flight_log::Direction::kIn)) {
     tick.frames_in.push_back(packet.frame);
+    // Logs of before frames had a time of their own have the tick's: they came in it.
+    const int64_t age_ns = tick.time_ns - packet.time_ns;
+    const bool is_older = age_ns > 0 && static_cast<uint64_t>(age_ns) < tick.begin.now_ns;
+    tick.frames_in.back().received_ns =
+        is_older ? tick.begin.now_ns - static_cast<uint64_t>(age_ns) : 0;
   } else if (packet.packet_type == static_cast<uint8_t>(flight_log::Direction::kOut)) {
     tick.frames_out.push_back(packet.frame);
   } else {

@@ -46,9 +46,10 @@ constexpr CodeName kStopReasonNames[] = {
     {"wrong_turn", "it turns against its command", true},
     {"stuck", "it was told to move, and does not", true},
     {"bad_command", "a command was no number", true},
+    {"wheel_spin", "the wheels do not hold the ground", true},
 };
 static_assert(std::size(kStopReasonNames) == kStopReasons);
-static_assert(static_cast<int>(StopReason::kBadCommand) + 1 == kStopReasons);
+static_assert(static_cast<int>(StopReason::kWheelSpin) + 1 == kStopReasons);
 
 constexpr CodeName kMotionNames[] = {
     {"off", "", false},        {"hold", "", false}, {"follow", "", false},
@@ -110,6 +111,7 @@ constexpr CodeName kDriveFaultNames[] = {
     {"lost_enable", "left operation enabled unasked", true},
     {"login_refused", "user and password do not give the access that settings need", true},
     {"state_refused", "did not come into the state that it was told to, in time", true},
+    {"double_reports", "more reports than SYNCs: two nodes send them", true},
 };
 static_assert(std::size(kDriveFaultNames) == sevcon::kDriveFaults);
 

@@ -49,6 +49,7 @@ ReadOutcome LockStep::Start(const LockStepSettings& settings) {
   // Through text and back, as the onboard program and a replay of the log read it.
   Configuration told = settings.configuration;
   DescribeDrives(settings.vehicle.vehicle, told.onboard.drive);
+  told.onboard.safety.operator_timeout_s = 0.0f;  // nobody sits beside a simulation
   told.lidar.address = {kSensorAddress[static_cast<size_t>(InputSource::kLidar)]};
   told.lidar.metadata = "simulated.json";
   told.ins.address = {kSensorAddress[static_cast<size_t>(InputSource::kIns)]};

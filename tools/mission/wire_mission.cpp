@@ -43,6 +43,7 @@ ReadOutcome WriteConfiguration(const WireMissionSettings& settings,
   metadata.replace_extension("lidar.json");
   const Ipv4Address loopback = {0x7f000001u};
   DescribeDrives(vehicle.vehicle, configuration.onboard.drive);
+  configuration.onboard.safety.operator_timeout_s = 0.0f;  // nobody sits beside a simulation
   configuration.lidar.address = loopback;
   configuration.lidar.port = settings.lidar_port;
   configuration.lidar.metadata = metadata.string();

@@ -209,6 +209,22 @@ MaybeAction Delay(const Words& words, Sensor sensor) {
   };
 }
 
+MaybeAction DelayGrowth(const Words& words, Sensor sensor) {
+  const auto growth_ms = Bounded<uint16_t>(words[0]);
+  if (!growth_ms) return std::nullopt;
+  return [sensor, growth = 0.001 * *growth_ms](ScriptedVehicle& scripted) {
+    scripted.faults(sensor).delay_growth = growth;
+  };
+}
+
+MaybeAction Traction(const Words& words) {
+  const auto permille = Bounded<uint16_t>(words[0]);
+  if (!permille || *permille > 1000) return std::nullopt;
+  return [share = 0.001 * *permille](ScriptedVehicle& scripted) {
+    scripted.vehicle().SetTraction(share);
+  };
+}
+
 MaybeAction Reorder(const Words& words, Sensor sensor) {
   const auto count = Bounded<uint8_t>(words[0]);
   if (!count) return std::nullopt;
@@ -301,6 +317,7 @@ void AddDriveCommands(std::map<std::string, Command>& commands) {
                                                [](SevconDrive& drive) { drive.LoseEnable(); });
                              }};
   commands["nmt"] = {2, 2, Nmt};
+  commands["traction"] = {1, 1, Traction};
   commands["speed-offset"] = {2, 2, SpeedOffset};
 }
 
@@ -320,6 +337,8 @@ void AddSensorCommands(std::map<std::string, Command>& commands) {
         1, 1, [sensor = sensor](const Words& words) { return Loss(words, sensor); }};
     commands[name + "-delay"] = {
         1, 1, [sensor = sensor](const Words& words) { return Delay(words, sensor); }};
+    commands[name + "-delay-growth"] = {
+        1, 1, [sensor = sensor](const Words& words) { return DelayGrowth(words, sensor); }};
     commands[name + "-reorder"] = {
         1, 1, [sensor = sensor](const Words& words) { return Reorder(words, sensor); }};
   }

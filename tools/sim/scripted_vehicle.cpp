@@ -114,6 +114,8 @@ void ScriptedVehicle::Dip(BodyMotion& motion) {
 }
 
 void ScriptedVehicle::AdvanceSensors() {
+  constexpr double kStep_s = 1.0e-9 * kStep_ns;
+  for (SensorFaults& faults : sensor_faults_) faults.delay_s += faults.delay_growth * kStep_s;
   BodyMotion motion = MotionOf(vehicle_, world_);
   if (brake_pitch_rad_ != 0.0) Dip(motion);
   std::vector<std::vector<uint8_t>> datagrams;

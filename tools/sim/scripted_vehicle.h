@@ -46,11 +46,12 @@ struct Outgoing {
 
 struct SensorFaults {
   bool silent = false;
-  bool foreign = false;     // everything comes from another address instead
-  bool duplicated = false;  // everything comes twice
-  bool garbage = false;     // random bytes besides each datagram, from the right address
-  int loss_permille = 0;    // of its datagrams
-  double delay_s = 0.0;     // each comes so much later; none overtakes another by it
+  bool foreign = false;       // everything comes from another address instead
+  bool duplicated = false;    // everything comes twice
+  bool garbage = false;       // random bytes besides each datagram, from the right address
+  int loss_permille = 0;      // of its datagrams
+  double delay_s = 0.0;       // each comes so much later; none overtakes another by it
+  double delay_growth = 0.0;  // what that delay grows by in a second, in seconds
   int reordered = 0;  // so many at a time come together, in an order drawn at random; 0, 1: none
 };
 

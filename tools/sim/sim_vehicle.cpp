@@ -69,17 +69,23 @@ void SimVehicle::MoveModel() {
                 .right_driven = right_.turns()});
   left_.TurnWheels(model_->wheels().left_radps);
   right_.TurnWheels(model_->wheels().right_radps);
+  has_slipped_ = has_slipped_ || traction_ != 1.0;
+  speed_mps_ = traction_ * model_->speed_mps();
+  yaw_rate_radps_ = traction_ * model_->yaw_rate_radps();
+  if (has_slipped_) return Integrate(VehicleModel::kStep_s);
   pose_ = model_->pose();
-  speed_mps_ = model_->speed_mps();
-  yaw_rate_radps_ = model_->yaw_rate_radps();
   driven_m_ = model_->driven_m();
 }
 
 void SimVehicle::Move(double seconds) {
   const double left_mps = ground_.wheel_radius_m * left_.wheel_radps();
   const double right_mps = ground_.wheel_radius_m * right_.wheel_radps();
-  speed_mps_ = ground_.ground_per_wheel * (left_mps + right_mps) / 2.0;
-  yaw_rate_radps_ = (right_mps - left_mps) / ground_.skid_baseline_m;
+  speed_mps_ = traction_ * ground_.ground_per_wheel * (left_mps + right_mps) / 2.0;
+  yaw_rate_radps_ = traction_ * (right_mps - left_mps) / ground_.skid_baseline_m;
+  Integrate(seconds);
+}
+
+void SimVehicle::Integrate(double seconds) {
   const double heading_rad = pose_.theta_rad + yaw_rate_radps_ * seconds / 2.0;
   pose_.x_m += speed_mps_ * seconds * std::cos(heading_rad);
   pose_.y_m += speed_mps_ * seconds * std::sin(heading_rad);

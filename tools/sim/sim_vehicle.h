@@ -49,6 +49,10 @@ class SimVehicle {
   // Appends what the drives have sent until now_ns; they hear each other.
   void Advance(uint64_t now_ns, std::vector<CanFrame>& sent);
 
+  // How much of what its wheels turn the vehicle moves by from now on: 1 all of it, 0 none (they
+  // spin in place).
+  void SetTraction(double share) { traction_ = share; }
+
   SevconDrive& drive(Side side) { return side == Side::kLeft ? left_ : right_; }
   const SevconDrive& drive(Side side) const { return side == Side::kLeft ? left_ : right_; }
   const Pose& pose() const { return pose_; }
@@ -62,6 +66,7 @@ class SimVehicle {
   void Move(double seconds);
 
   void MoveModel();
+  void Integrate(double seconds);
 
   GroundModel ground_;
   std::optional<VehicleModel> model_;
@@ -73,6 +78,8 @@ class SimVehicle {
   double speed_mps_ = 0.0;
   double yaw_rate_radps_ = 0.0;
   double driven_m_ = 0.0;
+  double traction_ = 1.0;
+  bool has_slipped_ = false;  // the pose is no longer the model's
 };
 
 }  // namespace hardpack::sim

@@ -153,5 +153,56 @@ TEST(MotionWatch, IsNotFooledByWhatIsNoNumber) {
   EXPECT_EQ(MotionWatch{}.Configure(params), Status::kParameterOutOfRange);
 }
 
+//  wheels (( ))  turn, the ground under them does not go by
+//
+// SR-STP05: wheels that spin in place, or stand while the vehicle slides, within 1 s.
+TEST(MotionWatch, FindsWheelsThatDoNotHoldTheGround) {
+  struct Slip {
+    float wheels_mps;
+    float ground_mps;
+  };
+  for (const Slip slip :
+       {Slip{2.0f, 0.0f}, Slip{-2.0f, 0.1f}, Slip{5.0f, 2.0f}, Slip{0.0f, 2.0f}}) {
+    SCOPED_TRACE(slip.wheels_mps);
+    Watched vehicle;
+    vehicle.Command(slip.wheels_mps, 0.0f);
+    vehicle.Measure(slip.wheels_mps, 0.0f);
+    vehicle.sample.has_ground = true;
+    vehicle.sample.ground_mps = slip.ground_mps;
+    EXPECT_NEAR(vehicle.Until(3.0), 1.0, 0.05);
+    EXPECT_EQ(vehicle.watch.fault(), MotionFault::kSpin);
+  }
+}
+
+// SR-STP05: and in a turn on the spot, where the speed over ground says nothing.
+TEST(MotionWatch, FindsWheelsThatSpinInATurnOnTheSpot) {
+  Watched vehicle;
+  vehicle.Command(0.0f, 0.8f);
+  vehicle.Measure(0.0f, 0.8f);
+  vehicle.sample.yaw_rate_radps = 0.02f;
+  EXPECT_NEAR(vehicle.Until(10.0), 5.0, 0.05);
+  EXPECT_EQ(vehicle.watch.fault(), MotionFault::kSpin);
+}
+
+TEST(MotionWatch, TakesOrdinarySlipForNoSpin) {
+  struct Slip {
+    float wheels_mps;
+    float ground_mps;
+  };
+  for (const Slip slip : {Slip{5.0f, 4.0f}, Slip{1.2f, 0.0f}, Slip{0.2f, 0.9f}, Slip{3.0f, 3.9f}}) {
+    SCOPED_TRACE(slip.wheels_mps);
+    Watched vehicle;
+    vehicle.Command(slip.wheels_mps, 0.0f);
+    vehicle.Measure(slip.wheels_mps, 0.0f);
+    vehicle.sample.has_ground = true;
+    vehicle.sample.ground_mps = slip.ground_mps;
+    EXPECT_EQ(vehicle.Until(20.0), -1.0);
+  }
+  Watched blind;  // no speed over ground: nothing to tell it by
+  blind.Command(3.0f, 0.0f);
+  blind.Measure(3.0f, 0.0f);
+  EXPECT_EQ(blind.Until(20.0), -1.0);
+}
+
 }  // namespace
 }  // namespace hardpack

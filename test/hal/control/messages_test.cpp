@@ -422,5 +422,26 @@ TEST(ControlMessages, QuestionsAndAnswersNeedABufferOfTheirOwnSizeAndNoMore) {
   ExpectOnlyInItsOwnSize(ParametersPart{6, 0, 2, text});
 }
 
+TEST(ControlMessages, AnAliveCarriesAPressOrNone) {
+  for (const uint32_t press : {0u, 1u, 0xffffffffu}) {
+    OperatorCommand command;
+    command.kind = Kind::kAlive;
+    command.sequence = 5;
+    command.press = press;
+    uint8_t bytes[kMaxMessageBytes];
+    int size_bytes = 0;
+    ASSERT_EQ(Encode(command, bytes, size_bytes), Status::kOk);
+    EXPECT_EQ(size_bytes, press == 0 ? 12 : 16);
+    OperatorCommand read;
+    read.press = 99;
+    ASSERT_EQ(Decode({bytes, static_cast<size_t>(size_bytes)}, read), Status::kOk);
+    EXPECT_EQ(read.press, press);
+  }
+  // A press of 0 is written as none.
+  const uint8_t zero[] = {0x48, 0x50, 0x43, 0x54, 1, 6, 16, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  OperatorCommand command;
+  EXPECT_EQ(Decode(zero, command), Status::kInvalidArgument);
+}
+
 }  // namespace
 }  // namespace hardpack::control

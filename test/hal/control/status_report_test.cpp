@@ -28,8 +28,8 @@ static_assert(sizeof(LidarPacketPart) == sizeof(ouster::PacketCounters));
 static_assert(sizeof(MapperPart) == sizeof(MapperCounters));
 static_assert(sizeof(ReplanPart) == sizeof(ReplanCounters));
 static_assert(sizeof(LoopPart) == sizeof(LoopCounters));
-static_assert(4 * sizeof(uint32_t) == sizeof(TimebaseCounters));
-static_assert(4 * sizeof(uint32_t) == sizeof(sevcon::PairCounters));
+static_assert(5 * sizeof(uint32_t) == sizeof(TimebaseCounters));
+static_assert(5 * sizeof(uint32_t) == sizeof(sevcon::PairCounters));
 static_assert(kReplanReasonCount == kReplanReasons);
 static_assert(kInputSourceCount == kInputSources);
 

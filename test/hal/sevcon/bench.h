@@ -51,7 +51,12 @@ class Bench {
     for (ScriptedDrive* drive : {&left, &right}) {
       drive->Step(now_ns);
       for (const CanFrame& frame : drive->outbox) {
-        if (drive->powered) Receive(frame);
+        if (!drive->powered) continue;
+        CanFrame come = frame;
+        come.received_ns = age_ns == 0 ? 0 : now_ns - age_ns;
+        Receive(come);
+        if (drive->doubled && frame.id == 0x180u + static_cast<uint32_t>(drive->node))
+          Receive(come);
       }
       drive->outbox.clear();
     }
@@ -118,6 +123,7 @@ class Bench {
   DrivePair pair;
   ScriptedDrive left, right;
   uint64_t now_ns = 1'000'000'000'000;
+  uint64_t age_ns = 0;            // of what the drives send, by its stamp; 0: it has none
   std::vector<CanFrame> foreign;  // come in the next tick
   std::vector<CanFrame> sent;     // in the last tick
   std::vector<CanFrame> history;

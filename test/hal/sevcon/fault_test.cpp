@@ -124,6 +124,94 @@ TEST_F(DrivingFault, StoppedByNmt) {
   ExpectFault(DriveFault::kRebooted, 1);
 }
 
+// SR-STP04: a drive that somebody has stopped answers no question. It is left alone until the
+// operator resets it; then it is made pre-operational, brought up, and drives.
+TEST_F(DrivingFault, StoppedByNmtUntilTheOperatorResetsIt) {
+  bench.left.nmt = 0x04;
+  ExpectFault(DriveFault::kRebooted, 15);
+  bench.Run(500);
+  EXPECT_EQ(bench.left.nmt, 0x04);
+  EXPECT_EQ(bench.FaultOf(Side::kLeft), DriveFault::kRebooted);
+  bench.Tick(kReset);
+  EXPECT_TRUE(bench.BringUp());
+  EXPECT_EQ(bench.left.nmt, 0x05);
+  EXPECT_TRUE(bench.Drive(3.0f, 3.0f));
+}
+
+// The same of drives that are found so: that is a fault, which arming resets.
+TEST(NmtStop, OfBothDrivesBeforeTheStartIsUndoneByTheReset) {
+  Bench bench = Bench::WithDrivesSetUp();
+  bench.left.nmt = 0x04;
+  bench.right.nmt = 0x04;
+  bench.Run(100);
+  EXPECT_FALSE(bench.pair.ready());
+  EXPECT_EQ(bench.FaultOf(Side::kLeft), DriveFault::kRebooted);
+  bench.Tick(kReset);
+  EXPECT_TRUE(bench.BringUp());
+  EXPECT_TRUE(bench.Drive(3.0f, 3.0f));
+}
+
+// One that stays stopped is told so; the next reset tries again.
+TEST(NmtStop, ThatCannotBeUndoneIsAFault) {
+  Bench bench = Bench::WithDrivesSetUp();
+  const auto hold = [&bench](int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      bench.left.nmt = 0x04;
+      bench.Tick();
+    }
+  };
+  hold(50);
+  bench.Tick(kReset);
+  hold(300);
+  EXPECT_EQ(bench.FaultOf(Side::kLeft), DriveFault::kStateRefused);
+  bench.Tick(kReset);
+  EXPECT_TRUE(bench.BringUp());
+}
+
+// SR-TIM03: what a drive said longer ago than max_frame_age_ms says nothing of now: it is counted,
+// and the drive is silent.
+TEST_F(DrivingFault, ReportsThatAreOldByTheirStampAreSilence) {
+  bench.age_ns = 60'000'000;
+  bench.Run(100, Bench::Wheels(3.0f, 3.0f));
+  EXPECT_EQ(bench.pair.counters().frames_old, 0u);
+  const uint64_t came_ns = bench.pair.report(Side::kLeft).wheel_time_ns;
+  EXPECT_LE(came_ns + 60'000'000, bench.now_ns);  // as of when it came
+  EXPECT_TRUE(bench.pair.enabled());
+  bench.age_ns = 400'000'000;
+  ExpectFault(DriveFault::kSilent, 15);
+  EXPECT_GT(bench.pair.counters().frames_old, 0u);
+  ExpectStop();
+}
+
+// An old EMCY or boot-up is no less true.
+TEST_F(DrivingFault, AnOldEmergencyIsTakenNevertheless) {
+  bench.age_ns = 400'000'000;
+  bench.left.SendEmergency(0x5000);
+  ExpectFault(DriveFault::kEmergency, 1);
+}
+
+// SR-TIM04: two reports in a SYNC period are counted, and a fault within 0.25 s.
+TEST_F(DrivingFault, ReportsOfTwoSenders) {
+  bench.left.doubled = true;
+  bench.Tick(Bench::Wheels(3.0f, 3.0f));
+  ExpectFault(DriveFault::kDoubleReports, 25);
+  EXPECT_GE(bench.pair.report(Side::kLeft).doubled_reports, 9u);
+  EXPECT_EQ(bench.pair.report(Side::kRight).doubled_reports, 0u);
+  ExpectStop();
+  bench.left.doubled = false;
+  ExpectDrivingAgain();
+}
+
+// Reports that come late, in the next period, are two in one and none in another.
+TEST_F(DrivingFault, NoneFromReportsThatComeAPeriodLate) {
+  for (int i = 0; i < 100; ++i) {
+    bench.left.no_reports = i % 2 == 0;
+    bench.left.doubled = i % 2 != 0;
+    bench.Run(2, Bench::Wheels(3.0f, 3.0f));
+  }
+  EXPECT_EQ(bench.FaultOf(Side::kLeft), DriveFault::kNone);
+}
+
 TEST_F(DrivingFault, EmergencyMessage) {
   bench.left.SendEmergency(0x3120);
   ExpectFault(DriveFault::kEmergency, 1);

@@ -84,9 +84,11 @@ class ScriptedDrive {
     if (!powered || frame.extended || frame.remote) return;
     const auto id = static_cast<uint32_t>(node);
     if (frame.id == 0 && frame.size == 2 && (frame.data[1] == node || frame.data[1] == 0)) {
-      if (frame.data[0] == 0x01 && !refuses_start) nmt = 0x05;
+      const bool starts = frame.data[0] == 0x01 && !refuses_start;
+      if (starts && nmt != 0x05) heard_command = false;
+      if (starts) nmt = 0x05;
       if (frame.data[0] == 0x80) nmt = 0x7f;
-    } else if (frame.id == 0x600 + id && frame.size == 8) {
+    } else if (frame.id == 0x600 + id && frame.size == 8 && nmt != 0x04) {
       TakeSdo(frame);
     } else if (frame.id == 0x200 + id && frame.size == 8 && nmt == 0x05) {
       command_ns = now_ns;
@@ -150,6 +152,7 @@ class ScriptedDrive {
   std::vector<CanFrame> asked;  // every SDO question that came
 
   bool powered = true;
+  bool doubled = false;  // somebody else sends its reports too
   uint8_t nmt = 0x7f;
   bool fault = false, switched_on = false, ready = false, enabled = false;
   bool fault_can_be_reset = true;

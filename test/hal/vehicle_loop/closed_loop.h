@@ -29,6 +29,7 @@ namespace hardpack::testing {
 inline VehicleConfig ConfigFor(const sim::ScriptedVehicleSettings& settings,
                                const std::string& lidar_metadata) {
   VehicleConfig config;
+  config.onboard.safety.operator_timeout_s = 0.0f;  // a test says what it has to say, and no more
   const sim::DriveSettings& left = settings.vehicle.left;
   const sim::DriveSettings& right = settings.vehicle.right;
   config.onboard.drive.left_sign = left.sign;
@@ -85,6 +86,8 @@ class ClosedLoop {
   bool repeats_ins = false;   // the INS's bytes are those that came last, again and again
   // What comes besides the vehicle's own datagrams.
   std::function<void(std::vector<TickDatagram>&)> adds;
+  // What the bus makes of the vehicle's frames at a time.
+  std::function<void(std::vector<CanFrame>&, uint64_t)> carries;
 
   // Ticks that are missed: time passes, and what comes meanwhile comes with the next one.
   void Miss(int ticks) {
@@ -110,6 +113,7 @@ class ClosedLoop {
       if (!is_lidar && repeats_ins) datagrams.back().bytes = last_ins_;
     }
     if (adds) adds(datagrams);
+    if (carries) carries(out.frames, now_ns_);
     TickInput input;
     input.index = ++index_;
     input.now_ns = now_ns_;

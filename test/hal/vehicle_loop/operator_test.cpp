@@ -209,5 +209,43 @@ TEST(VehicleLoopOperator, TheCommandNeverJumpsWhateverIsSaid) {
   EXPECT_EQ(drive.mode(), Mode::kStandby);
 }
 
+// SR-STP06: whoever gives a goal and leaves is missed: without a press for 3 s the vehicle stops.
+// A program that was left over says the same press for ever, or none, which proves nothing.
+TEST(VehicleLoopOperator, AProgramThatIsLeftOverIsNobody) {
+  for (const uint32_t left_over : {0u, 77u}) {
+    SCOPED_TRACE(left_over);
+    ClosedLoop drive;
+    VehicleConfig config = drive.config();
+    config.onboard.safety.operator_timeout_s = SafetyParams{}.operator_timeout_s;
+    ASSERT_EQ(config.onboard.safety.operator_timeout_s, 3.0f);
+    ASSERT_EQ(drive.loop().Configure(config), Status::kOk);
+    drive.BringUpAndArm();
+    ASSERT_EQ(drive.Goal(60.0f, 0.0f), Status::kOk);
+    control::OperatorCommand alive;
+    alive.kind = Kind::kAlive;
+    alive.press = 70;
+    for (int tick = 0; tick < 800; ++tick) {
+      if (tick % 100 == 0) {
+        ++alive.press;
+        ASSERT_EQ(drive.Say(alive), Status::kOk);
+      } else {
+        ASSERT_EQ(drive.Tick(), Status::kOk);
+      }
+    }
+    ASSERT_EQ(drive.mode(), Mode::kDriving);
+    ASSERT_GT(drive.Speed_mps(), 2.0);
+    alive.press = 77;
+    ASSERT_EQ(drive.Say(alive), Status::kOk);
+    alive.press = left_over;
+    int ticks = 0;
+    for (; ticks < 400 && drive.mode() == Mode::kDriving; ++ticks) {
+      ASSERT_EQ(drive.Say(alive), Status::kOk);
+    }
+    EXPECT_NEAR(ticks, 300, 3);
+    EXPECT_EQ(drive.mode(), Mode::kSafeStop);
+    EXPECT_EQ(drive.reason(), StopReason::kOperatorSilent);
+  }
+}
+
 }  // namespace
 }  // namespace hardpack

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <string>
 #include <vector>
@@ -139,6 +140,112 @@ TEST(VehicleLoopSafety, AVehicleThatIsToldToMoveAndDoesNotIsAFault) {
   ASSERT_EQ(drive.Say(Kind::kDisarm), Status::kOk);
   EXPECT_EQ(drive.mode(), Mode::kStandby);
   ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Say(Kind::kArm) == Status::kOk; }));
+}
+
+// SR-STP05: wheels that spin while the vehicle stands: told and stopped within 1.3 s, by the INS.
+TEST(VehicleLoopSafety, WheelsThatSpinInPlaceAreAFault) {
+  ClosedLoop drive;
+  drive.DriveTo(60.0f, 0.0f);
+  ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Speed_mps() > 3.0; }));
+  drive.Act("at 0 traction 0");
+  ASSERT_TRUE(drive.Until(1.3, [&] { return drive.mode() == Mode::kFault; }));
+  EXPECT_EQ(drive.reason(), StopReason::kWheelSpin);
+  EXPECT_FALSE(IsCommandedToMove(drive));
+  drive.Act("at 0 traction 1000");
+  ASSERT_TRUE(drive.Until(5.0, [&] { return !drive.loop().drives().enabled(); }));
+  ASSERT_EQ(drive.Say(Kind::kDisarm), Status::kOk);
+  ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Say(Kind::kArm) == Status::kOk; }));
+}
+
+// SR-TIM01: a lidar whose delay grows by 12 ms in a second. Data 0.9 s old were taken for 0.03 s
+// old; now their age is what it is, and the vehicle stops before the box that appears meanwhile.
+TEST(VehicleLoopSafety, ALidarDelayThatGrowsStopsTheVehicle) {
+  ClosedLoop drive("", world::World());
+  drive.DriveTo(90.0f, 0.0f);
+  drive.Act("at 0 lidar-delay-growth 12");
+  double worst_s = 0.0;
+  ASSERT_TRUE(drive.Until(40.0, [&] {
+    const double told_s = 1.0e-9 * static_cast<double>(drive.now_ns() - drive.loop().lidar_ns());
+    const double delay_s = drive.vehicle().faults(sim::Sensor::kLidar).delay_s;
+    worst_s = std::max(worst_s, delay_s - told_s);
+    if (drive.mode() == Mode::kArmed) static_cast<void>(drive.Goal(90.0f, 0.0f));
+    return drive.mode() == Mode::kSafeStop;
+  }));
+  EXPECT_EQ(drive.reason(), StopReason::kLidarOld);
+  EXPECT_LT(worst_s, 0.05);
+  ASSERT_TRUE(drive.Until(10.0, [&] { return drive.mode() == Mode::kArmed; }));
+  drive.Act("at 0 box " + std::to_string(drive.Pose().x_m + 6.0) + " 0 2 1.5");
+  ASSERT_EQ(drive.Goal(20.0f, 0.0f, control::GoalFrame::kBody), Status::kOk);
+  drive.Ticks(500);
+  EXPECT_EQ(drive.reason(), StopReason::kLidarOld);
+  EXPECT_FALSE(drive.vehicle().collided());
+}
+
+// SR-TIM01: the same of the INS: no yaw rate of a second ago steers the vehicle.
+TEST(VehicleLoopSafety, AnInsDelayThatGrowsStopsTheVehicle) {
+  ClosedLoop drive("", world::World());
+  drive.DriveTo(90.0f, 0.0f);
+  drive.Act("at 0 ins-delay-growth 12");
+  ASSERT_TRUE(drive.Until(40.0, [&] {
+    if (drive.mode() == Mode::kArmed) static_cast<void>(drive.Goal(90.0f, 0.0f));
+    return drive.mode() == Mode::kSafeStop;
+  }));
+  EXPECT_EQ(drive.reason(), StopReason::kInsOld);
+  EXPECT_LT(drive.vehicle().faults(sim::Sensor::kIns).delay_s, 0.3);
+}
+
+// SR-TIM03: the bus carries 80 frames a tick, the program takes 60: a backlog grows, and what it
+// takes is older and older. Reports of 0.4 s ago were taken for new; now they are dropped by their
+// stamps, and the vehicle stops while they are not yet 0.2 s old.
+TEST(VehicleLoopSafety, ABacklogOfCanFramesIsNotTakenForNew) {
+  ClosedLoop drive;
+  drive.DriveTo(60.0f, 0.0f);
+  std::deque<CanFrame> waiting;
+  uint64_t oldest_taken_ns = 0;
+  drive.carries = [&](std::vector<CanFrame>& frames, uint64_t now_ns) {
+    constexpr size_t kCarried = 80;
+    constexpr size_t kTaken = 60;
+    CanFrame other;
+    other.id = 0x555;
+    while (frames.size() < kCarried) frames.insert(frames.begin(), other);
+    for (CanFrame& frame : frames) {
+      frame.received_ns = now_ns - 1'000'000;
+      waiting.push_back(frame);
+    }
+    frames.assign(waiting.begin(), waiting.begin() + kTaken);
+    waiting.erase(waiting.begin(), waiting.begin() + kTaken);
+    oldest_taken_ns = now_ns - frames.front().received_ns;
+  };
+  ASSERT_TRUE(drive.Until(5.0, [&] { return drive.mode() != Mode::kDriving; }));
+  EXPECT_TRUE(drive.mode() == Mode::kFault || drive.mode() == Mode::kSafeStop);
+  EXPECT_LT(oldest_taken_ns, 250'000'000u);
+  ASSERT_TRUE(drive.Until(1.0, [&] { return drive.mode() == Mode::kFault; }));
+  EXPECT_EQ(drive.reason(), StopReason::kDrives);
+  ASSERT_TRUE(drive.Until(5.0, [&] { return std::fabs(drive.Speed_mps()) < 0.01; }));
+  EXPECT_GT(drive.loop().drives().counters().frames_old, 100u);
+}
+
+// SR-STP04: somebody stops a drive by NMT while the vehicle drives. It stops; and once the operator
+// arms anew, the drive is brought back without a power cycle.
+TEST(VehicleLoopSafety, ADriveThatWasStoppedByNmtIsBroughtBackByArming) {
+  ClosedLoop drive;
+  drive.DriveTo(60.0f, 0.0f);
+  drive.Act("at 0 can-frame 000#0203");
+  ASSERT_TRUE(drive.Until(1.0, [&] { return drive.mode() == Mode::kFault; }));
+  ASSERT_TRUE(drive.Until(8.0, [&] { return std::fabs(drive.Speed_mps()) < 0.01; }));
+  drive.Ticks(300);
+  EXPECT_EQ(drive.vehicle().vehicle().drive(sim::Side::kRight).nmt_state(),
+            sim::NmtState::kStopped);
+  ASSERT_EQ(drive.Say(Kind::kDisarm), Status::kOk);
+  int asked = 0;
+  ASSERT_TRUE(drive.Until(20.0, [&] {
+    if (asked++ % 200 == 0) return drive.Say(Kind::kArm) == Status::kOk;
+    return false;
+  }));
+  EXPECT_LE(asked, 401);
+  ASSERT_TRUE(drive.Until(5.0, [&] { return drive.loop().drives().enabled(); }));
+  ASSERT_EQ(drive.Goal(5.0f, 0.0f, control::GoalFrame::kBody), Status::kOk);
+  ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Speed_mps() > 1.0; }));
 }
 
 TEST(VehicleLoopSafety, WheelsThatTurnUnaskedAreAFault) {
