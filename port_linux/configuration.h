@@ -120,6 +120,10 @@ ReadOutcome ReadConfiguration(const std::string& path, Configuration& configurat
 
 // A file that sets every key to its value in `configuration`, so that parsing it gives the same
 // again, exactly, whatever the defaults of the version that parses it.
-std::string ToToml(const Configuration& configuration);
+// kHidden: but for the drives' password, which then is 0 with kHiddenSecret behind it where there
+// is one.
+enum class Secrets : uint8_t { kShown, kHidden };
+inline constexpr std::string_view kHiddenSecret = "# not shown";
+std::string ToToml(const Configuration& configuration, Secrets secrets = Secrets::kShown);
 
 }  // namespace hardpack

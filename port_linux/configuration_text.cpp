@@ -58,8 +58,10 @@ std::string ToText(Ipv4Address address) {
   return text;
 }
 
-std::string ToToml(const Configuration& configuration) {
+std::string ToToml(const Configuration& configuration, Secrets secrets) {
   Configuration copy = configuration;
+  const bool hides = secrets == Secrets::kHidden && configuration.onboard.drive.login_password != 0;
+  if (hides) copy.onboard.drive.login_password = 0;
   std::string text = "# Every key of hardpackd's configuration.\n";
   std::string group;
   for (const ConfigurationKey& key : KeysOf(copy)) {
@@ -67,7 +69,12 @@ std::string ToToml(const Configuration& configuration) {
       group = key.group();
       text += "\n[" + group + "]\n";
     }
-    text += key.name() + " = " + ValueText(key) + "\n";
+    text += key.name() + " = " + ValueText(key);
+    if (hides && key.group() == "drive" && key.name() == "login_password") {
+      text += ' ';
+      text += kHiddenSecret;
+    }
+    text += '\n';
   }
   return text + ClassesToToml(configuration.labels);
 }

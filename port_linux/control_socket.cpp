@@ -138,37 +138,44 @@ bool ControlSocket::Receive(ControlMessage& message) {
     next_place_ = (place + 1) % kMaxClients;
     given = TakeFrom(place, message);
   }
-  // After the messages: a place that is given to another is one whose client had nothing to say.
-  if (polled_[kMaxClients].revents != 0) Accept();
+  if (polled_[kMaxClients].revents != 0 || waits_.socket.valid()) Accept();
   return given;
 }
 
 // At most kMaxClients a call, so that a flood of connections takes a bounded time.
 void ControlSocket::Accept() {
+  if (waits_.socket.valid() && !Seat(waits_)) return;
   for (int i = 0; i < kMaxClients; ++i) {
     FileDescriptor accepted(accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
     if (!accepted.valid()) {
       if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED) ++counters_.system_errors;
       return;
     }
-    uint32_t user = UINT32_MAX;  // where the kernel does not tell
-    const bool may_command = MayCommand(accepted.get(), user);
-    const int place = PlaceFor(may_command);
-    if (place < 0) {
-      ++counters_.turned_away;
-      continue;
-    }
-    setsockopt(accepted.get(), SOL_SOCKET, SO_SNDBUF, &kSendBuffer_bytes,
-               sizeof(kSendBuffer_bytes));
-    Client& client = clients_[static_cast<size_t>(place)];
+    Client client;
+    client.user = UINT32_MAX;  // where the kernel does not tell
+    client.may_command = MayCommand(accepted.get(), client.user);
     client.socket = std::move(accepted);
-    client.number = ++last_number_;
-    client.last_call = calls_;
-    client.user = user;
-    client.may_command = may_command;
-    ++counters_.clients;
-    ++counters_.connected;
+    if (Seat(client)) continue;
+    if (client.may_command) {
+      waits_ = std::move(client);
+      return;
+    }
+    ++counters_.turned_away;
   }
+}
+
+// False: there is no place for it now.
+bool ControlSocket::Seat(Client& client) {
+  const int place = PlaceFor(client.may_command);
+  if (place < 0) return false;
+  setsockopt(client.socket.get(), SOL_SOCKET, SO_SNDBUF, &kSendBuffer_bytes,
+             sizeof(kSendBuffer_bytes));
+  client.number = ++last_number_;
+  client.last_call = calls_;
+  clients_[static_cast<size_t>(place)] = std::move(client);
+  ++counters_.clients;
+  ++counters_.connected;
+  return true;
 }
 
 bool ControlSocket::MayCommand(int socket, uint32_t& user) {
@@ -192,24 +199,38 @@ bool ControlSocket::MayCommand(int socket, uint32_t& user) {
 }
 
 // Forgotten connections must not keep an emergency stop out: where there is no free place, one who
-// may command gets that of the client that has been silent for longest.
+// may command gets that of the client that has been silent for longest. Once what that has sent is
+// taken: then it is another's turn, and meanwhile nobody else has to go.
 int ControlSocket::PlaceFor(bool may_command) {
   int longest = 0;
+  bool one_leaves = false;
   for (int place = 0; place < kMaxClients; ++place) {
     const Client& client = clients_[static_cast<size_t>(place)];
     if (!client.socket.valid()) return place;
+    one_leaves = one_leaves || client.leaves;
     if (client.last_call < clients_[static_cast<size_t>(longest)].last_call) longest = place;
   }
-  if (!may_command) return -1;
+  if (!may_command || one_leaves) return -1;
   ++counters_.displaced;
-  Drop(longest);
-  return longest;
+  return Dismiss(longest) ? longest : -1;
+}
+
+// What it has been able to send is not lost: first it cannot send any more, then it is looked
+// whether something is there. True: there was nothing, and the place is free.
+bool ControlSocket::Dismiss(int place) {
+  Client& client = clients_[static_cast<size_t>(place)];
+  shutdown(client.socket.get(), SHUT_RD);
+  uint8_t byte = 0;
+  client.leaves = recv(client.socket.get(), &byte, sizeof(byte), MSG_PEEK | MSG_DONTWAIT) > 0;
+  if (!client.leaves) Drop(place);
+  return !client.leaves;
 }
 
 void ControlSocket::Drop(int place) {
   Client& client = clients_[static_cast<size_t>(place)];
   if (!client.socket.valid()) return;
   client.socket.Reset();
+  client.leaves = false;
   --counters_.connected;
 }
 
@@ -276,6 +297,7 @@ void ControlSocket::Answer(const ControlClient& client, std::span<const uint8_t>
 
 void ControlSocket::Close() {
   for (int place = 0; place < kMaxClients; ++place) Drop(place);
+  waits_.socket.Reset();
   struct stat found {};
   if (!path_.empty() && lstat(path_.c_str(), &found) == 0 && found.st_dev == device_ &&
       found.st_ino == inode_) {

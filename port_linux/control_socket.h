@@ -84,6 +84,7 @@ class ControlSocket {
     uint64_t last_call = 0;  // of Receive, in which it last said something
     uint32_t user = 0;
     bool may_command = false;
+    bool leaves = false;  // nothing more comes from it; goes once what it has said is taken
   };
   static constexpr size_t kMaxGroups = 4096;  // of a peer that are looked at
 
@@ -92,7 +93,9 @@ class ControlSocket {
   OpenOutcome Bind(const std::string& path, const std::string& group);
   void Accept();
   bool MayCommand(int socket, uint32_t& user);
+  bool Seat(Client& client);
   int PlaceFor(bool may_command);
+  bool Dismiss(int place);
   void Drop(int place);
   bool TakeFrom(int place, ControlMessage& message);
   void AnswerDone(int place, uint32_t sequence, Status status);
@@ -106,6 +109,7 @@ class ControlSocket {
   bool has_group_ = false;
   gid_t group_ = 0;
   std::array<Client, kMaxClients> clients_;
+  Client waits_;            // accepted, for a place that is being vacated
   int32_t next_place_ = 0;  // asked first
   uint64_t last_number_ = 0;
   uint64_t calls_ = 0;  // of Receive

@@ -171,23 +171,38 @@ void Onboard::TakeDatagrams(DatagramSocket* socket, InputSource source, int max)
 // A command goes into the tick; a question changes nothing and is answered here.
 void Onboard::TakeMessage() {
   has_command_ = false;
-  if (ending_) {
-    control::OperatorCommand disarm;
-    disarm.kind = control::Kind::kDisarm;
-    int size_bytes = 0;
-    static_cast<void>(control::Encode(disarm, own_command_, size_bytes));
-    input_.command = std::span(own_command_).first(static_cast<size_t>(size_bytes));
-    return;
+  if (devices_.control != nullptr && devices_.control->Receive(message_)) {
+    if (message_.header.kind == control::Kind::kGetStatus) {
+      AnswerStatus();
+    } else if (message_.header.kind == control::Kind::kGetParameters) {
+      AnswerParameters();
+    } else {
+      TakeCommand();
+    }
   }
-  if (devices_.control == nullptr || !devices_.control->Receive(message_)) return;
-  if (message_.header.kind == control::Kind::kGetStatus) {
-    AnswerStatus();
-  } else if (message_.header.kind == control::Kind::kGetParameters) {
-    AnswerParameters();
-  } else {
+  if (!ending_ || has_command_) return;
+  control::OperatorCommand disarm;
+  disarm.kind = control::Kind::kDisarm;
+  int size_bytes = 0;
+  static_cast<void>(control::Encode(disarm, own_command_, size_bytes));
+  input_.command = std::span(own_command_).first(static_cast<size_t>(size_bytes));
+}
+
+// While it ends the vehicle is being stopped and disarmed as it is: only an emergency stop asks for
+// more.
+void Onboard::TakeCommand() {
+  const control::Kind kind = message_.header.kind;
+  if (!ending_ || kind == control::Kind::kEmergencyStop) {
     has_command_ = true;
     input_.command = message_.bytes;
+    return;
   }
+  const bool is_done = kind == control::Kind::kStop || kind == control::Kind::kDisarm;
+  const control::Done done = {
+      message_.header.sequence, is_done ? Status::kOk : Status::kNotPermitted,
+      static_cast<uint8_t>(is_done ? StopReason::kNone : StopReason::kOperator)};
+  int size_bytes = 0;
+  if (IsUsable(control::Encode(done, answer_, size_bytes))) Answer(size_bytes);
 }
 
 void Onboard::Answer(int size_bytes) {

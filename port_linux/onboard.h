@@ -53,8 +53,9 @@ class Onboard {
   Onboard(VehicleLoop& loop, const OnboardDevices& devices, const OnboardOptions& options);
 
   // Drops what the sensors' sockets hold from before, then ticks until `stop`, then brings the
-  // vehicle to rest, disables the drives and returns. A late tick is skipped and counted, not
-  // caught up.
+  // vehicle to rest, disables the drives and returns. While it ends, questions are answered and an
+  // emergency stop is obeyed; what would make the vehicle drive is refused. A late tick is skipped
+  // and counted, not caught up.
   void Run(const std::atomic<bool>& stop);
 
   // One tick at now_ns; `skipped` were missed before it. For tests; Run calls it.
@@ -71,6 +72,7 @@ class Onboard {
   void TakeFrames();
   void TakeDatagrams(DatagramSocket* socket, InputSource source, int max);
   void TakeMessage();
+  void TakeCommand();
   void Answer(int size_bytes);
   void AnswerStatus();
   void AnswerParameters();
@@ -84,7 +86,7 @@ class Onboard {
 
   uint64_t first_ns_ = 0;
   uint64_t index_ = 0;
-  bool ending_ = false;  // the next tick's command is ours: disarm
+  bool ending_ = false;  // the next ticks' command is ours: disarm; only an emergency stop is more
   control::ProgramPart program_;
 
   // One tick's.

@@ -23,7 +23,7 @@ namespace hardpack {
 // What the program was started with, read and found good.
 struct Startup {
   Configuration configuration;
-  std::string configuration_text;  // as TOML, every key
+  std::string configuration_text;  // as TOML, every key, without the drives' password
   std::string metadata_text;       // the lidar's JSON, as read
   ouster::Metadata lidar;
 };

@@ -29,8 +29,9 @@ constexpr const char* kHelp =
     "       hardpackd --version | --help\n"
     "\n"
     "Takes lidar and INS datagrams and CAN frames, drives the vehicle, writes the flight log\n"
-    "(docs/onboard.md). `hardpack ctl` talks to it. SIGTERM or SIGINT bring the vehicle to rest,\n"
-    "disable the drives and end it; a second one does not wait.\n"
+    "(docs/onboard.md). `hardpack ctl` talks to it. SIGTERM, SIGINT or SIGHUP bring the vehicle "
+    "to\n"
+    "rest, disable the drives and end it; a second SIGTERM or SIGINT does not wait.\n"
     "\n"
     "Exit codes: 0 ended as asked; 1 something could not be opened or set up; 2 bad usage or\n"
     "configuration. Each reason is a line on stderr.\n";
@@ -38,10 +39,17 @@ constexpr const char* kHelp =
 enum ExitCode : int { kDone = 0, kFailed = 1, kBadInput = 2 };
 
 std::atomic<bool> g_stop = false;
+std::atomic<bool> g_told_to_end = false;  // by a signal that ends it at once when it comes again
 
 extern "C" void OnStopSignal(int /*signal*/) {
   constexpr int kSignalled = 130;
-  if (g_stop.exchange(true)) std::_Exit(kSignalled);
+  if (g_told_to_end.exchange(true)) std::_Exit(kSignalled);
+  g_stop = true;
+}
+
+// A service manager, or a terminal that goes, may send it besides: it never makes the end hasty.
+extern "C" void OnHangUp(int /*signal*/) {
+  g_stop = true;
 }
 
 // The drives' own time-outs bring the vehicle to rest; a service manager starts us again.
@@ -55,6 +63,8 @@ void PrepareSignals() {
   action.sa_handler = OnStopSignal;
   sigaction(SIGTERM, &action, nullptr);
   sigaction(SIGINT, &action, nullptr);
+  action.sa_handler = OnHangUp;
+  sigaction(SIGHUP, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
 }
@@ -73,7 +83,7 @@ int Fail(ExitCode code, const ReadOutcome& outcome) {
 ReadOutcome ReadStartup(const std::string& path, Startup& startup) {
   ReadOutcome outcome = ReadConfiguration(path, startup.configuration);
   if (!outcome.ok()) return outcome;
-  startup.configuration_text = ToToml(startup.configuration);
+  startup.configuration_text = ToToml(startup.configuration, Secrets::kHidden);
   const std::string& metadata = startup.configuration.lidar.metadata;
   outcome = ReadFile(metadata, ouster::kMaxMetadataBytes, startup.metadata_text);
   if (!outcome.ok()) return outcome;
@@ -149,7 +159,7 @@ int Main(int argc, char** argv) {
   const ReadOutcome outcome = ReadStartup(argv[2], *startup);
   if (!outcome.ok()) return Fail(kBadInput, outcome);
   if (!SetUp(*startup)) return kBadInput;
-  if (prints) std::fputs(startup->configuration_text.c_str(), stdout);
+  if (prints) std::fputs(ToToml(startup->configuration).c_str(), stdout);
   if (checks || prints) return kDone;
   return Drive(*startup);
 }

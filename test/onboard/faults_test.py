@@ -87,12 +87,14 @@ class AtSpeed(OnboardCase):
         timeout_s = 1.0
         self.start("--world", "open", *wall(WALL_M), safety={"operator_timeout_s": timeout_s,
                                                              "max_odometry_age_s": ODOMETRY_AGE_S})
-        alive = self.start_program(onboard_case.Program, "alive",
-                                   [onboard_case.HARDPACK, "ctl", "--socket", self.socket,
-                                    "alive", "--every", "0.2"])
+        # SR-STP06: the program is left over at its terminal, and nobody presses a key.
+        program = self.start_program(onboard_case.AtTerminal, "drive",
+                                     [onboard_case.HARDPACK, "ctl", "--socket", self.socket,
+                                      "drive"])
         self.drive_off(GOAL_M, FAST_MPS)
         event_s = self.vehicle.now["t"]
-        alive.end(onboard_case.signal.SIGKILL)
+        program.leave()
+        self.assertTrue(program.runs())
         self.rest_after(event_s)
         self.assert_rest_within(event_s, timeout_s + TICKS_S + self.along_path_s(event_s))
         self.said("operator_silent")

@@ -10,6 +10,7 @@ import json
 import math
 import os
 import pathlib
+import pty
 import shutil
 import signal
 import subprocess
@@ -39,7 +40,8 @@ DEFAULTS = {
     "drive": {"left_sign": 1, "right_sign": -1, "gear_ratio": 24.0, "login_user": 1,
               "login_password": 4660, "feedback_timeout_ms": 300},
     # In User-Mode Linux a tick that touches new memory may take 90 ms, and a drive reports on SYNC.
-    "safety": {"max_odometry_age_s": 0.3},
+    # Nobody sits at a test's terminal, but where that is what it is about.
+    "safety": {"max_odometry_age_s": 0.3, "operator_timeout_s": 0},
     "log": {"directory": None, "min_free_mb": 0, "max_total_mb": 800, "buffer_mb": 16},
     "control": {"socket": None},
     "process": {"abort_on_allocation": True},
@@ -133,6 +135,27 @@ class Program:
     def told(self):
         return "".join(f"--- {path.name}\n{path.read_text(errors='replace')[-6000:]}"
                        for path in self.paths)
+
+
+class AtTerminal(Program):
+    """A program at a terminal of its own, at which a key is pressed five times a second until
+    `leave`; the program goes on."""
+
+    def __init__(self, folder, name, command):
+        self.keys, terminal = pty.openpty()
+        super().__init__(folder, name, command, stdin=terminal)
+        os.close(terminal)
+        self.gone = threading.Event()
+        self.thread = threading.Thread(target=self.press, daemon=True)
+        self.thread.start()
+
+    def press(self):
+        while not self.gone.wait(0.2):
+            os.write(self.keys, b" ")
+
+    def leave(self):
+        self.gone.set()
+        self.thread.join()
 
 
 class Traced(Program):

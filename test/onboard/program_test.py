@@ -45,6 +45,26 @@ class Ends(OnboardCase):
         self.assertFalse(self.vehicle.events("collision"))
         self.assertFalse(self.socket.exists())
 
+    def test_by_sighup_in_order_though_sigterm_comes_besides(self):
+        # SR-STP03: as a service manager and a terminal that goes send them.
+        since_s = self.vehicle.now["t"]
+        self.hardpackd.process.send_signal(signal.SIGHUP)
+        self.hardpackd.process.send_signal(signal.SIGTERM)
+        self.hardpackd.process.send_signal(signal.SIGHUP)
+        self.assertEqual(self.hardpackd.end(signal.SIGHUP), 0)
+        self.assertIn("ended after", self.hardpackd.err)
+        self.assertLess(self.rest_after(since_s), 5.0)
+        self.assertFalse(self.vehicle.events("emcy"))
+
+    def test_at_once_by_an_emergency_stop_while_it_ends(self):
+        # SR-STP01
+        since_s = self.vehicle.now["t"]
+        self.hardpackd.process.send_signal(signal.SIGTERM)
+        wait_until(lambda: self.watch.now["vehicle"]["mode"] == "safe_stop", "a safe stop")
+        self.assertEqual(self.command("estop").returncode, 0)
+        self.rest_after(since_s)
+        self.assertEqual(self.hardpackd.end(signal.SIGHUP), 0)
+
     def test_by_sigkill_and_the_drives_stop_by_themselves(self):
         since_s = self.vehicle.now["t"]
         self.assertEqual(self.hardpackd.end(signal.SIGKILL), -signal.SIGKILL)

@@ -283,5 +283,21 @@ TEST(Example, ShowsTheDefaults) {
   EXPECT_EQ(Values(Parsed(FilledIn(text))), Values(Parsed(kRequiredLines)));
 }
 
+// SR-STP07: what operators and logs are shown of the configuration has no password in it.
+TEST(ConfigurationText, HidesThePasswordWhereItIsToldTo) {
+  Configuration configuration = Parsed(kRequiredLines);
+  configuration.onboard.drive.login_user = 3;
+  configuration.onboard.drive.login_password = 54321;
+  const std::string shown = ToToml(configuration, Secrets::kHidden);
+  EXPECT_EQ(shown.find("54321"), std::string::npos);
+  EXPECT_NE(shown.find(std::string("login_password = 0 ") + std::string(kHiddenSecret)),
+            std::string::npos);
+  EXPECT_EQ(Parsed(shown).onboard.drive.login_password, 0);
+  EXPECT_EQ(Parsed(shown).onboard.drive.login_user, 3);
+  EXPECT_NE(ToToml(configuration).find("54321"), std::string::npos);
+  configuration.onboard.drive.login_password = 0;
+  EXPECT_EQ(ToToml(configuration, Secrets::kHidden), ToToml(configuration));
+}
+
 }  // namespace
 }  // namespace hardpack

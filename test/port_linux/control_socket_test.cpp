@@ -330,6 +330,37 @@ TEST_F(ControlSocketTest, ANinthWhoMayCommandGetsThePlaceOfTheMostSilent) {
   EXPECT_TRUE(clients[2]->HasNothing());
 }
 
+// SR-STP02: eight who have all sent something, and a ninth who comes: every message that was
+// accepted is given, whoever has to go.
+TEST_F(ControlSocketTest, WhatWasAcceptedIsNotLostToANewerClient) {
+  Open();
+  std::vector<std::unique_ptr<Operator>> clients;
+  for (int i = 0; i < ControlSocket::kMaxClients; ++i) {
+    clients.push_back(std::make_unique<Operator>(path_));
+    ReceiveAll();
+  }
+  for (const auto& client : clients) {
+    for (uint32_t i = 0; i < 3; ++i) ASSERT_TRUE(client->Send(Encoded(Kind::kAlive, i)));
+  }
+  ASSERT_TRUE(clients[7]->Send(Encoded(Kind::kStop, 9)));
+  Operator ninth(path_);
+  ASSERT_TRUE(ninth.Send(Encoded(Kind::kEmergencyStop, 2)));
+  Operator tenth(path_);
+  ASSERT_TRUE(tenth.Send(Encoded(Kind::kDisarm, 2)));
+  std::vector<Kind> given;
+  for (int call = 0; call < 60; ++call) {
+    ControlMessage message;
+    if (socket_.Receive(message)) given.push_back(message.header.kind);
+  }
+  const auto count = [&given](Kind kind) { return std::count(given.begin(), given.end(), kind); };
+  EXPECT_EQ(count(Kind::kAlive), 24);
+  EXPECT_EQ(count(Kind::kStop), 1);
+  EXPECT_EQ(count(Kind::kEmergencyStop), 1);
+  EXPECT_EQ(count(Kind::kDisarm), 1);
+  EXPECT_EQ(counters().connected, 8u);
+  EXPECT_EQ(counters().displaced, 2u);
+}
+
 TEST_F(ControlSocketTest, TheFileIsTheOwnersAndTheGroupsAlone) {
   Open();
   struct stat found {};

@@ -2,12 +2,19 @@
 #include "port_linux/onboard.h"
 
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdlib>
 #include <deque>
+#include <functional>
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "test/fakes/memory_datagram_socket.h"
@@ -28,8 +35,10 @@ class SimulatedDevices final : public Clock, public CanBus {
 
   uint64_t Now_ns() override { return now_ns_; }
   void SleepUntil(uint64_t time_ns) override {
+    if (on_sleep) on_sleep();
     if (time_ns > now_ns_) now_ns_ = time_ns;
   }
+  std::function<void()> on_sleep;  // before each
   void Advance(uint64_t now_ns) override {
     sim::Outgoing out;
     drive_.vehicle().Advance(now_ns, out);
@@ -196,6 +205,87 @@ TEST(Onboard, EndsFromAnEmergencyStopThatStillRollsAtRestWithTheDrivesOff) {
   ASSERT_GT(drive.Speed_mps(), 1.5);
   EXPECT_LT(EndAfter_s(drive), 9.0);
   ExpectOff(drive);
+}
+
+// A connection to the control socket; it says what it is told to and keeps what is answered.
+class OperatorSide {
+ public:
+  explicit OperatorSide(const std::string& path) {
+    socket_.Reset(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0));
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::copy(path.begin(), path.end(), address.sun_path);
+    EXPECT_EQ(connect(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)),
+              0);
+  }
+  void Say(Kind kind) {
+    control::OperatorCommand command;
+    command.kind = kind;
+    uint8_t bytes[control::kMaxMessageBytes];
+    int size_bytes = 0;
+    ASSERT_EQ(control::Encode(command, bytes, size_bytes), Status::kOk);
+    ASSERT_EQ(send(socket_.get(), bytes, static_cast<size_t>(size_bytes), MSG_NOSIGNAL),
+              size_bytes);
+  }
+  // kEmpty: nothing was answered.
+  Status Answer() {
+    uint8_t bytes[control::kMaxMessageBytes];
+    const ssize_t size = recv(socket_.get(), bytes, sizeof(bytes), 0);
+    control::Done done;
+    if (size <= 0 || control::Decode({bytes, static_cast<size_t>(size)}, done) != Status::kOk) {
+      return Status::kEmpty;
+    }
+    return done.status;
+  }
+
+ private:
+  FileDescriptor socket_;
+};
+
+// SR-STP01: an emergency stop 0.1 s after it was told to end, at 3 m/s: it is read, obeyed and
+// answered; what would make the vehicle drive is refused.
+TEST(Onboard, ObeysAnEmergencyStopWhileItEnds) {
+  ClosedLoop drive;
+  drive.DriveTo(60.0f, 0.0f);
+  ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Speed_mps() > 3.0; }));
+  char name[] = "/tmp/hardpack_ending_XXXXXX";
+  ASSERT_NE(mkdtemp(name), nullptr);
+  const std::string path = std::string(name) + "/control.sock";
+  ControlSocket control;
+  ASSERT_TRUE(control.Open({path, ""}).ok());
+  OperatorSide operator_side(path);
+  SimulatedDevices simulated(drive);
+  NothingComes lidar;
+  OnboardDevices devices;
+  devices.clock = &simulated;
+  devices.can = &simulated;
+  devices.lidar = &lidar;
+  devices.control = &control;
+  const auto onboard = std::make_unique<Onboard>(drive.loop(), devices, OnboardOptions{});
+  simulated.SleepUntil(simulated.Now_ns() + ClosedLoop::kTick_ns);
+  onboard->Tick(simulated.Now_ns(), drive.loop().index());
+  const std::map<int, Kind> said = {{8, Kind::kArm}, {9, Kind::kStop}, {10, Kind::kEmergencyStop}};
+  int tick = 0;
+  std::map<int, Motion> motions;
+  simulated.on_sleep = [&] {
+    motions[tick] = drive.loop().permission().motion;
+    if (const auto found = said.find(++tick); found != said.end()) operator_side.Say(found->second);
+  };
+  const double x_m = drive.Pose().x_m;
+  const std::atomic<bool> stop = true;
+  onboard->Run(stop);
+  EXPECT_EQ(motions[9], Motion::kStopAlong);
+  EXPECT_EQ(motions[10], Motion::kOff);  // zero at once
+  EXPECT_EQ(operator_side.Answer(), Status::kNotPermitted);
+  EXPECT_EQ(operator_side.Answer(), Status::kOk);
+  EXPECT_EQ(operator_side.Answer(), Status::kOk);
+  EXPECT_EQ(operator_side.Answer(), Status::kEmpty);
+  EXPECT_EQ(drive.loop().supervisor().last_stop(), StopReason::kEmergency);
+  ExpectOff(drive);
+  EXPECT_LT(drive.Pose().x_m - x_m, 3.0);
+  control.Close();
+  unlink((path + ".lock").c_str());
+  rmdir(name);
 }
 
 TEST(Onboard, EndsArmedWithTheDrivesOffAndStandbyAtOnce) {

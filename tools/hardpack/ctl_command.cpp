@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/hardpack/ctl_command.h"
 
+#include <poll.h>
 #include <sys/ioctl.h>
+#include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -12,6 +16,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -46,8 +51,6 @@ struct CtlOptions {
   std::string heading;
   bool relative = false;
   std::string file;
-
-  double every_s = 0.0;  // alive; 0: once
 };
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -157,24 +160,87 @@ void Waypoints(const CtlOptions& options) {
   Command(options, command);
 }
 
-// Ends when the answer is no, or the connection: somebody who relies on it has to know.
+// Another number than any program said before, as good as surely; not 0.
+uint32_t FirstPress() {
+  std::random_device random;
+  return std::max(1u, random() & 0x7fffffffu);
+}
+
+// Whoever calls it is there. A program that calls it again and again is nobody.
 void Alive(const CtlOptions& options) {
-  if (options.every_s <= 0.0) {
-    SimpleCommand(options, Kind::kAlive);
-    return;
+  control::OperatorCommand command;
+  command.kind = Kind::kAlive;
+  command.press = FirstPress();
+  Command(options, command);
+}
+
+// The terminal gives each key at once and shows none; as it was, in the end.
+class KeysOfTerminal {
+ public:
+  KeysOfTerminal() {
+    if (isatty(STDIN_FILENO) != 1 || tcgetattr(STDIN_FILENO, &before_) != 0) {
+      throw CommandFailure(kBadInput, "drive needs a terminal: somebody has to press its keys");
+    }
+    termios raw = before_;
+    raw.c_lflag &= static_cast<tcflag_t>(~(ICANON | ECHO));
+    raw.c_cc[VMIN] = 0;
+    raw.c_cc[VTIME] = 0;
+    tcsetattr(STDIN_FILENO, TCSAFLUSH, &raw);
   }
+  ~KeysOfTerminal() { tcsetattr(STDIN_FILENO, TCSAFLUSH, &before_); }
+  KeysOfTerminal(const KeysOfTerminal&) = delete;
+  KeysOfTerminal& operator=(const KeysOfTerminal&) = delete;
+
+  // The last of those pressed since, and all before it dropped; none within the time. False: the
+  // terminal has gone.
+  bool Next(std::optional<char>& key, int wait_ms) {
+    key.reset();
+    pollfd ready{STDIN_FILENO, POLLIN, 0};
+    if (poll(&ready, 1, wait_ms) <= 0) return true;
+    if ((ready.revents & POLLIN) == 0) return false;
+    std::array<char, 256> keys;
+    const ssize_t got = read(STDIN_FILENO, keys.data(), keys.size());
+    if (got <= 0) return false;
+    key = keys[static_cast<size_t>(got) - 1];
+    for (ssize_t i = 0; i < got; ++i) {
+      if (keys[static_cast<size_t>(i)] == 'e') key = 'e';  // whatever came behind it
+    }
+    return true;
+  }
+
+ private:
+  termios before_{};
+};
+
+Kind MeaningOf(char key) {
+  if (key == 'e') return Kind::kEmergencyStop;
+  return key == 's' ? Kind::kStop : Kind::kAlive;
+}
+
+// Ends when the answer is no, or the connection: somebody who relies on it has to know.
+void Drive(const CtlOptions& options) {
   CatchInterrupt();
   ctl::Connection connection;
   Open(options, connection);
+  KeysOfTerminal keys;
+  std::cout << "Press or hold any key while you watch the vehicle; s: stop, e: emergency stop, "
+               "q: leave\n"
+            << std::flush;
+  constexpr int kWait_ms = 50;
   control::OperatorCommand command;
-  command.kind = Kind::kAlive;
+  command.press = FirstPress();
   while (interrupted == 0) {
+    std::optional<char> key;
+    if (!keys.Next(key, kWait_ms)) return;
+    if (!key) continue;
+    if (*key == 'q') return;
+    command.kind = MeaningOf(*key);
+    command.press = command.press == UINT32_MAX ? 1 : command.press + 1;
     control::Done answer;
     const ReadOutcome outcome = connection.Ask(command, answer);
-    if (interrupted != 0) break;
+    if (interrupted != 0) return;
     Require(outcome);
     RequireDone(answer);
-    Sleep(options.every_s);
   }
 }
 
@@ -294,12 +360,13 @@ void AddGoals(CLI::App& ctl, const Options& options) {
       ->required();
 }
 
-void AddAlive(CLI::App& ctl, const Options& options) {
-  AddSubcommand(ctl, "alive",
-                "Say that the operator is there, for hardpackd's safety.operator_timeout_s.",
-                options, Alive)
-      ->add_option("--every", options->every_s, "Again after so many seconds, until Ctrl-C")
-      ->check(CLI::Range(0.01, 3600.0));
+void AddPresence(CLI::App& ctl, const Options& options) {
+  AddSubcommand(ctl, "drive",
+                "Stay with the vehicle: every key pressed at this terminal says that the operator\n"
+                "is there. Without one for safety.operator_timeout_s the vehicle stops.",
+                options, Drive);
+  AddSubcommand(ctl, "alive", "Say once that the operator is there, as a key of `drive` does.",
+                options, Alive);
 }
 
 }  // namespace
@@ -327,7 +394,7 @@ void AddCtlCommand(CLI::App& app) {
   add_simple("stop", "Come to rest along the path and drop the goals; stays armed.", Kind::kStop);
   add_simple("estop", "Zero speed at once; only disarming leaves it.", Kind::kEmergencyStop);
   AddGoals(*ctl, options);
-  AddAlive(*ctl, options);
+  AddPresence(*ctl, options);
   AddSubcommand(*ctl, "params", "Print the configuration that hardpackd runs with, as TOML.",
                 options, Parameters);
 }

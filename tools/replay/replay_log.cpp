@@ -174,6 +174,9 @@ class LogReplay {
                                                         path + " (configuration)", configuration_)
                                    : ReadConfiguration(own, configuration_);
     if (!parsed.ok()) return parsed;
+    if (own.empty() && TextOf(reader.configuration()).find(kHiddenSecret) != std::string::npos) {
+      configuration_.onboard.drive.login_password = PasswordOnTheBus();
+    }
     const auto lidar = std::make_unique<ouster::Metadata>();
     if (request_.metadata_path.empty() && !reader.lidar_metadata().whole) {
       return {Status::kTruncated, path + ": its metadata are not whole; --metadata gives some"};
@@ -189,6 +192,27 @@ class LogReplay {
       return {status, path + ": its configuration is refused: " + StatusName(status)};
     }
     return {};
+  }
+
+  // A log's configuration does not show the drives' password. A run that used it has it in a frame,
+  // a download to 5000h:2; to any other it makes no difference.
+  int32_t PasswordOnTheBus() const {
+    constexpr uint32_t kFirstQuestion = 0x601;
+    constexpr uint32_t kLastQuestion = 0x67f;
+    for (const std::string& path : request_.files) {
+      FlightReader reader;
+      if (!reader.Open(path).ok()) continue;
+      const auto tick = std::make_unique<LoggedTick>();
+      for (Item item = reader.Next(*tick); item == Item::kTick; item = reader.Next(*tick)) {
+        for (const CanFrame& frame : tick->frames_out) {
+          const bool is_password = frame.id >= kFirstQuestion && frame.id <= kLastQuestion &&
+                                   frame.data[0] == 0x2b && frame.data[1] == 0x00 &&
+                                   frame.data[2] == 0x50 && frame.data[3] == 0x02;
+          if (is_password) return frame.data[4] | frame.data[5] << 8;
+        }
+      }
+    }
+    return 0;
   }
 
   // Fills the loop with the state that the file begins from.

@@ -5,6 +5,7 @@
 import json
 import os
 import pathlib
+import pty
 import shutil
 import signal
 import socket
@@ -356,22 +357,66 @@ class Parameters(CtlTest):
         self.expect_failure(2, ["params"], "refused: not_started")
 
 
-class Alive(CtlTest):
-    def test_again_and_again_until_interrupted(self):
-        server = self.serve(done())
-        process = subprocess.Popen(self.arguments("alive", "--every", "0.02"))
+class Presence(CtlTest):
+    """SR-STP06: each key that is pressed at the terminal is another press, and nothing else is."""
+
+    def drive(self):
+        keys, terminal = pty.openpty()
+        self.addCleanup(os.close, keys)
+        process = subprocess.Popen(self.arguments("drive"), stdin=terminal,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        os.close(terminal)
+        self.addCleanup(process.communicate)
+        self.addCleanup(process.kill)
+        self.assertIn("emergency stop", process.stdout.readline())
+        return keys, process
+
+    def received(self, server, count):
         until = time.monotonic() + 30
-        while len(server.received) < 5 and time.monotonic() < until:
+        while len(server.received) < count and time.monotonic() < until:
             time.sleep(0.01)
+        return server.received
+
+    def test_each_key_is_a_press_of_its_own(self):
+        server = self.serve(done())
+        keys, process = self.drive()
+        for pressed in range(1, 5):
+            os.write(keys, b" ")
+            self.received(server, pressed)
+        time.sleep(0.3)  # nobody presses
+        self.assertEqual([kind for kind, _ in server.received], [ALIVE] * 4)
+        presses = {body for _, body in server.received}
+        self.assertEqual(len(presses), 4)
+        self.assertNotIn(bytes(4), presses)
+        self.assertEqual(server.connections, 1)
+        os.write(keys, b"q")
+        self.assertEqual(process.wait(timeout=20), 0)
+
+    def test_an_emergency_stop_among_other_keys(self):
+        server = self.serve(done())
+        keys, process = self.drive()
+        os.write(keys, b" e  ")
+        self.assertEqual(self.received(server, 1)[0][0], ESTOP)
         process.send_signal(signal.SIGINT)
         self.assertEqual(process.wait(timeout=20), 0)
-        self.assertGreaterEqual(len(server.received), 5)
-        self.assertEqual({kind for kind, _ in server.received}, {ALIVE})
-        self.assertEqual(server.connections, 1)
 
     def test_ends_when_hardpackd_does(self):
         self.serve(hang_up)
-        self.expect_failure(2, ["alive", "--every", "0.02"], "closed")
+        keys, process = self.drive()
+        os.write(keys, b" ")
+        self.assertEqual(process.wait(timeout=20), 2)
+        self.assertIn("closed", process.stderr.read())
+
+    def test_not_without_a_terminal(self):
+        self.serve(done())
+        self.expect_failure(2, ["drive"], "needs a terminal")
+
+    def test_alive_is_one_press(self):
+        server = self.serve(done())
+        self.expect_done("alive")
+        self.expect_done("alive")
+        self.assertEqual([kind for kind, _ in server.received], [ALIVE] * 2)
+        self.assertNotEqual(server.received[0][1], server.received[1][1])
 
 
 class NoServer(CtlTest):
@@ -402,7 +447,7 @@ class NoServer(CtlTest):
 
     def test_bad_usage(self):
         for arguments in ((), ("jump",), ("status", "--interval", "1"),
-                          ("status", "--watch", "--interval", "0"), ("alive", "--every", "-1"),
+                          ("status", "--watch", "--interval", "0"), ("alive", "--every", "1"),
                           ("arm", "--timeout", "nan"), ("arm", "extra")):
             with self.subTest(arguments):
                 result = self.run_ctl(*arguments)
