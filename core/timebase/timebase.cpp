@@ -18,34 +18,36 @@ int64_t Larger(int64_t a, int64_t b) {
   return b < a ? a : b;
 }
 
-constexpr float kNanosecondsPerMicrosecond = 1.0e3f;
 constexpr float kMicrosecondsPerSecond = 1.0e6f;
-constexpr int64_t kBillion = 1'000'000'000;
 constexpr int64_t kThousand = 1'000;
+// A rate in units of 2^-20: no division, and a ppm is a unit.
+constexpr int kRateBits = 20;
+constexpr int64_t kRateOne = int64_t{1} << kRateBits;
+constexpr float kRatePerPpm = 1.0e-6f * static_cast<float>(kRateOne);
 
 }  // namespace
 
 Status Timebase::Configure(const ClockParams& params) {
   if (FirstInvalidParameter(params) != nullptr) return Status::kParameterOutOfRange;
-  max_drift_ppb_ = RoundToInt(params.max_drift_ppm * kNanosecondsPerMicrosecond);
+  max_drift_rate_ = RoundToInt(params.max_drift_ppm * kRatePerPpm);
   max_drift_ns_ = kThousand * RoundToInt(params.max_drift_s * kMicrosecondsPerSecond);
   Reset();
   return Status::kOk;
 }
 
 void Timebase::Reset() {
-  const int64_t max_drift_ppb = max_drift_ppb_;
+  const int64_t max_drift_rate = max_drift_rate_;
   const int64_t max_drift_ns = max_drift_ns_;
   *this = Timebase{};
-  max_drift_ppb_ = max_drift_ppb;
+  max_drift_rate_ = max_drift_rate;
   max_drift_ns_ = max_drift_ns;
 }
 
 // Of two products each below 2^62, however long it is.
 int64_t Timebase::Floor_ns(uint64_t host_ns) const {
   const auto since_ns = static_cast<int64_t>(host_ns - floor_at_ns_);
-  return floor_ns_ + since_ns / kBillion * max_drift_ppb_ +
-         since_ns % kBillion * max_drift_ppb_ / kBillion;
+  return floor_ns_ + (since_ns >> kRateBits) * max_drift_rate_ +
+         (((since_ns & (kRateOne - 1)) * max_drift_rate_) >> kRateBits);
 }
 
 Status Timebase::Observe(uint64_t device_ns, uint64_t host_ns, bool may_fix_anew) {

@@ -109,7 +109,7 @@ class Timebase {
   void Enter(int64_t difference_ns, uint64_t device_ns, uint64_t host_ns);
   Status TakeLate(int64_t difference_ns, uint64_t device_ns, uint64_t host_ns, bool may_fix_anew);
 
-  int64_t max_drift_ppb_ = 500'000;  // of ClockParams
+  int64_t max_drift_rate_ = 524;  // of ClockParams, in units of 2^-20
   int64_t max_drift_ns_ = 20'000'000;
   bool started_ = false;
   uint64_t last_host_ns_ = 0;

@@ -25,6 +25,7 @@ LIDAR_AGE_S = 0.3
 INS_AGE_S = 0.2
 ODOMETRY_AGE_S = 0.3
 FROZEN_S = 1.0
+SPIN_S = 1.0
 HARD_AGE_FACTOR = 3
 MAX_DECELERATION_MPS2 = 2.0
 REVOLUTION_S = 0.1
@@ -200,6 +201,24 @@ class AtSpeed(OnboardCase):
 
     def test_lidar_datagrams_delayed(self):
         self.reaches_goal_with("lidar-delay 200")
+
+    def test_lidar_delay_grows(self):
+        # SR-TIM01: 100 ms later in every second; a clock does not do that.
+        self.at_speed()
+        event_s = self.vehicle.do("lidar-delay-growth 100")
+        growing_s = LIDAR_AGE_S / 0.1 * 1.2
+        self.rest_after(event_s)
+        self.assert_rest_within(event_s, growing_s + self.along_path_s(event_s))
+        self.said("lidar_old")
+        self.end_hardpackd()
+
+    def test_wheels_slip(self):
+        # SR-STP05: the vehicle goes a fifth of the way that its wheels turn.
+        self.at_speed()
+        event_s = self.vehicle.do("traction 200")
+        self.assert_rest_within(event_s, SPIN_S + TICKS_S + 0.1 + self.coasting_s(event_s) + 0.8)
+        self.said("wheel_spin")
+        self.end_hardpackd()
 
     def test_lidar_clock_jumps(self):
         report = self.reaches_goal_with("lidar-clock -2000", "lidar-clock 3000")

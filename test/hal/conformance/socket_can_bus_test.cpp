@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 
+#include "port_linux/monotonic_clock.h"
 #include "test/hal/conformance/can_bus_conformance.h"
 #include "test/hal/conformance/can_peer.h"
 #include "test/hal/conformance/delivery_barrier.h"
@@ -135,6 +136,36 @@ TEST_F(SocketCanBusTest, SaysWhatItOpened) {
   EXPECT_EQ(harness_.outcome().message, "vcan0: no bit rate told (a virtual bus?)");
   EXPECT_TRUE(harness_.outcome().warnings.empty()) << harness_.outcome().warnings.front();
   EXPECT_TRUE(harness_.bus().may_restart());
+}
+
+// SR-TIM03: a frame has the time at which the kernel took it off the bus, by the ticks' clock,
+// however long it waits to be read.
+TEST(SocketCanBusStamps, AreOfTheFramesArrival) {
+  SocketCanHarness harness;
+  if (const char* why = harness.unavailable()) GTEST_SKIP() << why;
+  MonotonicClock clock;
+  CanFrame frame;
+  frame.id = 0x182;
+  frame.size = 8;
+  harness.bus().Advance(clock.Now_ns());
+  while (IsUsable(harness.bus().Receive(frame))) {
+  }
+  const uint64_t before_ns = clock.Now_ns();
+  harness.PeerSend(frame);
+  const uint64_t after_ns = clock.Now_ns();
+  CanFrame received;
+  Status status = Status::kEmpty;
+  for (int i = 0; i < 100 && !IsUsable(status); ++i) {
+    clock.SleepUntil(clock.Now_ns() + 50'000'000);
+    harness.bus().Advance(clock.Now_ns());
+    status = harness.bus().Receive(received);
+  }
+  ASSERT_EQ(status, Status::kOk);
+  EXPECT_EQ(received, frame);
+  constexpr uint64_t kSlack_ns =
+      20'000'000;  // of the kernel's delivery, and of two clocks' reading
+  EXPECT_GE(received.received_ns + kSlack_ns, before_ns);
+  EXPECT_LE(received.received_ns, after_ns + kSlack_ns);
 }
 
 TEST_F(SocketCanBusTest, OpensAnInterfaceThatIsDownAndSaysSo) {

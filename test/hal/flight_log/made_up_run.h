@@ -95,7 +95,11 @@ class MadeUpRun {
       }
     }
     for (size_t i = 0; i < tick.payloads.size(); ++i) tick.datagrams[i].bytes = tick.payloads[i];
-    for (uint_fast32_t i = random_() % 9; i > 0; --i) tick.frames.push_back(RandomFrame(random_));
+    for (uint_fast32_t i = random_() % 9; i > 0; --i) {
+      tick.frames.push_back(RandomFrame(random_));
+      // Every other one has a time of its own.
+      if (i % 2 == 0) tick.frames.back().received_ns = tick.now_ns - 7'654'321 * i;
+    }
     if (random_() % 5 == 0) tick.command.assign(20 + random_() % 100, 0x5a);
     for (uint_fast32_t i = random_() % 5; i > 0; --i) {
       (void)tick.output.frames.PushBack(RandomFrame(random_));

@@ -40,6 +40,9 @@ void ExpectSame(const LoggedTick& logged, const MadeUpTick& tick) {
   EXPECT_EQ(logged.end.duration_ns, 123'456u);
   EXPECT_EQ(logged.end.refused, 1);
   EXPECT_EQ(logged.frames_in, tick.frames);
+  for (size_t i = 0; i < tick.frames.size() && i < logged.frames_in.size(); ++i) {
+    EXPECT_EQ(logged.frames_in[i].received_ns, tick.frames[i].received_ns);
+  }
   EXPECT_EQ(logged.command, tick.command);
   EXPECT_EQ(logged.frames_out,
             std::vector<CanFrame>(tick.output.frames.begin(), tick.output.frames.end()));

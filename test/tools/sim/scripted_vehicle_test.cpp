@@ -117,12 +117,15 @@ TEST(Script, KnowsEveryCommandThatItsPageNames) {
     at 1 labels off
     at 1 lidar-delay 200
     at 1 ins-reorder 4
+    at 1 lidar-delay-growth 12
+    at 1 ins-delay-growth 12
+    at 1 traction 0
     at 1 lidar-clock -500
     at 1 world gap 3
     at 1 world open
     at 1 quit
   )");
-  EXPECT_EQ(script.size(), 41u);
+  EXPECT_EQ(script.size(), 44u);
   EXPECT_EQ(script[0].text, "at 0.5 drive-silent left on");
   ScriptedVehicle vehicle(Small(), script, kStart_ns);
   RunFor(vehicle, 1.2);
@@ -173,6 +176,17 @@ std::vector<std::vector<uint8_t>> BytesOf(const Outgoing& out, Sensor sensor) {
     if (one.sensor == sensor) bytes.push_back(one.bytes);
   }
   return bytes;
+}
+
+// By 100 ms in each second: what is sent in 1 s comes in 1.1.
+TEST(ScriptedVehicle, DelaysItsDatagramsByMoreAndMore) {
+  ScriptedVehicle usual(Small(), {}, kStart_ns);
+  ScriptedVehicle delayed(Small(), Script("at 0 lidar-delay-growth 100"), kStart_ns);
+  const auto all = BytesOf(RunFor(usual, 2.0), Sensor::kLidar);
+  const auto some = BytesOf(RunFor(delayed, 2.0), Sensor::kLidar);
+  EXPECT_NEAR(static_cast<double>(some.size()), static_cast<double>(all.size()) / 1.1, 4.0);
+  EXPECT_TRUE(std::equal(some.begin(), some.end(), all.begin()));
+  EXPECT_NEAR(delayed.faults(Sensor::kLidar).delay_s, 0.2, 0.002);
 }
 
 TEST(ScriptedVehicle, DelaysItsDatagramsInTheirOrder) {
