@@ -114,6 +114,7 @@ struct ClockParams {
 // When the vehicle may move (core/safety/supervisor.h).
 struct SafetyParams {
   float max_lidar_age_s = 0.3f;     // of the newest column
+  float max_look_age_s = 0.42f;     // of the oldest look along the way (core/scan/sight_watch.h)
   float max_odometry_age_s = 0.1f;  // of the wheel speeds
   float max_ins_age_s = 0.2f;
   int32_t needs_ins = 1;        // 0: a silent INS does not stop the vehicle
@@ -135,6 +136,10 @@ struct SafetyParams {
   float spin_speed_margin_mps = 1.0f;
   float spin_share = 0.25f;  // and besides, so much of what the wheels say
   float spin_time_s = 1.0f;  // so long is a fault
+  // Where the vehicle itself hides what is behind it from the lidar: anticlockwise from one angle
+  // of the body frame to the other. The same: nowhere.
+  float sight_mask_from_rad = 0.0f;
+  float sight_mask_to_rad = 0.0f;
 };
 
 // The work of one tick (hal/vehicle_loop.h).

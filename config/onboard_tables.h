@@ -193,6 +193,10 @@ inline constexpr std::array kClockTable = {
 inline constexpr std::array kSafetyTable = {
     HP_SAFETY(max_lidar_age_s, 0.02f, 2.0f,
               "Age of the newest lidar column beyond which the vehicle stops."),
+    HP_SAFETY(
+        max_look_age_s, 0.05f, 2.0f,
+        "The same of the lidar's oldest look along the way, over the vehicle's width. At least "
+        "two revolutions of the lidar, or it is never fresh."),
     HP_SAFETY(max_odometry_age_s, 0.02f, 2.0f, "The same of the wheel speeds."),
     HP_SAFETY(max_ins_age_s, 0.02f, 2.0f, "The same of the INS."),
     HP_SAFETY(needs_ins, 0.0f, 1.0f, "1: a silent INS stops the vehicle; 0: it does not."),
@@ -219,7 +223,12 @@ inline constexpr std::array kSafetyTable = {
     HP_SAFETY(spin_speed_margin_mps, 0.1f, 5.0f,
               "Wheels that are faster than the ground speed of the INS by more than this ..."),
     HP_SAFETY(spin_share, 0.0f, 1.0f, "... and so much of what they say ..."),
-    HP_SAFETY(spin_time_s, 0.1f, 10.0f, "... for this long spin in place: a fault.")};
+    HP_SAFETY(spin_time_s, 0.1f, 10.0f, "... for this long spin in place: a fault."),
+    HP_SAFETY(sight_mask_from_rad, -3.15f, 3.15f,
+              "From this direction of the body frame anticlockwise ..."),
+    HP_SAFETY(sight_mask_to_rad, -3.15f, 3.15f,
+              "... to this one the vehicle itself hides what is behind it from the lidar: no look "
+              "is asked for there. The same: nowhere.")};
 #undef HP_SAFETY
 
 #define HP_TICK(...) HP_ENTRY("tick", TickParams, __VA_ARGS__)

@@ -84,6 +84,26 @@ void Fill(const VehicleLoop& loop, control::AgePart& part) {
       control::AgeAt(now_ns, loop.operator_ns(), InNanoseconds(safety.operator_timeout_s));
 }
 
+void Fill(const VehicleLoop& loop, control::SightPart& part) {
+  static_assert(control::SightPart::kParts == SightWatch::kShown);
+  const uint64_t now_ns = loop.now_ns();
+  const float limit_s = loop.config().onboard.safety.max_look_age_s;
+  const SightWatch& sight = loop.sight();
+  part.look_age = control::AgeAt(now_ns, loop.OldestLook().time_ns, InNanoseconds(limit_s));
+  part.sectors = static_cast<uint32_t>(sight.sectors());
+  part.old_sectors = static_cast<uint32_t>(sight.OldSectors(now_ns, limit_s));
+  part.covered_sectors = static_cast<uint32_t>(sight.covered_sectors());
+  part.frozen_sectors = static_cast<uint32_t>(sight.frozen_sectors());
+  part.lidar_turned = loop.mount().has_turned();
+  part.ground_tilt_rad = loop.mount().tilt_rad();
+  part.revolution_ns = sight.revolution_ns();
+  for (int i = 0; i < SightWatch::kShown; ++i) {
+    const SightWatch::Shares shares = sight.SharesOf(i, now_ns);
+    part.columns_permille[i] = shares.columns_permille;
+    part.returns_permille[i] = shares.returns_permille;
+  }
+}
+
 void Fill(const VehicleLoop& loop, control::GoalPart& part) {
   part.goals = static_cast<uint32_t>(loop.goals());
   if (part.goals == 0) return;
@@ -294,6 +314,7 @@ void Onboard::Report(control::StatusReport& report) const {
   Fill(loop_, report.goal);
   Fill(loop_, report.plan);
   Fill(loop_, report.safety);
+  Fill(loop_, report.sight);
   Fill(loop_.replanner().counters(), report.replan);
   Fill(loop_.newest_ins(), report.ins);
   Fill(loop_.ins().counters(), report.ins_stream);

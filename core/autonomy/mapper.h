@@ -153,6 +153,12 @@ class Mapper {
   // model().beams. Constant cost.
   uint8_t ObstacleOf(int slot, int row, uint32_t max_range_mm, Vec2& point_odom) const;
 
+  // How far a return of a classed column that is ground lies above the lowest ground of its cell.
+  // False: it is none, lies further away than max_range_mm, or the cell has no ground. The other
+  // preconditions and the cost as of ObstacleOf.
+  bool GroundStepOf(int slot, int row, uint32_t max_range_mm, Vec2& point_odom,
+                    float& step_m) const;
+
   // Our time of the newest column that looked along a level direction of odom with the sensor's
   // newest pose; 0: none within the ring's last kLookBack revolutions. Constant cost.
   static constexpr int kLookBack = 3;

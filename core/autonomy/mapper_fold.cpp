@@ -172,6 +172,21 @@ uint8_t Mapper::ObstacleOf(int slot, int row, uint32_t max_range_mm, Vec2& point
   return PendingFlags(packed, InCentimeters(point.z_m), heights_.At(cell));
 }
 
+bool Mapper::GroundStepOf(int slot, int row, uint32_t max_range_mm, Vec2& point_odom,
+                          float& step_m) const {
+  const ColumnState state = ring_.column(slot).state;
+  if (state != ColumnState::kClassed && state != ColumnState::kFolded) return false;
+  const PackedReturn packed = ring_.at(slot, row);
+  const bool is_ground = packed.return_class() == ReturnClass::kGround && !packed.self();
+  if (!is_ground || packed.range_mm() == 0 || packed.range_mm() > max_range_mm) return false;
+  const Vec3 point = PointOdom(ring_.column(slot), row, packed);
+  const HeightGrid::CellHeights cell = heights_.At(CellAt({point.x_m, point.y_m}));
+  if (!IsFinite(point.x_m) || !IsFinite(point.y_m) || !cell.ground) return false;
+  point_odom = {point.x_m, point.y_m};
+  step_m = point.z_m - FromCentimeters(cell.lowest_cm);
+  return true;
+}
+
 // The encoder's angle runs backwards: theta_e = 2 pi (1 - m / W). The beams' own azimuths are left
 // out: they shift a column's direction by less than the sectors in which ages differ.
 uint64_t Mapper::NewestLook_ns(Vec2 direction_odom) const {

@@ -27,6 +27,7 @@ Status Supervisor::Configure(const SafetyParams& params) {
 StopReason Supervisor::OldInput(const SupervisorInput& input) const {
   const uint64_t now_ns = input.now_ns;
   if (IsOlder(now_ns, input.lidar_ns, params_.max_lidar_age_s)) return StopReason::kLidarOld;
+  if (IsOlder(now_ns, input.look_ns, params_.max_look_age_s)) return input.blind_by;
   if (IsOlder(now_ns, input.odometry_ns, params_.max_odometry_age_s)) {
     return StopReason::kOdometryOld;
   }
@@ -44,6 +45,7 @@ StopReason Supervisor::OldInput(const SupervisorInput& input) const {
 bool Supervisor::IsFarTooOld(const SupervisorInput& input) const {
   const float factor = params_.hard_age_factor;
   return IsOlder(input.now_ns, input.lidar_ns, factor * params_.max_lidar_age_s) ||
+         IsOlder(input.now_ns, input.look_ns, factor * params_.max_look_age_s) ||
          IsOlder(input.now_ns, input.odometry_ns, factor * params_.max_odometry_age_s) ||
          (params_.needs_ins != 0 &&
           IsOlder(input.now_ns, input.ins_ns, factor * params_.max_ins_age_s));

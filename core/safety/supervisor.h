@@ -58,13 +58,17 @@ enum class StopReason : uint8_t {
   kPerson,          // a person stands in the way, or too near to it
   kObstacle,        // a return stands in the way of the committed path
   kGoalInObstacle,  // the goal lies in an obstacle, and is not to be moved
-  kRunaway,     // it moves when it was told to stand, or much faster (core/safety/motion_watch.h)
-  kWrongTurn,   // it turns against its command
-  kStuck,       // it was told to move, and does not
-  kBadCommand,  // a command was no number (core/safety/command_gate.h)
-  kWheelSpin,   // the wheels do not hold the ground
+  kRunaway,       // it moves when it was told to stand, or much faster (core/safety/motion_watch.h)
+  kWrongTurn,     // it turns against its command
+  kStuck,         // it was told to move, and does not
+  kBadCommand,    // a command was no number (core/safety/command_gate.h)
+  kBlindAhead,    // the lidar has not looked along the way lately (core/scan/sight_watch.h)
+  kLidarCovered,  // its window is covered: nothing comes back, or from the window
+  kLidarFrozen,   // it sends the same image again
+  kLidarTurned,   // it has turned in its mount (core/scan/mount_watch.h)
+  kWheelSpin,     // the wheels do not hold the ground
 };
-inline constexpr int kStopReasons = 24;
+inline constexpr int kStopReasons = 28;
 
 // What is asked of the drives.
 enum class Motion : uint8_t {
@@ -87,6 +91,7 @@ struct SupervisorInput {
   uint64_t now_ns = 0;
   // Newest of each; 0: none yet.
   uint64_t lidar_ns = 0;
+  uint64_t look_ns = 0;  // the oldest newest look along the way, over the vehicle's width
   uint64_t odometry_ns = 0;
   uint64_t ins_ns = 0;
   uint64_t plan_checked_ns = 0;
@@ -108,6 +113,9 @@ struct SupervisorInput {
   // it is, short of its end: kNone, kNoWay, kUnseenGround, kPerson or kGoalInObstacle. It stops
   // then.
   StopReason held_by = StopReason::kNone;
+  // Why the look along the way is as old as it is, once it is too old: kBlindAhead, kLidarCovered,
+  // kLidarFrozen or kLidarTurned.
+  StopReason blind_by = StopReason::kBlindAhead;
   // What the vehicle does against its commands, or with them: kNone, kRunaway, kWrongTurn, kStuck,
   // kWheelSpin or kBadCommand. A fault, once it has torque.
   StopReason misbehaves = StopReason::kNone;

@@ -308,6 +308,22 @@ struct ControlCounters {
   uint64_t system_errors = 0;  // refusals of the operating system
 };
 
+// Where the lidar looks (core/scan/sight_watch.h). Parts of the circle: 0 begins straight behind,
+// anticlockwise, so that 7 and 8 are ahead.
+struct SightPart {
+  static constexpr int kParts = 16;
+  Age look_age;              // of the oldest look along the way
+  uint32_t sectors = 0;      // around the vehicle
+  uint32_t old_sectors = 0;  // of them, not looked along lately
+  uint32_t covered_sectors = 0;
+  uint32_t frozen_sectors = 0;
+  bool lidar_turned = false;  // in its mount
+  float ground_tilt_rad = 0.0f;
+  uint64_t revolution_ns = 0;
+  uint16_t columns_permille[kParts] = {};  // that came, of those expected
+  uint16_t returns_permille[kParts] = {};  // of beams that would meet the ground near by
+};
+
 struct StatusReport {
   ProgramPart program;
   VehiclePart vehicle;
@@ -316,6 +332,7 @@ struct StatusReport {
   GoalPart goal;
   PlanPart plan;
   SafetyPart safety;
+  SightPart sight;
   InsPart ins;
   DrivePart left_drive;
   DrivePart right_drive;

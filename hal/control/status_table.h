@@ -171,6 +171,50 @@ constexpr void VisitSafety(Part& part, Visit& visit) {
 }
 
 template <typename Part, typename Visit>
+constexpr void VisitSight(Part& part, Visit& visit) {
+  HP_STATUS_SHOWN(look_age, kAge);
+  HP_STATUS_FIELD(sectors);
+  HP_STATUS_FIELD(old_sectors);
+  HP_STATUS_FLAG(covered_sectors, kProblem);
+  HP_STATUS_FLAG(frozen_sectors, kProblem);
+  HP_STATUS_FLAG(lidar_turned, kProblem);
+  HP_STATUS_FIELD(ground_tilt_rad);
+  HP_STATUS_SHOWN(revolution_ns, kDuration);
+  visit("columns_permille_00", FieldKind::kValue, Concern::kNone, part.columns_permille[0]);
+  visit("columns_permille_01", FieldKind::kValue, Concern::kNone, part.columns_permille[1]);
+  visit("columns_permille_02", FieldKind::kValue, Concern::kNone, part.columns_permille[2]);
+  visit("columns_permille_03", FieldKind::kValue, Concern::kNone, part.columns_permille[3]);
+  visit("columns_permille_04", FieldKind::kValue, Concern::kNone, part.columns_permille[4]);
+  visit("columns_permille_05", FieldKind::kValue, Concern::kNone, part.columns_permille[5]);
+  visit("columns_permille_06", FieldKind::kValue, Concern::kNone, part.columns_permille[6]);
+  visit("columns_permille_07", FieldKind::kValue, Concern::kNone, part.columns_permille[7]);
+  visit("columns_permille_08", FieldKind::kValue, Concern::kNone, part.columns_permille[8]);
+  visit("columns_permille_09", FieldKind::kValue, Concern::kNone, part.columns_permille[9]);
+  visit("columns_permille_10", FieldKind::kValue, Concern::kNone, part.columns_permille[10]);
+  visit("columns_permille_11", FieldKind::kValue, Concern::kNone, part.columns_permille[11]);
+  visit("columns_permille_12", FieldKind::kValue, Concern::kNone, part.columns_permille[12]);
+  visit("columns_permille_13", FieldKind::kValue, Concern::kNone, part.columns_permille[13]);
+  visit("columns_permille_14", FieldKind::kValue, Concern::kNone, part.columns_permille[14]);
+  visit("columns_permille_15", FieldKind::kValue, Concern::kNone, part.columns_permille[15]);
+  visit("returns_permille_00", FieldKind::kValue, Concern::kNone, part.returns_permille[0]);
+  visit("returns_permille_01", FieldKind::kValue, Concern::kNone, part.returns_permille[1]);
+  visit("returns_permille_02", FieldKind::kValue, Concern::kNone, part.returns_permille[2]);
+  visit("returns_permille_03", FieldKind::kValue, Concern::kNone, part.returns_permille[3]);
+  visit("returns_permille_04", FieldKind::kValue, Concern::kNone, part.returns_permille[4]);
+  visit("returns_permille_05", FieldKind::kValue, Concern::kNone, part.returns_permille[5]);
+  visit("returns_permille_06", FieldKind::kValue, Concern::kNone, part.returns_permille[6]);
+  visit("returns_permille_07", FieldKind::kValue, Concern::kNone, part.returns_permille[7]);
+  visit("returns_permille_08", FieldKind::kValue, Concern::kNone, part.returns_permille[8]);
+  visit("returns_permille_09", FieldKind::kValue, Concern::kNone, part.returns_permille[9]);
+  visit("returns_permille_10", FieldKind::kValue, Concern::kNone, part.returns_permille[10]);
+  visit("returns_permille_11", FieldKind::kValue, Concern::kNone, part.returns_permille[11]);
+  visit("returns_permille_12", FieldKind::kValue, Concern::kNone, part.returns_permille[12]);
+  visit("returns_permille_13", FieldKind::kValue, Concern::kNone, part.returns_permille[13]);
+  visit("returns_permille_14", FieldKind::kValue, Concern::kNone, part.returns_permille[14]);
+  visit("returns_permille_15", FieldKind::kValue, Concern::kNone, part.returns_permille[15]);
+}
+
+template <typename Part, typename Visit>
 constexpr void VisitIns(Part& part, Visit& visit) {
   HP_STATUS_ENTRY(mode, kInsMode, kProblem);
   HP_STATUS_FLAG(gnss_fix, kExpected);
@@ -400,6 +444,8 @@ constexpr void VisitStatus(Report& report, Visit& visit) {
   VisitPlan(report.plan, visit);
   visit.BeginGroup("safety");
   VisitSafety(report.safety, visit);
+  visit.BeginGroup("sight");
+  VisitSight(report.sight, visit);
   visit.BeginGroup("ins");
   VisitIns(report.ins, visit);
   visit.BeginGroup("left_drive");

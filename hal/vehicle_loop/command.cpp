@@ -30,6 +30,9 @@ SupervisorInput VehicleLoop::Situation(const TickInput& input) const {
   SupervisorInput situation;
   situation.now_ns = now_ns_;
   situation.lidar_ns = lidar_ns_;
+  const SightLook look = OldestLook();
+  situation.look_ns = look.time_ns;
+  situation.blind_by = BlindBy(look);
   // Of the wheel speeds themselves, since a tick may have used old ones; seen from the tick before,
   // as the drives are when nothing comes from them: their silence is told rather than its effect.
   const uint64_t wheels_ns = drives_.feedback(now_ns_).time_ns + now_ns_ - before_ns_;

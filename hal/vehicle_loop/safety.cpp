@@ -58,6 +58,7 @@ void VehicleLoop::TestReturns(bool are_new) {
   for (const int16_t slot : mapper_.fresh()) {
     if (are_new && !goals_.empty()) reaction_.Filed(mapper_.ring().column(slot).time_ns);
     TestColumn(slot, max_range_mm);
+    if (are_new) WatchMount(slot);
   }
 }
 
@@ -189,7 +190,8 @@ StopReason VehicleLoop::HeldBy() const {
 }
 
 // How old what is known of the ground ahead will be when a plan that begins now is driven: the age
-// of the oldest newest column among those that looked along the path, and what a plan takes.
+// of the oldest newest column among those that looked along the path, and what a plan takes. Where
+// none did for long the vehicle stops by itself once that is as old as a look may be.
 float VehicleLoop::ReactionTime() const {
   const CommittedPlan& plan = replanner_.committed();
   if (plan.number == 0) return 0.0f;
@@ -202,7 +204,7 @@ float VehicleLoop::ReactionTime() const {
     const Pose2 place = StateAt(plan, replanner_.place().along_m + ahead_m).pose;
     const uint64_t seen_ns = mapper_.NewestLook_ns({place.x_m - here.x_m, place.y_m - here.y_m});
     const float age_s = seen_ns == 0
-                            ? config_.onboard.safety.max_lidar_age_s
+                            ? config_.onboard.safety.max_look_age_s
                             : (seen_ns < now_ns_ ? SecondsBetween(seen_ns, now_ns_) : 0.0f);
     oldest_s = Max(oldest_s, age_s);
   }

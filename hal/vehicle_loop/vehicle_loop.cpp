@@ -65,6 +65,7 @@ Status VehicleLoop::Configure(const VehicleConfig& config) {
   }
   if (IsUsable(status) && !KeepsUpWithLidar()) status = Status::kParameterOutOfRange;
   if (IsUsable(status)) status = ConfigureMapper();
+  if (IsUsable(status)) status = ConfigureSight();
   configured_ = IsUsable(status);
   return status;
 }
@@ -122,6 +123,7 @@ Status VehicleLoop::Tick(const TickInput& input, TickOutput& output) {
   TakeDatagrams(input, InputSource::kLidar);
   mapper_.Advance(now_ns_);
   TestReturns(true);
+  AdvanceMount();
   TakeCommand(input.command, output);
   FollowEarth();
   AdvanceGoal();
@@ -287,6 +289,7 @@ Status VehicleLoop::TakeLidar(std::span<const uint8_t> bytes) {
       continue;
     }
     if (time_ns.value() > lidar_ns_) lidar_ns_ = time_ns.value();
+    sight_.Take(column_, time_ns.value());
     TestReturns(true);
   }
   return Status::kOk;

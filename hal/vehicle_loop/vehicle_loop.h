@@ -19,6 +19,8 @@
 #include "core/safety/corridor.h"
 #include "core/safety/motion_watch.h"
 #include "core/safety/supervisor.h"
+#include "core/scan/mount_watch.h"
+#include "core/scan/sight_watch.h"
 #include "core/segmentation/label_table.h"
 #include "core/timebase/timebase.h"
 #include "core/tracking/tracking.h"
@@ -137,6 +139,10 @@ class VehicleLoop {
   const CommandGate& gate() const { return gate_; }
   const MotionWatch& motion() const { return motion_; }
   const ReactionMeter& reaction() const { return reaction_; }
+  const SightWatch& sight() const { return sight_; }
+  const MountWatch& mount() const { return mount_; }
+  // As the supervisor has it: how long ago the way ahead was looked along.
+  SightLook OldestLook() const;
   const Odometry& odometry() const { return odometry_; }
   const MapFromOdom& map_from_odom() const { return map_from_odom_; }
   const Timebase& lidar_time() const { return lidar_time_; }
@@ -221,6 +227,14 @@ class VehicleLoop {
   void NoteRound(bool was_busy, bool is_judged);
   WheelCommand PassGate();
 
+  // Whether the lidar sees where the vehicle goes (sight.cpp).
+  Status ConfigureSight();
+  bool TurnsNext() const;
+  void WatchMount(int slot);
+  void AdvanceMount();
+  void LookAt(const Pose2& place, SightLook& oldest) const;
+  StopReason BlindBy(const SightLook& look) const;
+
   bool configured_ = false;
   uint64_t index_ = 0;
   uint64_t now_ns_ = 0;
@@ -269,6 +283,8 @@ class VehicleLoop {
   CommandGate gate_;
   MotionWatch motion_;
   ReactionMeter reaction_;
+  SightWatch sight_;
+  MountWatch mount_;
   StopReason no_way_ = StopReason::kNone;  // as the last round found
   uint32_t round_tick_ = 0;                // in which the round began
   uint32_t seen_plan_ = 0;                 // number and check of the plan that the corridor is of

@@ -46,6 +46,10 @@ constexpr CodeName kStopReasonNames[] = {
     {"wrong_turn", "it turns against its command", true},
     {"stuck", "it was told to move, and does not", true},
     {"bad_command", "a command was no number", true},
+    {"blind_ahead", "the lidar has not looked along the way lately", true},
+    {"lidar_covered", "the lidar's window is covered, or nothing comes back ahead", true},
+    {"lidar_frozen", "the lidar sends the same image again", true},
+    {"lidar_turned", "the lidar has turned in its mount", true},
     {"wheel_spin", "the wheels do not hold the ground", true},
 };
 static_assert(std::size(kStopReasonNames) == kStopReasons);

@@ -110,7 +110,8 @@ ReadOutcome WireRun::Open() {
   Configuration configuration;
   ReadOutcome outcome = DescribeMission(settings_.mission, vehicle, configuration);
   if (!outcome.ok()) return outcome;
-  outcome = sim::ParseScript(settings_.mission.script, "script", script_);
+  outcome = sim::ParseScript(settings_.mission.scenario.script + settings_.mission.script, "script",
+                             script_);
   if (!outcome.ok()) return outcome;
   if (!settings_.write_configuration.empty()) {
     outcome = WriteConfiguration(settings_, vehicle, configuration);

@@ -242,6 +242,65 @@ MaybeAction LidarClock(const Words& words) {
   };
 }
 
+MaybeAction LidarBlind(const Words& words) {
+  static const std::map<std::string, SectorFault> kFaults = {{"none", SectorFault::kNone},
+                                                             {"lost", SectorFault::kLost},
+                                                             {"invalid", SectorFault::kInvalid},
+                                                             {"dark", SectorFault::kDark},
+                                                             {"covered", SectorFault::kCovered}};
+  const auto from_deg = Real(words[0]);
+  const auto to_deg = Real(words[1]);
+  const auto found = kFaults.find(words[2]);
+  if (!from_deg || !to_deg || found == kFaults.end()) return std::nullopt;
+  return [=, fault = found->second](ScriptedVehicle& scripted) {
+    LidarFaults& faults = scripted.lidar().faults();
+    faults.sector = fault;
+    faults.from_deg = *from_deg;
+    faults.to_deg = *to_deg;
+  };
+}
+
+MaybeAction LidarFrozen(const Words& words) {
+  const auto on = Switch(words[0]);
+  if (!on) return std::nullopt;
+  return [on = *on](ScriptedVehicle& scripted) { scripted.lidar().faults().frozen = on; };
+}
+
+MaybeAction LidarTurned(const Words& words) {
+  double angle_rad[3] = {};
+  for (size_t i = 0; i < 3; ++i) {
+    const auto angle_deg = Real(words[i]);
+    if (!angle_deg || std::abs(*angle_deg) > 180.0) return std::nullopt;
+    angle_rad[i] = *angle_deg * world::kPi / 180.0;
+  }
+  return
+      [yaw = angle_rad[0], pitch = angle_rad[1], roll = angle_rad[2]](ScriptedVehicle& scripted) {
+        LidarFaults& faults = scripted.lidar().faults();
+        faults.turned_yaw_rad = yaw;
+        faults.turned_pitch_rad = pitch;
+        faults.turned_roll_rad = roll;
+      };
+}
+
+MaybeAction LabelsAre(const Words& words) {
+  const auto code = Bounded<uint8_t>(words[0]);
+  if (!code) return std::nullopt;
+  return [code = *code](ScriptedVehicle& scripted) {
+    if (scripted.labels()) scripted.labels()->settings().all_are = code;
+  };
+}
+
+MaybeAction LabelsMistake(const Words& words) {
+  const auto code = Bounded<uint8_t>(words[0]);
+  const auto said = Bounded<uint8_t>(words[1]);
+  if (!code || !said) return std::nullopt;
+  return [code = *code, said = *said](ScriptedVehicle& scripted) {
+    if (!scripted.labels()) return;
+    scripted.labels()->settings().mistaken = code;
+    scripted.labels()->settings().mistaken_for = said;
+  };
+}
+
 MaybeAction InsCut(const Words& words) {
   const auto bytes = Bounded<uint16_t>(words[0]);
   if (!bytes) return std::nullopt;
@@ -263,6 +322,22 @@ MaybeAction AddBox(const Words& words) {
   if (!x_m || !y_m || !size_m || !height_m || *size_m <= 0.0) return std::nullopt;
   return [=](ScriptedVehicle& scripted) {
     world::AddBoxOnGround(scripted.world(), {*x_m, *y_m}, 0.0, *size_m, *size_m, *height_m,
+                          world::kThing);
+  };
+}
+
+MaybeAction AddBoxAhead(const Words& words) {
+  const auto ahead_m = Real(words[0]);
+  const auto left_m = Real(words[1]);
+  const auto size_m = Real(words[2]);
+  const auto height_m = Real(words[3]);
+  if (!ahead_m || !left_m || !size_m || !height_m || *size_m <= 0.0) return std::nullopt;
+  return [=](ScriptedVehicle& scripted) {
+    const Pose& pose = scripted.vehicle().pose();
+    const world::Turn heading = world::TurnOf(pose.theta_rad);
+    const world::Point2 place = {pose.x_m + heading.cos * *ahead_m - heading.sin * *left_m,
+                                 pose.y_m + heading.sin * *ahead_m + heading.cos * *left_m};
+    world::AddBoxOnGround(scripted.world(), place, pose.theta_rad, *size_m, *size_m, *height_m,
                           world::kThing);
   };
 }
@@ -343,6 +418,11 @@ void AddSensorCommands(std::map<std::string, Command>& commands) {
         1, 1, [sensor = sensor](const Words& words) { return Reorder(words, sensor); }};
   }
   commands["lidar-clock"] = {1, 1, LidarClock};
+  commands["lidar-blind"] = {3, 3, LidarBlind};
+  commands["lidar-frozen"] = {1, 1, LidarFrozen};
+  commands["lidar-turned"] = {3, 3, LidarTurned};
+  commands["labels-are"] = {1, 1, LabelsAre};
+  commands["labels-mistake"] = {2, 2, LabelsMistake};
   commands["ins-cut"] = {1, 1, InsCut};
   commands["ins-mode"] = {1, 1, InsMode};
   commands["ins-jump"] = {2, 2, [](const Words& words) {
@@ -366,6 +446,7 @@ const std::map<std::string, Command>& Commands() {
     made["can-frame"] = {1, 3, ForeignFrame};
     made["bus-error"] = {1, 1, ReportBusError};
     made["box"] = {4, 4, AddBox};
+    made["box-ahead"] = {4, 4, AddBoxAhead};
     made["world"] = {1, 2, SelectWorld};
     made["quit"] = {0, 0, [](const Words&) -> MaybeAction {
                       return [](ScriptedVehicle& scripted) { scripted.Quit(); };

@@ -46,11 +46,21 @@
 //   lidar-reorder N, ins-reorder N                 N at a time, in an order drawn; 0: no longer
 //   lidar-restart                its clock, its frame count and its init id begin anew
 //   lidar-clock MS               its clock jumps ahead by so much; negative: back
+//   lidar-blind FROM TO HOW      from one direction of the body anticlockwise to the other
+//   [degree],
+//                                ahead is 0: lost (its packets are), invalid (its columns say so),
+//                                dark (nothing comes back), covered (everything from the window),
+//                                or none: no longer
+//   lidar-frozen SWITCH          each column says again what it said in the revolution before
+//   lidar-turned YAW PITCH ROLL  its mount, so many degrees from where it is said to be
+//   labels-are CODE              every return is named so; 0: no longer
+//   labels-mistake CODE FOR      returns of one class are named as another; 0 0: no longer
 //   ins-cut BYTES                datagrams of 1 .. BYTES bytes; 0: one a message
 //   ins-mode MODE                InsStatus, 0 .. 3
 //   ins-jump NORTH EAST          its positions are so many metres off, from now on
 //   ins-drift NORTH EAST         and so many metres a second more; 0 0: no further
 //   box X Y SIZE HEIGHT          appears in the world
+//   box-ahead AHEAD LEFT SIZE HEIGHT    the same, so many metres from where the vehicle then is
 //   world NAME [SEED]            the world is another one (tools/world/named_worlds.h)
 //   quit                         ends the simulation
 

@@ -94,6 +94,7 @@ class ScriptedVehicle {
   const SimVehicle& vehicle() const { return vehicle_; }
   SimLidar& lidar() { return lidar_; }
   SimIns& ins() { return ins_; }
+  std::optional<SimLabels>& labels() { return labels_; }
   world::World& world() { return world_; }
   const world::World& world() const { return world_; }
   SensorFaults& faults(Sensor sensor) { return sensor_faults_[static_cast<size_t>(sensor)]; }

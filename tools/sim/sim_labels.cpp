@@ -55,6 +55,8 @@ void SimLabels::Send() {
 // Nothing that came back stays nothing.
 uint8_t SimLabels::Named(uint8_t label, uint64_t index) const {
   const uint64_t key = world::KeyOf(settings_.seed, world::Stream::kLabel);
+  if (label != 0 && settings_.all_are != 0) return settings_.all_are;
+  if (label != 0 && label == settings_.mistaken) return settings_.mistaken_for;
   if (label == 0 || world::DrawUniform(key, 2 * index) < settings_.accuracy) return label;
   const uint8_t other = kNames[world::DrawBits(key, 2 * index + 1) % kNames.size()];
   return other != label ? other : kNames[(world::DrawBits(key, 2 * index + 1) + 1) % kNames.size()];

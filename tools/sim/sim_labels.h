@@ -17,6 +17,10 @@ struct LabelSettings {
   double delay_s = 0.06;  // from a datagram's last column to its sending
   int columns = 16;       // in a datagram, 1 .. 64
   uint32_t seed = 1;
+  // Faults: every return gets this name; and a return of one class gets that of another. 0: not.
+  uint8_t all_are = 0;
+  uint8_t mistaken = 0;
+  uint8_t mistaken_for = 0;
 };
 
 class SimLabels {

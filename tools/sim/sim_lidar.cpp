@@ -128,13 +128,14 @@ void SimLidar::Advance(uint64_t now_ns, const world::BodyPose& pose, const world
         settings_.clock_start_ns + since_ns + static_cast<uint64_t>(std::llround(drift_ns));
     CastOne(id, PoseAt(time_ns, now_ns, pose), world,
             static_cast<double>(time_ns - first_start_ns_) * 1.0e-9);
+    Spoil(id);
     AppendColumn(id, stamp_ns);
     if (truth != nullptr) truth->push_back({time_ns, stamp_ns, frame_id_, id, labels_});
     ++columns_sent_;
     ++columns_cast_;
     if (columns_sent_ % kColumnsPerPacket != 0) continue;
     EndPacket();
-    packets.push_back(packet_);
+    if (!loses_packet_) packets.push_back(packet_);
   }
   has_pose_ = true;
   pose_ns_ = now_ns;
@@ -163,9 +164,12 @@ void SimLidar::CastOne(uint32_t measurement_id, const world::BodyPose& pose,
   // In the lidar frame the encoder turns clockwise; the sensor frame is half a turn from it.
   const Turn encoder =
       TurnOf(2.0 * kPi * (1.0 - static_cast<double>(measurement_id) / settings_.columns) + kPi +
-             settings_.yaw_rad);
+             settings_.yaw_rad + faults_.turned_yaw_rad);
   const world::Rotation to_world =
       world::Rotation::FromAngles(pose.roll_rad, pose.pitch_rad, pose.yaw_rad);
+  const bool is_tilted = faults_.turned_pitch_rad != 0.0 || faults_.turned_roll_rad != 0.0;
+  const world::Rotation tilt =
+      world::Rotation::FromAngles(faults_.turned_roll_rad, faults_.turned_pitch_rad, 0.0);
   const double n_m = settings_.beams.origin_to_beam_m;
   const Vector offset =
       to_world.Apply({settings_.x_m + n_m * encoder.cos, settings_.y_m + n_m * encoder.sin,
@@ -180,8 +184,10 @@ void SimLidar::CastOne(uint32_t measurement_id, const world::BodyPose& pose,
   for (size_t beam = 0; beam < kBeams; ++beam) {
     const uint64_t index = columns_cast_ * kBeams + beam;
     const Vector& d = beams_[beam];
-    ray.direction = to_world.Apply(off.Apply({encoder.cos * d.x_m - encoder.sin * d.y_m,
-                                              encoder.sin * d.x_m + encoder.cos * d.y_m, d.z_m}));
+    Vector along = {encoder.cos * d.x_m - encoder.sin * d.y_m,
+                    encoder.sin * d.x_m + encoder.cos * d.y_m, d.z_m};
+    if (is_tilted) along = tilt.Apply(along);
+    ray.direction = to_world.Apply(off.Apply(along));
     ray.key = world::DrawBits(foliage_key_, index);
     const world::Hit hit = world.Cast(ray, people);
     ranges_mm_[beam] = hit.any() ? Measured_mm(hit.range_m + n_m, index) : 0;
@@ -203,8 +209,43 @@ uint32_t SimLidar::Measured_mm(double range_m, uint64_t index) const {
   return static_cast<uint32_t>(std::lround(1000.0 * std::max(measured_m, 0.1)));
 }
 
+// By where it looks at the level, the turn of its mount left out.
+bool SimLidar::IsInSector(uint32_t measurement_id) const {
+  if (faults_.sector == SectorFault::kNone) return false;
+  const double turns = 1.5 - static_cast<double>(measurement_id) / settings_.columns;
+  const double angle_deg = 360.0 * turns + settings_.yaw_rad * 180.0 / kPi;
+  const auto wrapped = [](double deg) { return deg - 360.0 * std::floor(deg / 360.0); };
+  return wrapped(angle_deg - faults_.from_deg) <= wrapped(faults_.to_deg - faults_.from_deg);
+}
+
+// The column under way, as a sensor with these faults says it.
+void SimLidar::Spoil(uint32_t measurement_id) {
+  said_.resize(static_cast<size_t>(settings_.columns));
+  Returns& said = said_[measurement_id];
+  if (faults_.frozen) {
+    ranges_mm_ = said.ranges_mm;
+    reflectivities_ = said.reflectivities;
+  } else {
+    said = {ranges_mm_, reflectivities_};
+  }
+  if (!IsInSector(measurement_id)) return;
+  if (faults_.sector == SectorFault::kLost) loses_packet_ = true;
+  if (faults_.sector == SectorFault::kDark) {
+    ranges_mm_.fill(0);
+    reflectivities_.fill(0);
+  }
+  if (faults_.sector == SectorFault::kCovered) {
+    constexpr uint32_t kWindow_mm = 60;
+    for (size_t beam = 0; beam < kBeams; ++beam) {
+      const uint64_t index = columns_cast_ * kBeams + beam;
+      ranges_mm_[beam] = kWindow_mm + static_cast<uint32_t>(world::DrawBits(range_key_, index) % 9);
+    }
+  }
+}
+
 void SimLidar::BeginPacket() {
   packet_.clear();
+  loses_packet_ = false;
   if (settings_.profile == LidarProfile::kLegacy) return;
   Append(packet_, uint16_t{1});  // a lidar packet
   Append(packet_, frame_id_);
@@ -215,6 +256,7 @@ void SimLidar::BeginPacket() {
 
 void SimLidar::AppendColumn(uint16_t measurement_id, uint64_t time_ns) {
   const bool legacy = settings_.profile == LidarProfile::kLegacy;
+  const bool is_valid = faults_.sector != SectorFault::kInvalid || !IsInSector(measurement_id);
   Append(packet_, time_ns);
   Append(packet_, measurement_id);
   if (legacy) {
@@ -222,7 +264,7 @@ void SimLidar::AppendColumn(uint16_t measurement_id, uint64_t time_ns) {
     Append(packet_,
            kTicksPerRevolution / static_cast<uint32_t>(settings_.columns) * measurement_id);
   } else {
-    Append(packet_, uint16_t{1});  // valid
+    Append(packet_, uint16_t{is_valid ? uint16_t{1} : uint16_t{0}});
   }
   for (size_t beam = 0; beam < kBeams; ++beam) {
     Append(packet_, ranges_mm_[beam]);
@@ -231,7 +273,7 @@ void SimLidar::AppendColumn(uint16_t measurement_id, uint64_t time_ns) {
     Append(packet_, uint16_t{300});  // near infrared
     Append(packet_, uint16_t{0});
   }
-  if (legacy) Append(packet_, uint32_t{0xffffffff});
+  if (legacy) Append(packet_, is_valid ? uint32_t{0xffffffff} : uint32_t{0});
 }
 
 void SimLidar::EndPacket() {

@@ -62,6 +62,27 @@ struct LidarSettings {
 // 1 cm near by and 3 cm at 50 m, a return in a hundred lost.
 LidarSettings NoisyLidar();
 
+// What is wrong with the sensor, from now on.
+enum class SectorFault : uint8_t {
+  kNone,
+  kLost,     // packets with a column of the sector are not sent
+  kInvalid,  // its columns are marked as such, by what they say of themselves
+  kDark,     // nothing comes back: a cover that swallows the light
+  kCovered,  // everything comes back from the window
+};
+
+struct LidarFaults {
+  SectorFault sector = SectorFault::kNone;
+  // From one direction of the body frame anticlockwise to the other, ahead is 0.
+  double from_deg = 0.0;
+  double to_deg = 0.0;
+  bool frozen = false;  // each column says again what it said in the revolution before
+  // Of its mount, besides what the settings say, about its own axes.
+  double turned_yaw_rad = 0.0;
+  double turned_pitch_rad = 0.0;
+  double turned_roll_rad = 0.0;
+};
+
 // What a column met in truth, for SimLabels.
 struct CastColumn {
   uint64_t time_ns = 0;        // of ours
@@ -91,6 +112,8 @@ class SimLidar {
   // Its clock goes on from another time, and everything else as before.
   void JumpClock(int64_t jump_ns);
 
+  LidarFaults& faults() { return faults_; }
+
   std::string MetadataJson() const;
   const LidarSettings& settings() const { return settings_; }
 
@@ -100,12 +123,23 @@ class SimLidar {
   void CastOne(uint32_t measurement_id, const world::BodyPose& pose, const world::World& world,
                double time_s);
   void AppendColumn(uint16_t measurement_id, uint64_t time_ns);
+  bool IsInSector(uint32_t measurement_id) const;
+  void Spoil(uint32_t measurement_id);
   void BeginPacket();
   void EndPacket();
   uint32_t Measured_mm(double range_m, uint64_t index) const;
 
+  // What a column says.
+  struct Returns {
+    std::array<uint32_t, kBeams> ranges_mm = {};
+    std::array<uint8_t, kBeams> reflectivities = {};
+  };
+
   LidarSettings settings_;
-  uint64_t foliage_key_;  // of the random numbers
+  LidarFaults faults_;
+  std::vector<Returns> said_;  // by each column, the last time
+  bool loses_packet_ = false;  // the one under way
+  uint64_t foliage_key_;       // of the random numbers
   uint64_t range_key_;
   uint64_t drop_out_key_;
   std::array<world::Vector, kBeams> beams_;  // directions in the lidar frame, encoder at 0

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "tools/world/blind.h"
 #include "tools/world/features.h"
 #include "tools/world/low_world.h"
 #include "tools/world/thicket.h"
@@ -314,6 +315,11 @@ ReadOutcome MakeScenario(std::string_view name, uint64_t seed, Scenario& scenari
     }
     names += (names.empty() ? "" : ", ") + std::string(maker.name);
   }
+  if (MakeBlind(name, seed, scenario)) {
+    scenario.start = StandingPose(scenario.world, 0.0, 0.0, 0.0);
+    return {};
+  }
+  for (const std::string& blind : BlindNames()) names += ", " + blind;
   return {Status::kInvalidArgument,
           "there is no world '" + std::string(name) + "'; there are " + names};
 }

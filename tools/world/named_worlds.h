@@ -38,6 +38,7 @@ struct Scenario {
   double mount_roll_rad = 0.0;
   double mount_pitch_rad = 0.0;
   double brake_pitch_rad = 0.0;
+  std::string script;  // what happens (tools/sim/script.h), at times from the goal's acceptance
 };
 
 // gap, rock_pile, hill, forest, corridor, crossing, dead_end, ditch, open, thicket, tight_start,

@@ -17,6 +17,7 @@ struct Vehicle {
   SupervisorInput input;
   Permission permission;
   bool lidar_comes = true;
+  bool look_comes = true;
   bool odometry_comes = true;
   bool ins_comes = true;
   bool plan_is_checked = true;
@@ -39,6 +40,7 @@ struct Vehicle {
   Permission Tick(const OperatorWishes& wishes = {}) {
     input.now_ns += kTick_ns;
     if (lidar_comes) input.lidar_ns = input.now_ns;
+    if (look_comes) input.look_ns = input.now_ns;
     if (odometry_comes) input.odometry_ns = input.now_ns;
     if (ins_comes) input.ins_ns = input.now_ns;
     if (plan_is_checked) input.plan_checked_ns = input.now_ns;

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scan/mount_watch.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace hardpack {
+namespace {
+
+constexpr uint64_t kTick_ns = 10'000'000;
+
+// Ground returns around the vehicle, each so far above the map's ground.
+struct Ground {
+  MountWatch watch;
+  uint64_t now_ns = 1'000'000'000;
+  std::minstd_rand random{3};
+
+  template <typename Step>
+  void Ticks(int count, Step&& step, int returns = 20) {
+    for (int tick = 0; tick < count; ++tick) {
+      now_ns += kTick_ns;
+      for (int i = 0; i < returns; ++i) {
+        const double angle = static_cast<double>(random() % 6283u) / 1000.0;
+        const double way_m = 4.0 + static_cast<double>(random() % 6000u) / 1000.0;
+        const auto x_m = static_cast<float>(way_m * std::cos(angle));
+        const auto y_m = static_cast<float>(way_m * std::sin(angle));
+        const float noise_m = static_cast<float>(random() % 100u) * 0.001f;
+        watch.Add({x_m, y_m}, step(x_m, y_m) + noise_m);
+      }
+      watch.Advance(now_ns);
+    }
+  }
+};
+
+TEST(MountWatch, ASensorThatSitsStillHasNotTurned) {
+  Ground ground;
+  ground.Ticks(1000, [](float, float) { return 0.0f; });
+  EXPECT_FALSE(ground.watch.has_turned());
+  EXPECT_LT(ground.watch.tilt_rad(), 0.01f);
+  // The odometry's height drifts: everything lies higher. That is no turn.
+  ground.Ticks(100, [](float, float) { return 0.4f; });
+  EXPECT_FALSE(ground.watch.has_turned());
+}
+
+// SR-SEE05: a turn by 5 degrees in its mount is told within 0.5 s, although where the ground seems
+// to sink the map has sunk with it.
+TEST(MountWatch, ATurnIsToldWithinHalfASecond) {
+  for (const float side : {-1.0f, 1.0f}) {
+    for (const bool is_pitch : {true, false}) {
+      Ground ground;
+      ground.Ticks(100, [](float, float) { return 0.0f; });
+      const auto tilted = [&](float x_m, float y_m) {
+        return std::max(0.0f, side * 0.087f * (is_pitch ? x_m : y_m));
+      };
+      ground.Ticks(50, tilted);
+      EXPECT_TRUE(ground.watch.has_turned());
+      EXPECT_GT(ground.watch.turned_since_ns(), 1'950'000'000u);
+      ground.Ticks(100, [](float, float) { return 0.0f; });
+      EXPECT_TRUE(ground.watch.has_turned()) << "until somebody has looked at it";
+      ground.watch.Reset();
+      EXPECT_FALSE(ground.watch.has_turned());
+    }
+  }
+}
+
+TEST(MountWatch, ABumpIsNoTurn) {
+  Ground ground;
+  for (int bump = 0; bump < 20; ++bump) {
+    ground.Ticks(80, [](float, float) { return 0.0f; });
+    ground.Ticks(20, [](float x_m, float) { return std::max(0.0f, 0.1f * x_m); });
+  }
+  EXPECT_FALSE(ground.watch.has_turned());
+}
+
+TEST(MountWatch, TooFewOrUnusableReturnsSayNothing) {
+  Ground ground;
+  ground.Ticks(
+      200, [](float x_m, float) { return 0.2f * x_m; }, 2);
+  EXPECT_FALSE(ground.watch.has_turned());
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  for (int i = 0; i < 1000; ++i) {
+    ground.watch.Add({kNan, 1.0f}, 0.0f);
+    ground.watch.Add({1.0f, 1.0f}, kNan);
+    ground.watch.Add({1.0f, 1.0f}, 50.0f);
+    ground.watch.Add({1.0f, 1.0f}, 0.5f);  // all at one place
+    ground.now_ns += kTick_ns;
+    ground.watch.Advance(ground.now_ns);
+  }
+  EXPECT_FALSE(ground.watch.has_turned());
+}
+
+}  // namespace
+}  // namespace hardpack
