@@ -16,9 +16,6 @@ void MountWatch::Add(Vec2 place_body, float step_m) {
   const bool is_usable = IsFinite(x_m) && IsFinite(y_m) && Abs(step_m) <= kMaxStep_m;
   if (!is_usable) return;
   ++returns_;
-  sum_[0] += x_m;
-  sum_[1] += y_m;
-  sum_[2] += step_m;
   product_[0] += x_m * x_m;
   product_[1] += x_m * y_m;
   product_[2] += y_m * y_m;
@@ -32,21 +29,20 @@ void MountWatch::Advance(uint64_t now_ns) {
   Judge(begun_ns_);
   begun_ns_ = now_ns;
   returns_ = 0;
-  HP_LOOP_BOUND(3)
-  for (float& sum : sum_) sum = 0.0f;
   HP_LOOP_BOUND(5)
   for (float& product : product_) product = 0.0f;
 }
 
-// Least squares of step = a + slope . place. Returns of a line of places tell nothing.
+// Least squares of step = slope . place: the plane goes through where the vehicle stands, so that a
+// side that lies as it did does not hide the other one. Returns of a line of places tell nothing.
 void MountWatch::Judge(uint64_t begun_ns) {
   if (returns_ < kLeastReturns) return;
   const float share = 1.0f / static_cast<float>(returns_);
-  const float xx = share * product_[0] - share * sum_[0] * share * sum_[0];
-  const float xy = share * product_[1] - share * sum_[0] * share * sum_[1];
-  const float yy = share * product_[2] - share * sum_[1] * share * sum_[1];
-  const float xs = share * product_[3] - share * sum_[0] * share * sum_[2];
-  const float ys = share * product_[4] - share * sum_[1] * share * sum_[2];
+  const float xx = share * product_[0];
+  const float xy = share * product_[1];
+  const float yy = share * product_[2];
+  const float xs = share * product_[3];
+  const float ys = share * product_[4];
   constexpr float kLeastSpread_m4 = 4.0f;
   const float determinant = xx * yy - xy * xy;
   if (!(determinant > kLeastSpread_m4)) return;

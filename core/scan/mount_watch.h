@@ -21,7 +21,7 @@ class MountWatch {
  public:
   static constexpr uint64_t kWindow_ns = 100'000'000;
   // Beyond this tilt ...
-  static constexpr float kLimit_rad = 0.04f;
+  static constexpr float kLimit_rad = 0.03f;
   // ... for so many windows in a row, each of so many returns: turned.
   static constexpr int kWindows = 3;
   static constexpr int kLeastReturns = 60;
@@ -48,7 +48,6 @@ class MountWatch {
 
   uint64_t begun_ns_ = 0;  // of the window; 0: none yet
   int32_t returns_ = 0;
-  float sum_[3] = {};      // of x, y, step
   float product_[5] = {};  // of xx, xy, yy, x step, y step
   int32_t windows_ = 0;    // beyond the limit, in a row ...
   uint64_t since_ns_ = 0;  // ... since then

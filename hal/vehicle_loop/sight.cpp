@@ -47,7 +47,9 @@ SightLook VehicleLoop::OldestLook() const {
   }
   const CommittedPlan& plan = replanner_.committed();
   if (plan.number == 0) {
-    if (sight_.newest_ns() < oldest.time_ns) oldest = {sight_.newest_ns(), SightCause::kSilent};
+    // A fault that is known tells more than that nothing is seen.
+    if (oldest.cause == SightCause::kNone) oldest.cause = SightCause::kSilent;
+    if (sight_.newest_ns() < oldest.time_ns) oldest.time_ns = sight_.newest_ns();
     return oldest;
   }
   if (TurnsNext()) {

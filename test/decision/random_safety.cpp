@@ -49,7 +49,7 @@ void Disturb(Random& random, SupervisorInput& input) {
   flip(input.has_path, true);
   flip(input.arrived, false);
   flip(input.ahead_is_person, false);
-  for (uint64_t* time_ns : {&input.lidar_ns, &input.odometry_ns, &input.ins_ns,
+  for (uint64_t* time_ns : {&input.lidar_ns, &input.look_ns, &input.odometry_ns, &input.ins_ns,
                             &input.plan_checked_ns, &input.operator_ns}) {
     if (Seldom(random, 3)) *time_ns = input.now_ns;
     age(*time_ns);

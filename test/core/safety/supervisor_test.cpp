@@ -96,6 +96,12 @@ TEST(Supervisor, SaysWhyItDoesNotArm) {
   };
   const Case cases[] = {
       {StopReason::kLidarOld, [](Vehicle& v) { v.lidar_comes = false; }},
+      {StopReason::kBlindAhead, [](Vehicle& v) { v.look_comes = false; }},
+      {StopReason::kLidarCovered,
+       [](Vehicle& v) {
+         v.look_comes = false;
+         v.input.blind_by = StopReason::kLidarCovered;
+       }},
       {StopReason::kOdometryOld, [](Vehicle& v) { v.odometry_comes = false; }},
       {StopReason::kInsOld, [](Vehicle& v) { v.ins_comes = false; }},
       {StopReason::kBus, [](Vehicle& v) { v.input.bus_active = false; }},
@@ -321,6 +327,7 @@ TEST(Supervisor, StopsSafelyWhenAnInputGrowsOldAndForgetsTheGoal) {
   const SafetyParams params;
   const Case cases[] = {
       {StopReason::kLidarOld, &Vehicle::lidar_comes, params.max_lidar_age_s},
+      {StopReason::kBlindAhead, &Vehicle::look_comes, params.max_look_age_s},
       {StopReason::kOdometryOld, &Vehicle::odometry_comes, params.max_odometry_age_s},
       {StopReason::kInsOld, &Vehicle::ins_comes, params.max_ins_age_s},
       {StopReason::kPlanOld, &Vehicle::plan_is_checked, params.max_plan_age_s},
@@ -351,6 +358,36 @@ TEST(Supervisor, ZeroSpeedWhenAnInputIsFarTooOld) {
   vehicle.lidar_comes = false;
   EXPECT_EQ(vehicle.Ticks(40).motion, Motion::kStopAlong);
   EXPECT_EQ(vehicle.Ticks(55).motion, Motion::kZero);  // 0.9 s
+}
+
+// SR-SEE01: along a way that was not looked along for 3 x 0.42 s nothing is followed.
+TEST(Supervisor, ZeroSpeedWhereTheWayWasNotLookedAlongForFarTooLong) {
+  for (const StopReason by : {StopReason::kBlindAhead, StopReason::kLidarCovered,
+                              StopReason::kLidarFrozen, StopReason::kLidarTurned}) {
+    Vehicle vehicle;
+    vehicle.Drive();
+    vehicle.look_comes = false;
+    vehicle.input.blind_by = by;
+    EXPECT_EQ(vehicle.Ticks(42).mode, Mode::kDriving);
+    EXPECT_EQ(vehicle.Ticks(2).mode, Mode::kSafeStop);
+    EXPECT_EQ(vehicle.permission.reason, by);
+    EXPECT_EQ(vehicle.permission.motion, Motion::kStopAlong);
+    EXPECT_EQ(vehicle.Ticks(85).motion, Motion::kZero);  // 1.29 s
+    vehicle.input.at_rest = true;
+    vehicle.Ticks(2);
+    EXPECT_EQ(vehicle.supervisor.last_stop(), by);
+  }
+}
+
+// SR-SEE01: never looked is infinite: zero at once.
+TEST(Supervisor, ZeroSpeedWhereTheWayWasNeverLookedAlong) {
+  Vehicle vehicle;
+  vehicle.Drive();
+  vehicle.look_comes = false;
+  vehicle.input.look_ns = 0;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kZero);
+  EXPECT_EQ(vehicle.permission.mode, Mode::kSafeStop);
+  EXPECT_EQ(vehicle.permission.reason, StopReason::kBlindAhead);
 }
 
 // After ticks that were missed: in the tick in which the stop begins.
