@@ -145,7 +145,7 @@ step() {
   [ $outcome = passed ]
 }
 
-# beside <name> <command>...  a step that takes what the steps until `join` leave of the processors
+# beside <name> <command>...  a step that goes on beside those until `join`
 beside() {
   local name=$1 start=$SECONDS
   shift
@@ -153,12 +153,14 @@ beside() {
   beside_step=$begun_step
   echo
   echo "== $name, beside what follows: $*"
+  set -m  # a process group of its own, to be ended as one
   {
     outcome=passed
-    timed "$name" nice -n 19 "$@" >"$(log_of "$name")" || outcome=FAILED
+    timed "$name" "$@" >"$(log_of "$name")" || outcome=FAILED
     echo "$outcome $((SECONDS - start))" >"$logs/beside"
   } &
   beside_job=$!
+  set +m
 }
 
 join() {
@@ -170,7 +172,7 @@ join() {
   beside_job=
 }
 beside_job=
-trap '[ -z "$beside_job" ] || kill "$beside_job" 2>/dev/null || true' EXIT
+trap '[ -z "$beside_job" ] || kill -- "-$beside_job" 2>/dev/null || true' EXIT
 
 # failures_in <log>  what a reader of the end of a long output needs: the names of the tests that
 # failed and the end of what each said, or else the log's end.
@@ -209,7 +211,7 @@ tests() {
 
 if build release; then
   # Tests with a vcan run one at a time and wait most of the time.
-  beside "clang-tidy" tools/check_tidy.sh build/release
+  beside "clang-tidy" nice -n 19 tools/check_tidy.sh build/release
   tests release -LE slow
   join
 fi
@@ -228,10 +230,13 @@ if $all; then
   if $of_cortex_m7; then beside "cortex-m7 tests" ctest --preset cortex-m7 -j 1; fi
   if $of_aarch64; then tests aarch64; fi
   if $of_cortex_m7; then join; fi
+  everywhere='^decision\.equal_on_all_targets$'
   step "fuzz" tools/fuzz.sh --minutes 1 --seed 1 || true
+  # It builds with all processors, and writes: not beside a vcan.
+  step "same decisions" ctest --preset release -R "$everywhere" || true
   # One more at a time than there are processors: those with a vcan (a chain of their own) wait.
   settle
-  step "slow tests" ctest --preset release -j $((jobs + 1)) -L slow || true
+  step "slow tests" ctest --preset release -j $((jobs + 1)) -L slow -E "$everywhere" || true
 fi
 
 for name in "${failed_names[@]}"; do
