@@ -19,8 +19,10 @@ constexpr int kTurnAhead = 3;
 
 }  // namespace
 
+// With the map that it is seen into.
 Status VehicleLoop::ConfigureSight() {
   mount_.Reset();
+  if (const Status status = ConfigureMapper(); !IsUsable(status)) return status;
   const ouster::Metadata& lidar = config_.lidar;
   return sight_.Configure(config_.perception.mount, config_.onboard.safety, beam_model_,
                           lidar.columns_per_packet, lidar.column_window_first,

@@ -64,7 +64,6 @@ Status VehicleLoop::Configure(const VehicleConfig& config) {
                            lidar.sensor_from_lidar, beam_model_);
   }
   if (IsUsable(status) && !KeepsUpWithLidar()) status = Status::kParameterOutOfRange;
-  if (IsUsable(status)) status = ConfigureMapper();
   if (IsUsable(status)) status = ConfigureSight();
   configured_ = IsUsable(status);
   return status;
