@@ -62,6 +62,7 @@ Status SightWatch::Configure(const LidarMountParams& mount, const SafetyParams& 
   }
   beams_ = model.beams;
   columns_ = columns;
+  columns_per_packet_ = columns_per_packet;
   sectors_ = ClampInt(columns / columns_per_packet, kLeastSectors, kMaxSectors);
   window_mm_ = static_cast<uint32_t>(RoundToInt(mount.min_range_m * kMillisecondsPerSecond));
   limit_ns_ = Limit_ns(safety.max_look_age_s);
@@ -173,9 +174,10 @@ bool SightWatch::IsRepeated(const LidarColumn& column, const Seen& seen) {
   return repeats;
 }
 
-// A sensor's stamps are even within a packet.
+// A sensor's stamps are even within a packet; between two the offset to our clock may have moved.
 void SightWatch::MeasureRevolution(const LidarColumn& column, uint64_t time_ns) {
-  const bool follows = column.measurement_id == column_id_ + 1 && time_ns > column_ns_;
+  const bool follows = column.measurement_id == column_id_ + 1 && time_ns > column_ns_ &&
+                       column.measurement_id % columns_per_packet_ != 0;
   if (follows) revolution_ns_ = (time_ns - column_ns_) * static_cast<uint64_t>(columns_);
   column_id_ = column.measurement_id;
   column_ns_ = time_ns;

@@ -306,6 +306,19 @@ TEST(SightWatch, ALidarThatIsTooSlowForTheLimitIsNeverFresh) {
   EXPECT_EQ(four.Ahead().time_ns, 0u);
 }
 
+// SR-SEE02: the offset of the sensor's clock moves by half a millisecond between two packets.
+TEST(SightWatch, AMovingClockOffsetIsNoSlowLidar) {
+  Lidar lidar;
+  lidar.Revolutions(3);
+  for (int turn = 0; turn < 20; ++turn) {
+    lidar.Revolution([&](int id, const LidarColumn&) {
+      if (id == 512) lidar.now_ns += 500'000;
+      EXPECT_LT(lidar.AgeAhead_s(), 0.11);
+      return true;
+    });
+  }
+}
+
 TEST(SightWatch, AsksForTheSectorsBetweenTwoPoints) {
   Lidar lidar;
   lidar.Revolutions(3);
