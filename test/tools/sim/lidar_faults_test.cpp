@@ -105,7 +105,9 @@ TEST_P(LidarFaultsTest, CoversTheWindow) {
       const bool is_behind = std::fabs(Angle_deg(column)) >= 170.0;
       const uint32_t most = *std::max_element(column.range_mm, column.range_mm + SimLidar::kBeams);
       EXPECT_EQ(is_behind, most < 100u) << Angle_deg(column);
-      if (is_behind) EXPECT_EQ(most > 0u, how == "covered");
+      if (is_behind) {
+        EXPECT_EQ(most > 0u, how == "covered");
+      }
     }
   }
 }
