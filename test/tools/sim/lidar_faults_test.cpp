@@ -102,12 +102,12 @@ TEST_P(LidarFaultsTest, CoversTheWindow) {
     Revolution();
     Act("lidar-blind 170 -170 " + how);
     for (const LidarColumn& column : Revolution().valid) {
+      if (column.measurement_id == 0) continue;  // cast at the moment before
       const bool is_behind = std::fabs(Angle_deg(column)) >= 170.0;
       const uint32_t most = *std::max_element(column.range_mm, column.range_mm + SimLidar::kBeams);
       EXPECT_EQ(is_behind, most < 100u) << Angle_deg(column);
-      if (is_behind) {
-        EXPECT_EQ(most > 0u, how == "covered");
-      }
+      if (!is_behind) continue;
+      EXPECT_EQ(most > 0u, how == "covered");
     }
   }
 }
@@ -118,7 +118,7 @@ TEST_P(LidarFaultsTest, FreezesTheImage) {
   Act("lidar-frozen on");
   const Said after = Revolution();
   ASSERT_EQ(before.valid.size(), after.valid.size());
-  for (size_t i = 0; i < after.valid.size(); ++i) {
+  for (size_t i = 1; i < after.valid.size(); ++i) {  // the first was cast the moment before
     const LidarColumn& a = before.valid[i];
     const LidarColumn& b = after.valid[i];
     EXPECT_TRUE(std::equal(a.range_mm, a.range_mm + SimLidar::kBeams, b.range_mm));
@@ -127,8 +127,8 @@ TEST_P(LidarFaultsTest, FreezesTheImage) {
   }
   Act("lidar-frozen off");
   const Said again = Revolution();
-  EXPECT_FALSE(std::equal(after.valid[0].range_mm, after.valid[0].range_mm + SimLidar::kBeams,
-                          again.valid[0].range_mm));
+  EXPECT_FALSE(std::equal(after.valid[1].range_mm, after.valid[1].range_mm + SimLidar::kBeams,
+                          again.valid[1].range_mm));
 }
 
 // The lowest beam ahead meets the ground nearer once the nose of the sensor is down.
