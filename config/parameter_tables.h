@@ -72,6 +72,10 @@ constexpr ParameterEntry<Group> MakeEntry(const char* full_name, const char* nam
 inline constexpr std::array kVehicleTable = {
     HP_VEHICLE(length_m, 0.3f, 6.0f, "Overall length."),
     HP_VEHICLE(width_m, 0.3f, 4.0f, "Overall width."),
+    HP_VEHICLE(axle_offset_m, -3.0f, 3.0f,
+               "How far the axle's centre, the point about which the vehicle turns on the spot and "
+               "the origin of the body frame, is ahead of the middle of its length; negative: "
+               "behind it (ours). Not more than half of vehicle.length_m."),
     HP_VEHICLE(footprint_disc_radius_m, 0.1f, 2.5f,
                "Radius of each of the two discs that together cover the footprint."),
     HP_VEHICLE(footprint_disc_offset_m, 0.0f, 2.5f,

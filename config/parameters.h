@@ -12,8 +12,10 @@ namespace hardpack {
 
 // The vehicle's shape and what it can do.
 struct VehicleParams {
-  float length_m = 1.52f;                 // overall
-  float width_m = 1.38f;                  // overall
+  float length_m = 1.52f;  // overall
+  float width_m = 1.38f;   // overall
+  // How far the axle's centre, about which it turns on the spot, is ahead of the outline's middle.
+  float axle_offset_m = 0.0f;
   float footprint_disc_radius_m = 0.79f;  // two discs cover the footprint ...
   float footprint_disc_offset_m = 0.38f;  // ... at +- this along the body's x axis
   float pivot_radius_m = 1.03f;           // circle swept when turning on the spot

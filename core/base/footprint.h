@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "config/parameters.h"
+#include "core/base/pose.h"
+
+// The vehicle's outline seen from above, and what follows from it. Everything that asks where the
+// vehicle's sides are asks here: it is all derived from three numbers of VehicleParams.
+//
+//             y
+//      +------|-----------+ half_width_m
+//      |  o   |o   o   o  |      o  the discs' centres
+//      |      +-----------|---> x
+//      |     axle         |
+//      +------------------+ -half_width_m
+//    rear_m             front_m
+//
+// Body frame: the origin is the centre of the axle, the point about which the vehicle turns on the
+// spot, and not the middle of the outline. docs/vehicle.md says how to measure it.
+
+namespace hardpack {
+
+struct Footprint {
+  static constexpr int kMaxDiscs = 16;
+  // Two at least; as many as it takes for them to reach no further than this beside the flank.
+  static constexpr float kMaxDiscOverhang_m = 0.1f;
+
+  float front_m = 0.0f;       // of the front edge along x
+  float rear_m = 0.0f;        // of the rear edge along x; negative where it is behind the axle
+  float half_width_m = 0.0f;  // of the flanks along y, to either side
+
+  // Discs of one radius, evenly along the x axis, that together cover the outline: for what looks
+  // up distances in a map. disc_radius_m - half_width_m is their overhang beside the flank; before
+  // the front and behind the rear they reach no further than the overhang at most of a disc.
+  int32_t discs = 0;
+  float disc_radius_m = 0.0f;
+  float disc_step_m = 0.0f;  // from centre to centre
+
+  // Of the circle about the origin that the outline sweeps in a whole turn on the spot.
+  float pivot_radius_m = 0.0f;
+
+  // Where the centre of a disc lies along x. Precondition: 0 <= disc < discs.
+  constexpr float DiscAhead(int disc) const {
+    return rear_m + (static_cast<float>(disc) + 0.5f) * disc_step_m;
+  }
+  constexpr float middle_m() const { return 0.5f * (front_m + rear_m); }
+  constexpr float half_length_m() const { return 0.5f * (front_m - rear_m); }
+};
+static_assert(std::is_trivially_copyable_v<Footprint>);
+
+// vehicle: in its ranges.
+Footprint FootprintOf(const VehicleParams& vehicle);
+
+// Distance from a point of the body frame to the outline; 0 within it [m].
+float DistanceToOutline(const Footprint& footprint, Vec2 point_body);
+
+}  // namespace hardpack
