@@ -210,7 +210,7 @@ inline constexpr std::array kSafetyTable = {
               "An age beyond this many times its limit: zero speed at once."),
     HP_SAFETY(corridor_margin_m, 0.0f, 0.5f,
               "Beyond half the vehicle's width a return so near to the path brakes at once. Not "
-              "more than vehicle.footprint_disc_radius_m allows: plans are checked for that."),
+              "more than path.kept_margin_m: the plan that is driven is checked for that."),
     HP_SAFETY(max_wheel_acceleration_radps2, 1.0f, 2000.0f,
               "No wheel's command changes faster; zero for both goes out at once."),
     HP_SAFETY(motion_speed_margin_mps, 0.1f, 5.0f,

@@ -13,8 +13,7 @@
 // through an entry is plain data access: no call that a static timing analysis could not follow.
 //
 // The ranges are what the stages can compute with and what a vehicle of this kind can sensibly be
-// given. How parameters of different meaning go together is the stages' to check
-// (CheckCostmapParams that the costs of both layers fit one cell, for example).
+// given. How parameters of different meaning go together says config/conflicts.h.
 
 namespace hardpack {
 
@@ -76,12 +75,6 @@ inline constexpr std::array kVehicleTable = {
                "How far the axle's centre, the point about which the vehicle turns on the spot and "
                "the origin of the body frame, is ahead of the middle of its length; negative: "
                "behind it (ours). Not more than half of vehicle.length_m."),
-    HP_VEHICLE(footprint_disc_radius_m, 0.1f, 2.5f,
-               "Radius of each of the two discs that together cover the footprint."),
-    HP_VEHICLE(footprint_disc_offset_m, 0.0f, 2.5f,
-               "How far before and behind the vehicle's middle the discs' centres lie."),
-    HP_VEHICLE(pivot_radius_m, 0.1f, 2.5f,
-               "Radius of the circle that the vehicle sweeps when it turns on the spot."),
     HP_VEHICLE(wheel_radius_m, 0.05f, 1.0f, "Radius of the wheels."),
     HP_VEHICLE(skid_baseline_m, 0.2f, 5.0f,
                "Effective distance of the left from the right wheels in a skid-steer turn: more "
@@ -102,8 +95,8 @@ inline constexpr std::array kCostmapTable = {
                "Side of the neighbourhood whose lowest return is the local ground; odd (ours)."),
     HP_COSTMAP(
         planning_radius_m, 0.0f, 2.0f,
-        "How far obstacles are dilated: the radius of the footprint's discs and half a cell's "
-        "diagonal (ours). The map tells distances apart up to 3.19 m."),
+        "How far obstacles are dilated, at least: half of vehicle.width_m, path.margin_m and half "
+        "a cell's diagonal, where these are more (ours)."),
     HP_COSTMAP(halo_m, 0.0f, 3.0f,
                "Width of the halo that repels paths around the dilated region (ours)."),
     HP_COSTMAP(hard_edge_cost, 0.0f, 39.0f,
@@ -139,7 +132,14 @@ inline constexpr std::array kPathTable = {
             "Up to this difference the base path is bent to begin along the vehicle's heading; "
             "beyond it the plan begins with a turn on the spot (60 degrees, ours)."),
     HP_PATH(pivot_margin_m, 0.0f, 0.5f,
-            "Distance that must be free around the circle of a turn on the spot (ours).")};
+            "Distance that must be free around the circle of a turn on the spot (ours)."),
+    HP_PATH(margin_m, 0.0f, 0.5f,
+            "Distance that the outline keeps from every hard cell all along a new plan (ours)."),
+    HP_PATH(kept_margin_m, 0.0f, 0.5f,
+            "The same of the plan that is being driven, each time that it is checked on a new map: "
+            "what the tracking is off by. Less than margin_m, since the edge of an obstacle moves "
+            "by a cell from map to map (ours).",
+            &PathParams::margin_m)};
 #undef HP_PATH
 
 #define HP_OPTIMIZER(...) HP_ENTRY("optimizer", OptimizerParams, __VA_ARGS__)
@@ -220,9 +220,9 @@ inline constexpr std::array kSpeedTable = {
              "Between the vehicle's front at rest and the end of the observed ground, whose last "
              "part may be the slope into a ditch; it may turn on the spot there (ours)."),
     HP_SPEED(narrow_room_m, 0.0f, 1.0f,
-             "Where there is less room than this between one of the footprint's discs and a hard "
-             "cell, half a cell's diagonal off, min_speed_mps is the limit: what tracking may be "
-             "off by (ours).")};
+             "Where there is less room than this between one of the discs that cover the outline "
+             "and a hard cell, half a cell's diagonal off, min_speed_mps is the limit: what "
+             "tracking may be off by (ours).")};
 #undef HP_SPEED
 
 #define HP_REPLAN(...) HP_ENTRY("replan", ReplanParams, __VA_ARGS__)

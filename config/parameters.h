@@ -10,15 +10,14 @@
 
 namespace hardpack {
 
-// The vehicle's shape and what it can do.
+// The vehicle's shape and what it can do. Its outline, the discs that cover it, the circle of a
+// turn on the spot and how far obstacles are dilated at least follow from the first three
+// (core/base/footprint.h).
 struct VehicleParams {
   float length_m = 1.52f;  // overall
   float width_m = 1.38f;   // overall
   // How far the axle's centre, about which it turns on the spot, is ahead of the outline's middle.
   float axle_offset_m = 0.0f;
-  float footprint_disc_radius_m = 0.79f;  // two discs cover the footprint ...
-  float footprint_disc_offset_m = 0.38f;  // ... at +- this along the body's x axis
-  float pivot_radius_m = 1.03f;           // circle swept when turning on the spot
   float wheel_radius_m = 0.30f;
   float skid_baseline_m = 1.87f;  // effective distance of the wheels of a skid-steer turn
   float max_wheel_speed_radps = 17.5f;
@@ -35,7 +34,7 @@ struct CostmapParams {
   float obstacle_height_m = 0.5f;    // higher than this is an obstacle
   float clearance_height_m = 2.0f;   // returns above this do not count
   int32_t ground_window_cells = 15;  // side of the neighbourhood whose lowest return is the ground
-  float planning_radius_m = 0.94f;   // dilation: footprint disc + half a cell's diagonal
+  float planning_radius_m = 0.94f;   // dilation, at least (PlanningRadius in core/path/path.h)
   float halo_m = 2.1f;               // width of the repulsive halo around the dilated region
   float hard_edge_cost = 7.0f;       // hard layer: cost at the region's edge ...
   float hard_slope_per_m = 12.0f;    // ... and its growth with the depth inside
@@ -54,6 +53,8 @@ struct PathParams {
   int32_t smoothing_passes = 40;         // averaging passes over the seed; 0: the staircase itself
   float max_join_heading_rad = 1.0472f;  // larger start heading errors begin with a pivot
   float pivot_margin_m = 0.15f;          // free distance around the pivot circle
+  float margin_m = 0.1f;                 // between the outline and what is hard, on a new plan ...
+  float kept_margin_m = 0.05f;           // ... and on one that is driven: what tracking needs
 };
 
 // Cost weights and limits of [OS] Cost Function Formulation, per metre of path.

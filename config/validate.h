@@ -16,7 +16,7 @@
 
 // Checks parameters against config/parameter_tables.h and reaches them by name. No heap; core may
 // use it. It reads no files (the tools and the port do), and it cannot tell whether parameters of
-// different meaning go together (the stages do).
+// different meaning go together (config/conflicts.h).
 
 namespace hardpack {
 

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "config/conflicts.h"
 #include "config/validate.h"
-#include "core/costmap/costmap.h"
 #include "hal/sevcon/bus_load.h"
 #include "hal/sevcon/sevcon.h"
 #include "port_linux/configuration_keys.h"
@@ -143,6 +143,17 @@ std::optional<size_t> LabelCode(std::string_view text) {
   return code;
 }
 
+// What replaces a key of former versions; null: it never was one.
+const char* InsteadOf(const std::string& full_name) {
+  constexpr const char* kOutline =
+      "it follows from vehicle.length_m, vehicle.width_m and vehicle.axle_offset_m";
+  for (const char* former : {"vehicle.footprint_disc_radius_m", "vehicle.footprint_disc_offset_m",
+                             "vehicle.pivot_radius_m"}) {
+    if (full_name == former) return kOutline;
+  }
+  return nullptr;
+}
+
 // Takes a parsed file into a configuration and gathers what is wrong with it.
 class Intake {
  public:
@@ -172,6 +183,7 @@ class Intake {
   bool IsGroup(std::string_view group) const;
   std::string Suggestion(const std::string& unknown) const;
   void CheckDrives();
+  void CheckConflicts();
   void CheckPorts();
   void Add(size_t line, Status status, std::string text, std::string unknown = {}) {
     problems_.push_back({line, status, std::move(text), std::move(unknown)});
@@ -219,6 +231,8 @@ void Intake::TakeGroup(const std::string& group, const toml::table& table) {
       TakeValue(known->second, node);
     } else if (full_name == "labels.classes") {
       TakeClasses(node);
+    } else if (const char* instead = InsteadOf(full_name)) {
+      Add(LineOf(key), Status::kInvalidArgument, full_name + ": is no key any more: " + instead);
     } else {
       Add(LineOf(key), Status::kInvalidArgument, Shown(full_name) + ": unknown key", full_name);
     }
@@ -299,12 +313,7 @@ void Intake::CheckTogether() {
             ValueText(keys_[other]));
   }
   if (!is_good()) return;
-  if (!IsUsable(CheckCostmapParams(configuration_.planner.costmap))) {
-    Add(LineOfKey("costmap.ground_window_cells"), Status::kInvalidArgument,
-        "costmap: its numbers do not go together: clearance_height_m has to be above "
-        "obstacle_height_m, ground_window_cells odd, and the costs of both layers at the depth of "
-        "planning_radius_m and unknown_cost at most 39 together");
-  }
+  CheckConflicts();
   if (configuration_.can.interface.find_first_of("/ ") != std::string::npos) {
     Add(LineOfKey("can.interface"), Status::kInvalidArgument,
         "can.interface: no interface has a name with / or a blank in it");
@@ -324,11 +333,35 @@ void Intake::CheckDrives() {
             std::to_string(sevcon::BusLoad_percent(drive)) + " % of the bus");
     return;
   }
-  Add(LineOfKey("drive.left_node"), Status::kInvalidArgument,
-      "drive: its numbers do not go together: left_node, right_node and master_node have to "
-      "differ, left_sign and right_sign to be 1 or -1, and heartbeat_timeout_ms, "
-      "command_timeout_ms and feedback_timeout_ms to be above heartbeat_period_ms, "
-      "command_period_ms and sync_period_ms");
+  for (const char* sign : {"drive.left_sign", "drive.right_sign"}) {
+    const ConfigurationKey& key = keys_[key_index_.at(sign)];
+    const int32_t value = *std::get<int32_t*>(key.value);
+    if (value == 1 || value == -1) continue;
+    Add(LineOfKey(sign), Status::kInvalidArgument,
+        std::string(sign) + ": is " + ValueText(key) + ", has to be 1 or -1");
+  }
+}
+
+// Both keys, where the file has them last, and what has to hold.
+void Intake::CheckConflicts() {
+  const auto take = [this](const ParameterConflict& conflict) {
+    const size_t one = key_index_.at(conflict.name);
+    const size_t other = key_index_.at(conflict.other);
+    Add(std::max(found_[one].line, found_[other].line), Status::kInvalidArgument,
+        keys_[one].full_name + ": " + ValueText(keys_[one]) + " does not go with " +
+            keys_[other].full_name + ", which is " + ValueText(keys_[other]) + ": it has to be " +
+            conflict.rule);
+  };
+  const Configuration& read = configuration_;
+  if (read.planner.costmap.ground_window_cells % 2 == 0) {
+    Add(LineOfKey("costmap.ground_window_cells"), Status::kInvalidArgument,
+        "costmap.ground_window_cells: is " +
+            std::to_string(read.planner.costmap.ground_window_cells) + ", has to be odd");
+  }
+  ForEachConflict(read.planner, take);
+  ForEachConflict(read.planner.vehicle, read.perception, take);
+  ForEachConflict(read.planner, read.onboard, take);
+  ForEachConflict(read.onboard.drive, take);
 }
 
 void Intake::CheckPorts() {

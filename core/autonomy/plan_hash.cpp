@@ -63,6 +63,7 @@ void AddCheck(const PathCheckResult& check, DecisionHash& hash) {
   hash.AddFloat(check.largest_curvature_per_m);
   hash.AddFloat(check.largest_curvature_rate_per_m2);
   AddBool(check.leaves_map, hash);
+  AddBool(check.start_overlaps, hash);
 }
 
 void AddSearch(const AstarResult& search, DecisionHash& hash) {
@@ -91,6 +92,8 @@ void AddToHash(const Plan& plan, DecisionHash& hash) {
   AddBool(plan.narrow, hash);
   AddBool(plan.is_seed, hash);
   AddBool(plan.ends_short, hash);
+  AddBool(plan.stays, hash);
+  AddBool(plan.starts_in_obstacle, hash);
   AddPath(plan.base, hash);
   AddPath(plan.path, hash);
   AddSteps(plan.actuator, hash);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/autonomy/planner.h"
 
+#include "config/conflicts.h"
 #include "config/validate.h"
 #include "core/base/assert.h"
 #include "core/base/loop_bound.h"
@@ -17,13 +18,6 @@ constexpr Plan kNoPlan;
 
 Vec2 PlaceOf(const Pose2& pose) {
   return {pose.x_m, pose.y_m};
-}
-
-// Each by itself, and those of the costmap together. What else must go together the stages say when
-// they begin.
-Status CheckParams(const PlannerParams& params) {
-  if (FirstInvalidParameter(params) != nullptr) return Status::kParameterOutOfRange;
-  return CheckCostmapParams(params.costmap);
 }
 
 Status CheckRequest(const PlanRequest& request) {
@@ -44,6 +38,12 @@ Status CheckRequest(const PlanRequest& request) {
 
 }  // namespace
 
+Status CheckPlannerParams(const PlannerParams& params) {
+  if (FirstInvalidParameter(params) != nullptr) return Status::kParameterOutOfRange;
+  return FirstConflict(params).name != nullptr ? Status::kParameterOutOfRange
+                                               : CheckCostmapParams(params.costmap);
+}
+
 Status Planner::Begin(const Mapper& mapper, const PlannerParams& params,
                       const PlanRequest& request) {
   if (mapper.has_seen()) {
@@ -63,7 +63,7 @@ Status Planner::Begin(const HeightGrid& heights, const PlannerParams& params,
 Status Planner::BeginOn(const HeightGrid& heights, const PlannerParams& params,
                         const PlanRequest& request) {
   Status status = Prepare(params, request);
-  if (IsUsable(status)) status = builder_.Begin(heights, params.costmap);
+  if (IsUsable(status)) status = builder_.Begin(heights, params_.costmap);
   pending_slot_ = 0;
   return Started(status, PlanStage::kHeights);
 }
@@ -71,7 +71,7 @@ Status Planner::BeginOn(const HeightGrid& heights, const PlannerParams& params,
 Status Planner::BeginCells(const GridWindow& window, const PlannerParams& params,
                            const PlanRequest& request) {
   Status status = Prepare(params, request);
-  if (IsUsable(status)) status = builder_.BeginCells(window, params.costmap);
+  if (IsUsable(status)) status = builder_.BeginCells(window, params_.costmap);
   return Started(status, PlanStage::kCostmap);
 }
 
@@ -95,9 +95,10 @@ Status Planner::Started(Status status, PlanStage first) {
 Status Planner::Prepare(const PlannerParams& params, const PlanRequest& request) {
   stage_ = PlanStage::kIdle;
   plan_ = kNoPlan;
-  const Status status = Graver(CheckParams(params), CheckRequest(request));
+  const Status status = Graver(CheckPlannerParams(params), CheckRequest(request));
   if (!IsUsable(status)) return status;
   params_ = params;
+  params_.costmap.planning_radius_m = PlanningRadius(params.costmap, params.vehicle, params.path);
   request_ = request;
   request_.start.pose.theta_rad = WrapAngle(request.start.pose.theta_rad);
   keeps_end_heading_ = false;
@@ -169,7 +170,34 @@ void Planner::StepCostmap(int units) {
   if (builder_.StepCells(units) == Progress::kDone) BeginSearch();
 }
 
+// Only of a vehicle that stands: another one has to be brought to rest first.
+bool Planner::IsHere() const {
+  const Vec2 here = PlaceOf(request_.start.pose);
+  const Vec2 way = {request_.goal_odom.x_m - here.x_m, request_.goal_odom.y_m - here.y_m};
+  return request_.start.speed_mps == 0.0f &&
+         way.x_m * way.x_m + way.y_m * way.y_m <= kHere_m * kHere_m;
+}
+
+void Planner::Stay() {
+  const Pose2& here = request_.start.pose;
+  const float turn_rad =
+      request_.has_goal_heading ? WrapAngle(request_.goal_heading_rad - here.theta_rad) : 0.0f;
+  plan_.stays = true;
+  plan_.pivots_last = Abs(turn_rad) > kGoalHeadingTolerance_rad;
+  plan_.path.Resize(2);
+  plan_.path[0] = here;
+  plan_.path[1] = here;
+  if (plan_.pivots_last) plan_.path[1].theta_rad = WrapAngle(request_.goal_heading_rad);
+  plan_.base = plan_.path;
+  plan_.search.status = Status::kOk;
+  plan_.search.end = CellAt(request_.goal_odom);
+  plan_.base_status = Status::kOk;
+  plan_.optimizer_status = Status::kOk;
+  BeginCheck();
+}
+
 void Planner::BeginSearch() {
+  if (IsHere()) return Stay();
   stage_ = PlanStage::kSearch;
   plan_.base_status =
       search_.Begin(costmap(), params_.astar, PlaceOf(request_.start.pose), request_.goal_odom);
@@ -178,6 +206,7 @@ void Planner::BeginSearch() {
 void Planner::StepSearch(int units) {
   if (search_.Step(costmap(), kSearchUnits * units) == Progress::kBusy) return;
   plan_.search = search_.result();
+  plan_.starts_in_obstacle = plan_.search.start_in_obstacle;
   plan_.base_status = plan_.search.status;
   if (!IsUsable(plan_.base_status)) return Fail(plan_.base_status);
   plan_.base_status =
@@ -303,7 +332,7 @@ void Planner::BeginCheck() {
   Status status = ToActuator<PlanarModel>(plan_.path, plan_.actuator);
   if (IsUsable(status)) {
     status = check_.Begin(params_.vehicle, params_.optimizer, plan_.path,
-                          request_.start.curvature_per_m);
+                          request_.start.curvature_per_m, params_.path.margin_m);
   }
   if (!IsUsable(status)) return Fail(status);
   stage_ = PlanStage::kCheck;
@@ -313,6 +342,11 @@ void Planner::StepCheck(int units) {
   if (check_.Step(costmap(), plan_.path, units) == Progress::kBusy) return;
   plan_.check = check_.result();
   plan_.check_status = plan_.check.status;
+  plan_.starts_in_obstacle = plan_.search.start_in_obstacle || plan_.check.start_overlaps;
+  // What it stands in already it does not touch by staying.
+  if (plan_.stays && !plan_.pivots_last && plan_.check.start_overlaps) {
+    plan_.check_status = Status::kStartInObstacle;
+  }
   if (plan_.check_status == Status::kCollision) return TryAgain();
   if (!IsUsable(plan_.check_status)) return Fail(plan_.check_status);
   stage_ = PlanStage::kSpeed;
@@ -342,6 +376,7 @@ void Planner::EndShort() {
 }
 
 void Planner::TryAgain() {
+  if (plan_.stays) return Fail(Status::kPivotBlocked);
   if (MayEndShort()) {
     EndShort();
     return BeginCheck();

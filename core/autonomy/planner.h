@@ -25,6 +25,10 @@
 // and which plan to drive, is not decided here. Source: docs/algorithm.md sections 1 to 6, in that
 // order.
 //
+// A goal at most kHere_m from where the vehicle stands is where it is: the plan is two points at
+// one place, with a turn on the spot between them where the goal has another heading, and nothing
+// is searched for. Only what a turn sweeps is checked.
+//
 // Second tries, each at most once:
 // - The start heading is more than max_join_heading_rad off the base path: a turn on the spot
 //   first, which only a vehicle that stands may do.
@@ -57,13 +61,17 @@ struct Plan {
   Status check_status = Status::kNotStarted;
   bool pivots_first = false;
   bool pivots_last = false;  // the goal heading is reached by a turn on the spot
-  bool narrow = false;       // somewhere with little room, see SpeedCaps
-  bool is_seed = false;      // path is the seed: the optimized one would have touched
-  bool ends_short = false;   // path ends before the base path does: there it would have touched
-  WorldPath base;            // resampled base path
-  WorldPath path;            // [n] poses; with pivots_first the first two share their place, with
-                             // pivots_last the last two
-  ActuatorPath actuator;     // [n - 1] steps
+  bool stays = false;        // the goal is where the vehicle stands: path is a turn, or nothing
+  // The start is in an obstacle: the outline overlaps a hard cell, or the axle's centre is nearer
+  // to one than obstacles are dilated. Whatever graver thing the status says.
+  bool starts_in_obstacle = false;
+  bool narrow = false;      // somewhere with little room, see SpeedCaps
+  bool is_seed = false;     // path is the seed: the optimized one would have touched
+  bool ends_short = false;  // path ends before the base path does: there it would have touched
+  WorldPath base;           // resampled base path
+  WorldPath path;           // [n] poses; with pivots_first the first two share their place, with
+                            // pivots_last the last two
+  ActuatorPath actuator;    // [n - 1] steps
   SpeedProfile speed;    // [n]; empty unless status is usable. The last one is above 0 only where
                          // the start speed is too high to stop within the path
   PathCost cost_before;  // of the base path, joined to the start's heading
@@ -129,6 +137,7 @@ class Planner {
   // instructions a cell against 7,000 a row, test/instructions/counts.txt).
   static constexpr int kSearchUnits = 8;
   static constexpr float kMaxShort_m = 1.0f;
+  static constexpr float kHere_m = 0.3f;  // a cell's diagonal
   static constexpr int kMaxTransitions = 32;
   static constexpr int kMaxUnits = kMaxTransitions + CostmapBuilder::kUnits +
                                    ScanRing::kMaxColumns + AstarSearch::kMaxUnits / kSearchUnits +
@@ -160,6 +169,8 @@ class Planner {
   void StepSpeed(int units);
 
   void BeginSearch();
+  bool IsHere() const;
+  void Stay();
   [[nodiscard]] bool MayPivot() const;
   void BeginSeed();
   [[nodiscard]] bool MakeSeed(const WorldPath& base);
@@ -198,6 +209,10 @@ static_assert(std::is_trivially_copyable_v<Planner>);
 // Planning as a whole: heights, costs, search, paths.
 inline constexpr int kPlanningBudget_bytes = 6 * 1024 * 1024;
 static_assert(sizeof(Planner) + sizeof(HeightGrid) <= kPlanningBudget_bytes);
+
+// Every parameter within its range, and all that plans go by together (config/conflicts.h): kOk or
+// kParameterOutOfRange.
+Status CheckPlannerParams(const PlannerParams& params);
 
 // Adds every decision of a plan, field by field.
 void AddToHash(const Plan& plan, DecisionHash& hash);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/autonomy/replanner.h"
 
-#include "config/validate.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/units.h"
@@ -57,8 +56,7 @@ VehicleState PredictAhead(const VehicleState& state, float ahead_s) {
 }
 
 Status Replanner::Configure(const PlannerParams& params) {
-  if (FirstInvalidParameter(params) != nullptr) return Status::kParameterOutOfRange;
-  const Status status = CheckCostmapParams(params.costmap);
+  const Status status = CheckPlannerParams(params);
   if (!IsUsable(status)) return status;
   params_ = params;
   configured_ = true;
@@ -296,9 +294,8 @@ void Replanner::BeginCheck() {
   rest_curvature_per_m_ = CurvatureAt(path, dropped_, committed_.start_curvature_per_m);
   rest_turn_rad_ = TurnAt(path, dropped_, committed_.start_turn_rad);
   late_ = anchored_ && place_.along_m > WayTo(path, anchor_);
-  VehicleParams vehicle = params_.vehicle;
-  vehicle.footprint_disc_radius_m = Max(vehicle.footprint_disc_radius_m - kKeptOverlap_m, 0.0f);
-  const Status status = check_.Begin(vehicle, params_.optimizer, rest_, rest_curvature_per_m_);
+  const Status status = check_.Begin(params_.vehicle, params_.optimizer, rest_,
+                                     rest_curvature_per_m_, params_.path.kept_margin_m);
   if (!IsUsable(status)) return Decide();
   phase_ = Phase::kCheck;
 }

@@ -32,10 +32,11 @@
 //    stands (or turned away from it by more than max_join_heading_rad), or stands at its end or at
 //    a turn on the spot.
 // 2. The new plan, on the map of this moment.
-// 3. The rest of the committed path, from the vehicle's projection on, is checked on that map. A
-//    hard square may reach kKeptOverlap_m into a disc there: what stands in it is somewhere in the
-//    square, and in a gap that is just wide enough its edge moves by a cell with every build. Each
-//    return itself is held against the corridor meanwhile (core/safety/corridor.h).
+// 3. The rest of the committed path, from the vehicle's projection on, is checked on that map, with
+//    path.kept_margin_m around the outline: what tracking is off by. It is less than a new plan's
+//    path.margin_m, as what stands in a hard square is somewhere in it, and in a gap that is just
+//    wide enough its edge moves by a cell with every build. Each return itself is held against the
+//    corridor meanwhile (core/safety/corridor.h).
 // 4. Where the ends differ, no cost can be compared. So the committed path is carried on: its rest
 //    up to a point B, and a second plan from B to the goal on the same map.
 //    - Its rest is free and ends short of the goal (which is off the map, or further than a path is
@@ -175,7 +176,6 @@ class Replanner {
   // Off the path while it stands, behind a stop that came at once say: to join it from there it
   // would have to turn where it was not checked.
   static constexpr float kMaxStandingOff_m = 0.15f;
-  static constexpr float kKeptOverlap_m = 0.5f * kCellSize_m;
   static constexpr float kSameEnd_m = 0.3f;  // a cell's diagonal
   static constexpr float kTail_m = 5.0f;
   static constexpr float kFarBlock_m = 10.0f;
@@ -243,6 +243,7 @@ class Replanner {
   void MakeCandidate(ReplanDecision decision, ReplanReason reason);
   void TakeFresh();
   void Join(int first, int last, const WorldPath* tail);
+  int LastRoomyPoint() const;
   int StopPoint() const;
   bool ComesToRest() const;
 

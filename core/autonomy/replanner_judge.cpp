@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/autonomy/replanner.h"
+#include "core/base/footprint.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/wide_int.h"
@@ -250,10 +251,28 @@ void Replanner::TakeFresh() {
   candidate_.slow_points = fresh_.slow_points;
 }
 
+// The last point that leaves room for a turn on the spot before what blocks the rest, so that it can
+// be left; the last free one where there is none.
+int Replanner::LastRoomyPoint() const {
+  const float needed_m =
+      PivotRadiusOf(params_.vehicle) + params_.path.pivot_margin_m - FrontOf(params_.vehicle);
+  if (RestIsFree() || free_until_ < 1) return free_until_;
+  const float most_m = WayTo(rest_, free_until_) - needed_m;
+  int point = 0;
+  float along_m = 0.0f;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  while (point < free_until_) {
+    along_m += Distance(PlaceOf(rest_[point]), PlaceOf(rest_[point + 1]));
+    if (along_m > most_m) break;
+    ++point;
+  }
+  return point < 1 ? free_until_ : point;
+}
+
 // The first point at which the vehicle can be at rest, within what was checked free; -1: none. A
 // stop that is free stays where it is.
 int Replanner::StopPoint() const {
-  const int last = free_until_;
+  const int last = LastRoomyPoint();
   if (committed_.is_stop && RestIsFree()) return last;
   const float speed_mps = state_.speed_mps;
   const PathPlace place = Project(rest_, state_.pose, Stands(), ReachOfRound());

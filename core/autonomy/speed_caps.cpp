@@ -21,12 +21,12 @@ float WalkWhileStopping(const SpeedParams& params) {
 // they come (PersonSpeedCap's rule).
 float ReachAhead(const SpeedParams& params, const VehicleParams& vehicle) {
   return StoppingDistance(params, params.max_speed_mps) + WalkWhileStopping(params) +
-         params.person_margin_m + 0.5f * vehicle.length_m;
+         params.person_margin_m + FrontOf(vehicle);
 }
 
 // And how far aside.
-float ReachAside(const SpeedParams& params, const VehicleParams& vehicle) {
-  return Min(WalkWhileStopping(params) + params.person_margin_m + vehicle.footprint_disc_radius_m +
+float ReachAside(const SpeedParams& params, const Footprint& footprint) {
+  return Min(WalkWhileStopping(params) + params.person_margin_m + footprint.disc_radius_m +
                  kHalfCellDiagonal_m,
              kFar_m);
 }
@@ -41,7 +41,8 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
                       const VehicleParams& vehicle, const WorldPath& path, float speed_mps) {
   points_ = path.size();
   speed_mps_ = speed_mps;
-  reach_m_ = ReachAside(params, vehicle);
+  footprint_ = FootprintOf(vehicle);
+  reach_m_ = ReachAside(params, footprint_);
   Vec2 low = {path[0].x_m, path[0].y_m};
   Vec2 high = low;
   along_m_[0] = 0.0f;
@@ -64,8 +65,8 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
   chord_ = 0;
   observed_m_ = kFar_m;
   max_unseen_m_ = params.max_unseen_m;
-  ahead_m_ = 0.5f * vehicle.length_m + params.unseen_margin_m;
-  const float room_m = vehicle.footprint_disc_radius_m + kHalfCellDiagonal_m + params.narrow_room_m;
+  ahead_m_ = footprint_.front_m + params.unseen_margin_m;
+  const float room_m = footprint_.disc_radius_m + kHalfCellDiagonal_m + params.narrow_room_m;
   room2_cells2_ = Squared(room_m * kCellsPerMeter);
   narrow_ = false;
   HP_LOOP_BOUND(kTracks)
@@ -92,7 +93,7 @@ Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
     } else {
       const float free_m = observed_m_ - ahead_m_ - along_m_[point_];
       Lower(point_, ReactionSpeedCap(params, free_m), CapCause::kUnseenGround);
-      if (HasLittleRoom(map, vehicle, path[point_])) {
+      if (HasLittleRoom(map, path[point_])) {
         narrow_ = true;
         Lower(point_, params.min_speed_mps, CapCause::kLittleRoom);
       }
@@ -161,14 +162,12 @@ void SpeedCaps::LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m
 
 // Distances are those of the cells' centres, which is what half a cell's diagonal is for. One that
 // the map does not tell apart from further ones is none.
-bool SpeedCaps::HasLittleRoom(const Costmap& map, const VehicleParams& vehicle,
-                              const Pose2& pose) const {
+bool SpeedCaps::HasLittleRoom(const Costmap& map, const Pose2& pose) const {
   const SinCosPair heading = SinCos(pose.theta_rad);
-  const float arm_m = vehicle.footprint_disc_offset_m;
   bool has_little = false;
-  HP_LOOP_BOUND(2)
-  for (int disc = -1; disc <= 1; disc += 2) {
-    const float ahead_m = static_cast<float>(disc) * arm_m;
+  HP_LOOP_BOUND(Footprint::kMaxDiscs)
+  for (int disc = 0; disc < footprint_.discs; ++disc) {
+    const float ahead_m = footprint_.DiscAhead(disc);
     const Cell cell = CellAt({pose.x_m + ahead_m * heading.cos, pose.y_m + ahead_m * heading.sin});
     if (!map.window.Contains(cell)) continue;
     const int distance2_cells2 = map.hard_distance2[map.window.Index(cell)];
@@ -215,8 +214,7 @@ bool SpeedCaps::HasLittleRoom(const Costmap& map, const VehicleParams& vehicle,
 
 void SpeedCaps::CapForPersonAt(int point, const SpeedParams& params, const VehicleParams& vehicle) {
   if (person2_m2_[point] >= Squared(reach_m_)) return;
-  const float lateral_m =
-      Sqrt(person2_m2_[point]) - kHalfCellDiagonal_m - vehicle.footprint_disc_radius_m;
+  const float lateral_m = Sqrt(person2_m2_[point]) - kHalfCellDiagonal_m - footprint_.disc_radius_m;
   const float ahead_m = ReachAhead(params, vehicle);
   HP_LOOP_BOUND(kMaxPathPoints)
   for (int k = 0; k < points_; ++k) {

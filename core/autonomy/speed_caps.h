@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "config/parameters.h"
+#include "core/base/footprint.h"
 #include "core/base/progress.h"
 #include "core/costmap/costmap.h"
 #include "core/path/path.h"
@@ -17,18 +18,19 @@
 // speed where there is little room; and the caps for the people beside it. It does not look for
 // obstacles on the path: the check has.
 //
-//        |<- free ->|<- half the length, unseen_margin_m ->|
+//        |<- free ->|<- the front, unseen_margin_m ------->|
 //   o====o==========+=====================================#? ? ? ?o   # end of the observed ground
 //
 // The observed ground ends where on one of five tracks, the path's own and kAside of the width to
 // either side, under the wheels and where they are if the vehicle is beside its path, no cell has
 // been observed (Costmap::kObserved) for more than max_unseen_m. Shorter stretches are what the
 // lidar's ring spacing and the directions' spacing leave open. It is looked for as far beyond the
-// path's end as is kept free before it: half the vehicle's length and unseen_margin_m. A path
+// path's end as is kept free before it: what lies before the axle and unseen_margin_m. A path
 // begins where the vehicle is, so that its first point counts as observed.
 //
-// There is little room where a hard cell's centre is nearer to the centre of one of the footprint's
-// discs than its radius, half a cell's diagonal and narrow_room_m: min_speed_mps at most there.
+// There is little room where a hard cell's centre is nearer to the centre of one of the discs
+// that cover the outline (core/base/footprint.h) than its radius, half a cell's diagonal and
+// narrow_room_m: min_speed_mps at most there.
 
 namespace hardpack {
 
@@ -84,7 +86,7 @@ class SpeedCaps {
                  int point);
   void LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m);
   void Lower(int point, float cap_mps, CapCause cause);
-  bool HasLittleRoom(const Costmap& map, const VehicleParams& vehicle, const Pose2& pose) const;
+  bool HasLittleRoom(const Costmap& map, const Pose2& pose) const;
   bool SearchRow(const Costmap& map);
   void FilePerson(Vec2 person_odom);
   void CapForPersonAt(int point, const SpeedParams& params, const VehicleParams& vehicle);
@@ -96,6 +98,7 @@ class SpeedCaps {
   float person2_m2_[kMaxPathPoints] = {};  // squared, to the nearest person filed with the point
   // Of one person, to the points; before the first and behind the last those again.
   float distance2_m2_[kMaxPathPoints + 2] = {};
+  Footprint footprint_;
   float reach_m_ = 0.0f;  // people further from the path cap nothing
   CapCause cause_[kMaxPathPoints] = {};
   float speed_mps_ = 0.0f;

@@ -15,10 +15,16 @@ float DiscRadius(float half_width_m, float length_m, int32_t discs) {
 
 }  // namespace
 
+float PivotRadiusOf(const VehicleParams& vehicle) {
+  const float reach_m = 0.5f * vehicle.length_m + Abs(vehicle.axle_offset_m);
+  const float half_width_m = 0.5f * vehicle.width_m;
+  return Sqrt(reach_m * reach_m + half_width_m * half_width_m);
+}
+
 Footprint FootprintOf(const VehicleParams& vehicle) {
   Footprint footprint;
-  footprint.front_m = 0.5f * vehicle.length_m - vehicle.axle_offset_m;
-  footprint.rear_m = -0.5f * vehicle.length_m - vehicle.axle_offset_m;
+  footprint.front_m = FrontOf(vehicle);
+  footprint.rear_m = RearOf(vehicle);
   footprint.half_width_m = 0.5f * vehicle.width_m;
   const float half_width_m = footprint.half_width_m;
   const float most_m = half_width_m + Footprint::kMaxDiscOverhang_m;
@@ -30,8 +36,7 @@ Footprint FootprintOf(const VehicleParams& vehicle) {
   }
   footprint.disc_radius_m = DiscRadius(half_width_m, vehicle.length_m, footprint.discs);
   footprint.disc_step_m = vehicle.length_m / static_cast<float>(footprint.discs);
-  const float reach_m = Max(Abs(footprint.front_m), Abs(footprint.rear_m));
-  footprint.pivot_radius_m = Sqrt(reach_m * reach_m + half_width_m * half_width_m);
+  footprint.pivot_radius_m = PivotRadiusOf(vehicle);
   return footprint;
 }
 

@@ -51,7 +51,16 @@ struct Footprint {
 };
 static_assert(std::is_trivially_copyable_v<Footprint>);
 
-// vehicle: in its ranges.
+// Single numbers of it, for what needs no more. Of the front and of the rear edge along x.
+constexpr float FrontOf(const VehicleParams& vehicle) {
+  return 0.5f * vehicle.length_m - vehicle.axle_offset_m;
+}
+constexpr float RearOf(const VehicleParams& vehicle) {
+  return -0.5f * vehicle.length_m - vehicle.axle_offset_m;
+}
+float PivotRadiusOf(const VehicleParams& vehicle);
+
+// vehicle: in its ranges. Cost: at most kMaxDiscs square roots.
 Footprint FootprintOf(const VehicleParams& vehicle);
 
 // Distance from a point of the body frame to the outline; 0 within it [m].

@@ -3,7 +3,8 @@
 
 // Plane and space geometry. Frames (docs/frames.md): `odom` is the local odometry frame of REP-105,
 // x and y level, z up; `body` is the vehicle: x forward, y left, z up, origin on the ground below
-// the middle of the footprint; `sensor` is a device's own frame. Angles are anticlockwise from +x.
+// the axle's centre (core/base/footprint.h); `sensor` is a device's own frame. Angles are
+// anticlockwise from +x.
 
 namespace hardpack {
 

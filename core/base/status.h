@@ -19,8 +19,9 @@ enum class [[nodiscard]] Status : uint8_t{
     kPartialPath,      // The expansion limit was hit; the path ends at the best cell seen.
     kPathCut,          // The path was longer than the capacity and ends where that is full.
     kIterationLimit,   // The optimizer's sweep limit ended it before it converged.
-    kNarrowGap,        // Only passable for the bare footprint; to be driven at v_min.
-    kLimitExceeded,  // Free of hard obstacles, but a curvature or curvature-rate limit is exceeded.
+    kNarrowGap,        // Little room beside the outline somewhere; to be driven at v_min there.
+    kLimitExceeded,  // A curvature or curvature-rate limit is exceeded. Free of hard obstacles, but
+                     // for those that the start is in.
     kClockJumped,    // A device's clock jumped against ours; the new offset is used from here on.
     kOffPath,        // Too far from the path to follow it; the vehicle is being brought to rest.
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/path/path.h"
 
+#include "core/base/footprint.h"
 #include "core/base/saturate.h"
 
 namespace hardpack {
@@ -82,10 +83,19 @@ float BaseHeading(const WorldPath& base) {
   return HeadingOf(Chord(base[0], base[reached]));
 }
 
+float PlanningRadius(const CostmapParams& costmap, const VehicleParams& vehicle,
+                     const PathParams& params) {
+  const float needed_m = 0.5f * vehicle.width_m + params.margin_m + 0.5f * kCellDiagonal_m;
+  return Max(costmap.planning_radius_m, needed_m);
+}
+
+// Of a row the cells within the circle are those from one column to another: their squares are at
+// most `half` columns from the position, what is left of the radius there.
 bool PivotIsFree(const Costmap& map, const VehicleParams& vehicle, const PathParams& params,
                  Vec2 position_odom) {
   constexpr int kMaxSide_cells = static_cast<int>(2.0f * kMaxPivotCircle_m * kCellsPerMeter) + 2;
-  const float radius_m = vehicle.pivot_radius_m + params.pivot_margin_m;
+  constexpr uint8_t kBlocks = Costmap::kHard | Costmap::kPerson;
+  const float radius_m = PivotRadiusOf(vehicle) + params.pivot_margin_m;
   if (!IsFinite(position_odom.x_m) || !IsFinite(position_odom.y_m)) return false;
   if (!(radius_m >= 0.0f && radius_m <= kMaxPivotCircle_m)) return false;
 
@@ -96,16 +106,21 @@ bool PivotIsFree(const Costmap& map, const VehicleParams& vehicle, const PathPar
   if (high.x - low.x >= kMaxSide_cells || high.y - low.y >= kMaxSide_cells) return false;
 
   const float radius_cells = radius_m * kCellsPerMeter;
+  const float u = position_odom.x_m * kCellsPerMeter;
+  const float v = position_odom.y_m * kCellsPerMeter;
   HP_LOOP_BOUND(kMaxSide_cells)
   for (int32_t y = low.y; y <= high.y; ++y) {
-    const float dy = DistanceToCell(position_odom.y_m * kCellsPerMeter, y);
+    const float dy = DistanceToCell(v, y);
+    const uint8_t* flags = &map.flags[map.window.Index({low.x, y})];
+    const float half2 = radius_cells * radius_cells - dy * dy;
+    if (half2 < 0.0f) continue;
+    const float half = Sqrt(half2);
+    const int32_t first = ClampInt(FloorToInt(u - half), low.x, high.x);
+    const int32_t last = ClampInt(FloorToInt(u + half), low.x, high.x);
+    uint8_t found = 0;
     HP_LOOP_BOUND(kMaxSide_cells)
-    for (int32_t x = low.x; x <= high.x; ++x) {
-      const float dx = DistanceToCell(position_odom.x_m * kCellsPerMeter, x);
-      if (dx * dx + dy * dy > radius_cells * radius_cells) continue;
-      const uint8_t flags = map.flags[map.window.Index({x, y})];
-      if ((flags & (Costmap::kHard | Costmap::kPerson)) != 0) return false;
-    }
+    for (int32_t x = first - low.x; x <= last - low.x; ++x) found |= flags[x];
+    if ((found & kBlocks) != 0) return false;
   }
   return true;
 }

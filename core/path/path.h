@@ -152,10 +152,17 @@ struct PathStart {
 // at least 1 m along it (the last, when it is shorter); 0 with fewer than two points.
 float BaseHeading(const WorldPath& base);
 
-// Whether a circle of vehicle.pivot_radius_m + params.pivot_margin_m around the position is free:
-// no hard or person cell's square reaches into it, and all of it lies on the map. A circle of more
-// than kMaxPivotCircle_m, and one that is not finite, counts as not free. Cost: its cells.
-inline constexpr float kMaxPivotCircle_m = 3.0f;
+// How far obstacles are dilated for the search [m]: costmap.planning_radius_m; or half the width,
+// the margin of new plans and half a cell's diagonal, where that is more: the axle's path along an
+// obstacle's side then has room for the outline.
+float PlanningRadius(const CostmapParams& costmap, const VehicleParams& vehicle,
+                     const PathParams& params);
+
+// Whether a circle of the vehicle's pivot radius (core/base/footprint.h) and params.pivot_margin_m
+// around the position is free: no hard or person cell's square reaches into it, and all of it lies
+// on the map. A circle of more than kMaxPivotCircle_m, and one that is not finite, counts as not
+// free. Cost: its cells.
+inline constexpr float kMaxPivotCircle_m = 7.0f;
 bool PivotIsFree(const Costmap& map, const VehicleParams& vehicle, const PathParams& params,
                  Vec2 position_odom);
 

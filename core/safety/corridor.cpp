@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/safety/corridor.h"
 
+#include "core/base/footprint.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/saturate.h"
@@ -335,7 +336,7 @@ void Corridor::TestRecent(uint32_t since) {
 WayAhead Corridor::Ahead(const SpeedParams& speed, const VehicleParams& vehicle, float along_m,
                          float speed_mps, float commanded_mps) const {
   if (!has_obstacle_) return WayAhead::kClear;
-  const float gap_m = obstacle_along_m_ - along_m - 0.5f * vehicle.length_m;
+  const float gap_m = obstacle_along_m_ - along_m - FrontOf(vehicle);
   const float real_mps = Max(speed_mps, 0.0f);
   const float told_mps = Max(commanded_mps, 0.0f);
   if (!IsFinite(gap_m) || !IsFinite(speed_mps) || !IsFinite(commanded_mps)) {

@@ -10,95 +10,57 @@ namespace hardpack {
 namespace {
 
 constexpr float kSample_m = 0.5f / kCellsPerMeter;
-// A little above the square root of two: twice the way from a cell's middle to its corner.
+constexpr float kTurnSample_m = 0.25f / kCellsPerMeter;
+constexpr float kDeeper_cells = PathCheck::kDeeperTolerance_m * kCellsPerMeter;
+constexpr float kReach_cells = kClearanceReach_m * kCellsPerMeter;
+// A little above the square root of two: a cell's diagonal.
 constexpr float kDiagonal_cells = 1.41422f;
-// Poses closer than this are measured even after a closer one was found, so that an overlap is
-// always known by its depth.
-constexpr float kAlwaysMeasured_m = 0.1f;
-
-enum class Metric { kToSquare, kToCentre };
-
-// Distance along one axis [cells] from u, inside or near cell 0, to cell `offset`.
-template <Metric kMetric>
-float AxisDistance(float u_cells, int32_t offset) {
-  const float low = static_cast<float>(offset);
-  if constexpr (kMetric == Metric::kToCentre) return Abs(low + 0.5f - u_cells);
-  return Max(0.0f, Max(low - u_cells, u_cells - (low + 1.0f)));
-}
-
-// How many cells of a row are passed from one on, itself included, until the first hard one; more
-// than `most` where none of so many behind it is.
-template <int kStep>
-inline int32_t PassedToHard(const uint8_t* flags, int32_t most) {
-  HP_LOOP_BOUND(PathCheck::kMaxScan_cells + 1)
-  for (int32_t passed = 0; passed <= most; ++passed) {
-    if ((flags[passed * kStep] & Costmap::kHard) != 0) return passed;
-  }
-  return most + 1;
-}
-
-// Lowers nearest2_cells2 to the squared distance from a point to the nearest hard cell that is
-// nearer than that.
-//
-// With c the map's cell nearest to the point and D the map's distance from c's centre to the
-// nearest hard centre: the point (or its projection onto the map, which is no further from any
-// square of the map) lies in c, at most half a diagonal from its centre, and every point of a
-// square lies at most half a diagonal from its own centre. So every hard square is at least
-// D - one diagonal away, and where that is no less than `nearest` nothing is scanned. A saturated D
-// is a lower bound still. Likewise a cell n columns (or rows) from c is at least n - 1 away, which
-// bounds the box that is scanned. Of a row's cells on one side of the point
-// the first hard one is the nearest.
-template <Metric kMetric>
-void LowerToNearestHard(const Costmap& map, Vec2 point_odom, float& nearest2_cells2) {
-  const Cell cell = map.window.Nearest(CellAt(point_odom));
-  const float reach_cells = Sqrt(nearest2_cells2);
-  const float least = reach_cells + kDiagonal_cells;
-  if (static_cast<float>(map.hard_distance2[map.window.Index(cell)]) >= least * least) return;
-
-  const float u = point_odom.x_m * kCellsPerMeter - static_cast<float>(cell.x);
-  const float v = point_odom.y_m * kCellsPerMeter - static_cast<float>(cell.y);
-  const int32_t half = ClampInt(FloorToInt(reach_cells) + 1, 0, PathCheck::kMaxScan_cells);
-  const Cell low = map.window.Nearest({cell.x - half, cell.y - half});
-  const Cell high = map.window.Nearest({cell.x + half, cell.y + half});
-  const int32_t most_right = high.x - cell.x;
-  const int32_t most_left = cell.x - low.x;
-  HP_LOOP_BOUND(2 * PathCheck::kMaxScan_cells + 1)
-  for (int32_t y = low.y; y <= high.y; ++y) {
-    const float dy = AxisDistance<kMetric>(v, y - cell.y);
-    if (dy * dy >= nearest2_cells2) continue;
-    const uint8_t* middle = &map.flags[map.window.Index({cell.x, y})];
-    const int32_t right = PassedToHard<1>(middle, most_right);
-    const int32_t left = PassedToHard<-1>(middle, most_left);
-    if (right <= most_right) {
-      const float dx = AxisDistance<kMetric>(u, right);
-      nearest2_cells2 = Min(nearest2_cells2, dx * dx + dy * dy);
-    }
-    if (left <= most_left) {
-      const float dx = AxisDistance<kMetric>(u, -left);
-      nearest2_cells2 = Min(nearest2_cells2, dx * dx + dy * dy);
-    }
-  }
-}
+// What floats may be off by in the distance of an outline to a square.
+constexpr float kRounding_cells = 1.0e-4f;
 
 float Squared(float value) {
   return value * value;
 }
 
-// Number of even pieces, none longer than kSample_m.
-int32_t PiecesOf(float way_m, int32_t most) {
-  return ClampInt(FloorToInt(Min(way_m / kSample_m, 1.0e6f)) + 1, 1, most);
-}
-
-bool IsFootprint(float value_m) {
-  return value_m >= 0.0f && value_m <= PathCheck::kMaxFootprint_m;
-}
-
-Status CheckInput(const VehicleParams& vehicle, const WorldPath& path,
-                  float start_curvature_per_m) {
-  if (!IsFootprint(vehicle.footprint_disc_radius_m) ||
-      !IsFootprint(vehicle.footprint_disc_offset_m)) {
-    return Status::kParameterOutOfRange;
+// Lowers nearest2_cells2 to the squared distance from a point to the nearest hard cell's centre
+// that is nearer than that. As the map tells the distance between centres, every centre is at least
+// that less half a diagonal away, and where that is no less than `nearest` nothing is scanned. A
+// cell n columns (or rows) from the point's own is at least n - 1 away, which bounds the box.
+void LowerToNearestCentre(const Costmap& map, Vec2 point_odom, float& nearest2_cells2) {
+  const Cell cell = map.window.Nearest(CellAt(point_odom));
+  const float reach_cells = Sqrt(nearest2_cells2);
+  const float least = reach_cells + kDiagonal_cells;
+  if (static_cast<float>(map.hard_distance2[map.window.Index(cell)]) >= least * least) return;
+  const float u = point_odom.x_m * kCellsPerMeter - static_cast<float>(cell.x) - 0.5f;
+  const float v = point_odom.y_m * kCellsPerMeter - static_cast<float>(cell.y) - 0.5f;
+  const int32_t half = ClampInt(FloorToInt(reach_cells) + 1, 0, PathCheck::kMiddleReach_cells);
+  const Cell low = map.window.Nearest({cell.x - half, cell.y - half});
+  const Cell high = map.window.Nearest({cell.x + half, cell.y + half});
+  HP_LOOP_BOUND(2 * PathCheck::kMiddleReach_cells + 1)
+  for (int32_t y = low.y; y <= high.y; ++y) {
+    const float dy2 = Squared(static_cast<float>(y - cell.y) - v);
+    if (dy2 >= nearest2_cells2) continue;
+    const uint8_t* flags = &map.flags[map.window.Index({low.x, y})];
+    HP_LOOP_BOUND(2 * PathCheck::kMiddleReach_cells + 1)
+    for (int32_t x = low.x; x <= high.x; ++x) {
+      if ((flags[x - low.x] & Costmap::kHard) == 0) continue;
+      nearest2_cells2 = Min(nearest2_cells2, Squared(static_cast<float>(x - cell.x) - u) + dy2);
+    }
   }
+}
+
+// Number of even pieces, none longer than `longest_m`.
+int32_t PiecesOf(float way_m, float longest_m, int32_t most) {
+  return ClampInt(FloorToInt(Min(way_m / longest_m, 1.0e6f)) + 1, 1, most);
+}
+
+Status CheckInput(const VehicleParams& vehicle, const WorldPath& path, float start_curvature_per_m,
+                  float margin_m) {
+  const bool fits = vehicle.length_m >= 0.0f && vehicle.length_m <= Outline::kMaxLength_m &&
+                    vehicle.width_m >= 0.0f && vehicle.width_m <= Outline::kMaxWidth_m &&
+                    Abs(vehicle.axle_offset_m) <= 0.5f * vehicle.length_m && margin_m >= 0.0f &&
+                    margin_m <= PathCheck::kMaxMargin_m;
+  if (!fits) return Status::kParameterOutOfRange;
   if (!IsFinite(start_curvature_per_m)) return Status::kNotFinite;
   HP_LOOP_BOUND(kMaxPathPoints)
   for (const Pose2& pose : path) {
@@ -110,16 +72,16 @@ Status CheckInput(const VehicleParams& vehicle, const WorldPath& path,
 }  // namespace
 
 Status PathCheck::Begin(const VehicleParams& vehicle, const OptimizerParams& limits,
-                        const WorldPath& path, float start_curvature_per_m) {
+                        const WorldPath& path, float start_curvature_per_m, float margin_m) {
   *this = PathCheck{};
-  result_.status = CheckInput(vehicle, path, start_curvature_per_m);
+  result_.status = CheckInput(vehicle, path, start_curvature_per_m, margin_m);
   if (!IsUsable(result_.status)) return result_.status;
   result_.status = Status::kNotStarted;
-  vehicle_ = vehicle;
+  footprint_ = FootprintOf(vehicle);
   limits_ = limits;
-  nearest2_cells2_ =
-      Squared((vehicle.footprint_disc_radius_m + kClearanceReach_m) * kCellsPerMeter);
-  middle2_cells2_ = Squared(kClearanceReach_m * kCellsPerMeter);
+  margin_cells_ = margin_m * kCellsPerMeter;
+  nearest_cells_ = kReach_cells;
+  middle2_cells2_ = Squared(kReach_cells);
   JudgeShape(path, start_curvature_per_m);
   phase_ = Phase::kTurn;
   samples_ = 1;  // At the first point nothing is turned: the pose itself.
@@ -171,8 +133,9 @@ void PathCheck::StepOnce(const Costmap& map, const WorldPath& path) {
     pose.x_m = sample_ == samples_ ? next.x_m : pose.x_m + share * (next.x_m - pose.x_m);
     pose.y_m = sample_ == samples_ ? next.y_m : pose.y_m + share * (next.y_m - pose.y_m);
   }
-  JudgePose(map, pose);
-  if (result_.leaves_map) {
+  if (!JudgePose(map, pose)) {
+    --sample_;
+  } else if (result_.leaves_map) {
     Finish(path);
   } else if (sample_ == samples_) {
     EnterNext(path);
@@ -187,67 +150,143 @@ void PathCheck::EnterNext(const WorldPath& path) {
       Finish(path);
       return;
     }
-    const float chord_m = Abs(PlanarModel::Inverse(path[point_], path[point_ + 1]).dr_m);
+    const Pose2& from = path[point_];
+    const Vec2 chord = {path[point_ + 1].x_m - from.x_m, path[point_ + 1].y_m - from.y_m};
+    const float chord_m = Sqrt(chord.x_m * chord.x_m + chord.y_m * chord.y_m);
     if (HasLength(chord_m)) {
       phase_ = Phase::kChord;
-      samples_ = PiecesOf(chord_m, kMaxChordSamples);
+      samples_ = PiecesOf(chord_m, kSample_m, kMaxChordSamples);
+      const SinCosPair heading = SinCos(from.theta_rad);
+      const float aside_m = Abs(chord.x_m * heading.sin - chord.y_m * heading.cos);
+      between_cells_ = 0.5f * aside_m * kCellsPerMeter / static_cast<float>(samples_);
       return;
     }
   }
   ++point_;
   phase_ = Phase::kTurn;
   turn_rad_ = WrapAngle(path[point_].theta_rad - path[point_ - 1].theta_rad);
-  samples_ = PiecesOf(Abs(turn_rad_) * vehicle_.footprint_disc_offset_m, kMaxTurnSamples);
+  const float arc_m = Abs(turn_rad_) * footprint_.pivot_radius_m;
+  samples_ = PiecesOf(arc_m, kTurnSample_m, kMaxTurnSamples);
+  between_cells_ = 0.5f * arc_m * kCellsPerMeter / static_cast<float>(samples_);
 }
 
-void PathCheck::JudgePose(const Costmap& map, const Pose2& pose) {
-  const Vec2 middle = {pose.x_m, pose.y_m};
-  if (!map.window.Contains(CellAt(middle))) {
+// False: it is clear of its start here, and to be judged by that once more.
+bool PathCheck::JudgePose(const Costmap& map, const Pose2& pose) {
+  const Vec2 axle = {pose.x_m, pose.y_m};
+  if (!map.window.Contains(CellAt(axle))) {
     result_.leaves_map = true;
     Collide();
-    return;
+    return true;
   }
-  const SinCosPair heading = SinCos(pose.theta_rad);
-  const float offset_m = vehicle_.footprint_disc_offset_m;
-  const Vec2 arm = {offset_m * heading.cos, offset_m * heading.sin};
-  const float radius_m = vehicle_.footprint_disc_radius_m;
-  float front2_cells2 =
-      Max(nearest2_cells2_, Squared((radius_m + kAlwaysMeasured_m) * kCellsPerMeter));
-  float rear2_cells2 = front2_cells2;
-  LowerToNearestHard<Metric::kToSquare>(map, {middle.x_m + arm.x_m, middle.y_m + arm.y_m},
-                                        front2_cells2);
-  LowerToNearestHard<Metric::kToSquare>(map, {middle.x_m - arm.x_m, middle.y_m - arm.y_m},
-                                        rear2_cells2);
-  const float pose2_cells2 = Min(front2_cells2, rear2_cells2);
-  const float clearance_m = Sqrt(pose2_cells2) / kCellsPerMeter - radius_m;
-  if (pose2_cells2 < nearest2_cells2_) {
-    nearest2_cells2_ = pose2_cells2;
-    result_.smallest_clearance_m = clearance_m;
-    result_.smallest_clearance_point = point_;
+  const Outline outline = OutlineAt(map.window, footprint_, pose);
+  if (!is_clear_) {
+    LeaveStart(map, outline);
+    return !is_clear_;
   }
-  const float middle2_cells2 = middle2_cells2_;
-  LowerToNearestHard<Metric::kToCentre>(map, middle, middle2_cells2_);
-  if (middle2_cells2_ < middle2_cells2) {
-    result_.smallest_hard_distance_m = Sqrt(middle2_cells2_) / kCellsPerMeter;
-  }
-  JudgeOverlap(Sqrt(front2_cells2) / kCellsPerMeter - radius_m, front_);
-  JudgeOverlap(Sqrt(rear2_cells2) / kCellsPerMeter - radius_m, rear_);
+  JudgeClear(map, pose, outline);
+  JudgeMiddle(map, pose);
+  return true;
 }
 
-// A disc may drive out of what it stands in, and into nothing else: each is judged by itself, so
-// that the one in an obstacle does not hide what the other one meets.
-void PathCheck::JudgeOverlap(float clearance_m, DiscOverlap& disc) {
-  disc.overlaps = clearance_m <= 0.0f;
-  if (!disc.overlaps) {
-    disc.has_been_clear = true;
+void PathCheck::JudgeMiddle(const Costmap& map, const Pose2& pose) {
+  const float before2_cells2 = middle2_cells2_;
+  LowerToNearestCentre(map, {pose.x_m, pose.y_m}, middle2_cells2_);
+  if (middle2_cells2_ < before2_cells2) {
+    result_.smallest_hard_distance_m = Sqrt(middle2_cells2_) / kCellsPerMeter;
+  }
+}
+
+void PathCheck::JudgeClear(const Costmap& map, const Pose2& pose, const Outline& outline) {
+  const float asked_cells = margin_cells_ + between_cells_;
+  const float reach_cells = Max(nearest_cells_ + between_cells_, asked_cells + kRounding_cells);
+  if (NearestHardAtLeast(map, footprint_, pose) >= reach_cells) return;
+  const float within2_cells2 = Squared(Min(reach_cells, kReach_cells));
+  float nearest2_cells2 = within2_cells2;
+  LowerToNearestHard(map, outline, nearest2_cells2);
+  if (nearest2_cells2 >= within2_cells2) return;
+  const float distance_cells = Sqrt(nearest2_cells2);
+  NoteClearance(distance_cells - between_cells_);
+  // What touches collides, with a margin of nothing too.
+  if (distance_cells <= 0.0f || distance_cells < asked_cells) Collide();
+}
+
+void PathCheck::NoteClearance(float clearance_cells) {
+  if (clearance_cells >= nearest_cells_) return;
+  nearest_cells_ = clearance_cells;
+  result_.smallest_clearance_m = clearance_cells / kCellsPerMeter;
+  result_.smallest_clearance_point = point_;
+}
+
+// Every hard cell that is nearer than the margin. Not inlined, as LeaveCell: its calls of that are
+// counted (config/timing.toml).
+[[gnu::noinline]] void PathCheck::LeaveStart(const Costmap& map, const Outline& outline) {
+  if (!has_start_) {
+    start_ = outline;
+    start_least_cells_ = kReach_cells;
+  }
+  near_left_ = kMaxNearCells;
+  const float asked_cells = margin_cells_ + between_cells_;
+  least_cells_ = asked_cells;
+  const auto on_map = [](float cells) {
+    return ClampInt(FloorToInt(cells), 0, kMapSize_cells - 1);
+  };
+  const int32_t first = on_map(outline.middle.x_m - outline.half_x_cells - asked_cells);
+  const int32_t last = on_map(outline.middle.x_m + outline.half_x_cells + asked_cells);
+  const int32_t first_row = on_map(outline.middle.y_m - outline.half_y_cells - asked_cells);
+  const int32_t last_row = on_map(outline.middle.y_m + outline.half_y_cells + asked_cells);
+  // Of a cell's middle in the body's axes, and a hair for what the sums below are off by.
+  const float beyond = outline.half_cell_cells + asked_cells + 1.0e-3f;
+  const float most_ahead = outline.half_length_cells + beyond;
+  const float most_left = outline.half_width_cells + beyond;
+  HP_LOOP_BOUND(Outline::kMaxNearSpan_cells)
+  for (int32_t y = first_row; y <= last_row; ++y) {
+    const uint8_t* flags = &map.flags[y * kMapSize_cells];
+    const float dx = static_cast<float>(first) + 0.5f - outline.middle.x_m;
+    const float dy = static_cast<float>(y) + 0.5f - outline.middle.y_m;
+    float ahead = dx * outline.cos + dy * outline.sin;
+    float left = dy * outline.cos - dx * outline.sin;
+    HP_LOOP_BOUND(Outline::kMaxNearSpan_cells)
+    for (int32_t x = first; x <= last && near_left_ > 0; ++x) {
+      const bool is_near = Abs(ahead) <= most_ahead && Abs(left) <= most_left;
+      if (is_near && (flags[x] & Costmap::kHard) != 0) LeaveCell(outline, x, y);
+      ahead += outline.cos;
+      left -= outline.sin;
+    }
+  }
+  has_start_ = true;
+  if (near_left_ == 0) Collide();
+  is_clear_ = least_cells_ >= asked_cells;
+  if (is_clear_) return;
+  NoteClearance(least_cells_ - between_cells_);
+  // The chord's end too: until there it is not clear.
+  if (result_.collision_point < 0) result_.overlap_points = point_ + 2;
+}
+
+[[gnu::noinline]] void PathCheck::LeaveCell(const Outline& outline, int32_t x, int32_t y) {
+  --near_left_;
+  const CellApart now = ApartFrom(outline, x, y);
+  if (now.least_cells >= margin_cells_ + between_cells_) return;
+  least_cells_ = Min(least_cells_, now.least_cells);
+  if (!has_start_) {
+    if (now.least_cells > 0.0f) {
+      start_least_cells_ = Min(start_least_cells_, now.least_cells);
+    } else {
+      result_.start_overlaps = true;
+    }
     return;
   }
-  if (disc.has_been_clear || (disc.overlapped && clearance_m < disc.deepest_m)) Collide();
-  const float deepest_m = clearance_m - kDeeperTolerance_m;
-  disc.deepest_m = disc.overlapped ? Max(disc.deepest_m, deepest_m) : deepest_m;
-  disc.overlapped = true;
-  // The chord's end too: until there it overlaps.
-  if (result_.collision_point < 0) result_.overlap_points = point_ + 2;
+  if (now.least_cells < LeastLeft(now, ApartFrom(start_, x, y))) Collide();
+}
+
+// How near to a cell the outline may be, or how deep in it, while it leaves its start.
+float PathCheck::LeastLeft(const CellApart& now, const CellApart& at_start) const {
+  if (at_start.least_cells <= 0.0f) return at_start.least_cells - kDeeper_cells;
+  const bool is_beside = now.aside_cells >= 0.0f;
+  const float from_cells =
+      is_beside ? Min(start_least_cells_, at_start.least_cells) : at_start.least_cells;
+  const float kept_cells = Max(from_cells - kDeeper_cells, 0.5f * from_cells);
+  // At least what may be swept from here to the next pose.
+  return Min(margin_cells_, kept_cells) + between_cells_;
 }
 
 void PathCheck::Collide() {
@@ -260,12 +299,15 @@ void PathCheck::Finish(const WorldPath& path) {
   const bool exceeds =
       result_.curvature_excess_per_m > kLimitTolerance * limits_.max_curvature_per_m ||
       result_.curvature_rate_excess_per_m2 > kLimitTolerance * limits_.max_curvature_rate_per_m2;
-  if (result_.collision_point >= 0 || front_.overlaps || rear_.overlaps) {
+  const bool ends_in = !is_clear_ && least_cells_ <= 0.0f;
+  if (result_.collision_point >= 0 || ends_in) {
     result_.status = Status::kCollision;
   } else if (exceeds) {
     result_.status = Status::kLimitExceeded;
+  } else if (result_.start_overlaps) {
+    result_.status = Status::kStartInObstacle;
   } else {
-    result_.status = result_.overlap_points > 0 ? Status::kStartInObstacle : Status::kOk;
+    result_.status = result_.overlap_points > 0 ? Status::kNarrowGap : Status::kOk;
   }
 }
 

@@ -5,70 +5,93 @@
 #include <type_traits>
 
 #include "config/parameters.h"
+#include "core/base/footprint.h"
 #include "core/base/progress.h"
 #include "core/base/status.h"
 #include "core/costmap/costmap.h"
 #include "core/path/path.h"
+#include "core/safety/outline.h"
 
 // The last judge of a plan before it may be driven (docs/algorithm.md section 5, end): at full
-// resolution, with the footprint's discs, against the hard cells themselves. It trusts nothing that
-// the planner computed but the map. Soft obstacles and costs are not its business; nor is what lies
-// beyond the map's edge, which the footprint may overhang while the path's points may not leave it.
+// resolution, with the vehicle's outline itself (core/safety/outline.h), against the hard cells
+// themselves. It trusts nothing that the planner computed but the map. Soft obstacles and costs are
+// not its business; nor is what lies beyond the map's edge, which the outline may overhang while
+// the path's points may not leave it.
+//
+// What is swept between two poses that are looked at is covered: along a chord the outline moves
+// along its own length, so that it sweeps nothing that it does not cover in one of the two; on a
+// turn, or on a chord that is not along the heading, the distance that is asked for grows by half
+// of what any point of it moves by.
+//
+// A start that is nearer to something than the margin, or in it, may be left, and nothing else.
+// Until the outline is clear for the first time:
+// - what it overlaps at the start it overlaps by no more than there and kDeeperTolerance_m;
+// - to what it does not overlap there, it keeps a distance: straight before the front and behind
+// the
+//   rear the margin, or what it has at the start; beside the flanks what it has at the start to the
+//   nearest of all. Less kDeeperTolerance_m, or half of it, of what it has at the start.
 
 namespace hardpack {
 
 inline constexpr float kClearanceReach_m = 2.0f;
 
 struct PathCheckResult {
-  // kOk; kLimitExceeded; kStartInObstacle: the footprint overlaps a hard cell at the start and
-  // drives out of it without going deeper (by more than kDeeperTolerance_m); kCollision: it
-  // overlaps one in any other way, or the path leaves the map; kNotStarted while busy.
+  // kOk; kLimitExceeded; kNarrowGap: it begins nearer to something than the margin, and does not
+  // touch it; kStartInObstacle: it begins in something and drives out of it; kCollision: it touches
+  // something, comes nearer to it than the margin in any other way, or leaves the map; kNotStarted
+  // while busy.
   Status status = Status::kNotStarted;
-  // Least distance from the footprint's discs to a hard cell's square [m]; negative: overlap depth
-  // (at most a disc's radius). Saturates at kClearanceReach_m.
+  // Least distance from the outline to a hard cell's square [m], on the way between the poses that
+  // are looked at too; negative: overlap, by how far either would have to be moved. Saturates at
+  // kClearanceReach_m. While it leaves its start a lower bound.
   float smallest_clearance_m = kClearanceReach_m;
-  // Least distance from the vehicle's middle to a hard cell's centre [m]; saturates too.
+  // Least distance from the axle's centre to a hard cell's centre [m]; saturates too.
   float smallest_hard_distance_m = kClearanceReach_m;
   int32_t smallest_clearance_point = 0;
   // The first point at which, or on the chord behind which, it collides; -1 when it does not, or
   // only does because it never gets clear of the start.
   int32_t collision_point = -1;
-  // Points from the start on until the footprint is, and stays, clear, or until it collides; 0 when
-  // it is clear until then.
+  // Points from the start on until the outline is clear of what is nearer than the margin, or
+  // until it collides; 0 when it is clear from the start on.
   int32_t overlap_points = 0;
   float curvature_excess_per_m = 0.0f;        // largest |kappa| - max, 0 when within
   float curvature_rate_excess_per_m2 = 0.0f;  // the same for |kappa'|
   float largest_curvature_per_m = 0.0f;
   float largest_curvature_rate_per_m2 = 0.0f;
-  bool leaves_map = false;  // a point of the path is off the map
+  bool leaves_map = false;      // a point of the path is off the map
+  bool start_overlaps = false;  // the outline overlaps or touches a hard cell at the start
 };
 
 class PathCheck {
  public:
-  // path: poses of the path, pivots included (two points at one place). kPathTooShort: fewer than
-  // two points; kNotFinite; kParameterOutOfRange: a footprint beyond kMaxFootprint_m, or negative.
-  // result().status says the same. Cost: one pass over the points.
+  // path: poses of the path, pivots included (two points at one place). margin_m: distance that the
+  // outline has to keep. kPathTooShort: fewer than two points; kNotFinite; kParameterOutOfRange: an
+  // outline beyond Outline's limits or with the axle outside of it, a margin beyond kMaxMargin_m,
+  // or a negative one. result().status says the same. Cost: one pass over the points.
   Status Begin(const VehicleParams& vehicle, const OptimizerParams& limits, const WorldPath& path,
-               float start_curvature_per_m);
+               float start_curvature_per_m, float margin_m);
 
   // A unit is one pose: the chord behind a point is cut evenly into pieces of at most half a cell,
-  // and the turn at a point into pieces that move no disc further than that. On the way from sample
-  // to sample a disc's centre is never further than a quarter of a cell from one of them. kMaxUnits
-  // units end any check. Cost of a unit: at most three scans of (2 kMaxScan_cells + 1)^2 cells.
+  // and the turn at a point into pieces that move no point of the outline further than a quarter of
+  // a cell. One pose more, the last of the start, takes two. kMaxUnits units end any check. Cost of
+  // a unit: a search along the rows of (Outline::kMaxSpan_cells)^2 cells and of
+  // (2 kMiddleReach_cells + 1)^2, or while it leaves its start kMaxNearCells cells.
   Progress Step(const Costmap& map, const WorldPath& path, int units);
 
   const PathCheckResult& result() const { return result_; }
 
   static constexpr float kLimitTolerance = 0.01f;     // of the limit itself
   static constexpr float kDeeperTolerance_m = 0.05f;  // a quarter of a cell
-  static constexpr float kMaxFootprint_m = 2.5f;      // largest disc radius, and disc offset
-  static constexpr int kMaxScan_cells = 24;           // reach and radius, in cells, and one more
+  static constexpr float kMaxMargin_m = 0.5f;
+  static constexpr int kMiddleReach_cells = 11;  // kClearanceReach_m, and one more
+  static constexpr int kMaxNearCells = 256;      // at the start; more of them cannot be left
 
   // A chord within the map is at most its diagonal long, 512 sqrt(2) cells; a longer one is cut
   // into no more pieces, since it ends (or began) off the map.
   static constexpr int kMaxChordSamples = 1450;
-  static constexpr int kMaxTurnSamples = 80;  // pi kMaxFootprint_m / half a cell, and one more
-  static constexpr int kMaxUnits = kMaxPathPoints * (kMaxChordSamples + kMaxTurnSamples);
+  // Half a turn of the furthest corner, 6.33 m from an axle at an end, and one more.
+  static constexpr int kMaxTurnSamples = 400;
+  static constexpr int kMaxUnits = kMaxPathPoints * (kMaxChordSamples + kMaxTurnSamples) + 1;
 
  private:
   enum class Phase : uint8_t { kTurn, kChord, kDone };
@@ -76,30 +99,36 @@ class PathCheck {
   void JudgeShape(const WorldPath& path, float start_curvature_per_m);
   void StepOnce(const Costmap& map, const WorldPath& path);
   void EnterNext(const WorldPath& path);
-  void JudgePose(const Costmap& map, const Pose2& pose);
-  // One disc's overlap with what it stands in at the start.
-  struct DiscOverlap {
-    float deepest_m = 0.0f;       // the clearance below which the overlap has become deeper
-    bool overlapped = false;      // some pose so far did
-    bool overlaps = false;        // the last pose did
-    bool has_been_clear = false;  // some pose so far was
-  };
-  void JudgeOverlap(float clearance_m, DiscOverlap& disc);
+  bool JudgePose(const Costmap& map, const Pose2& pose);
+  void JudgeClear(const Costmap& map, const Pose2& pose, const Outline& outline);
+  void JudgeMiddle(const Costmap& map, const Pose2& pose);
+  void LeaveStart(const Costmap& map, const Outline& outline);
+  void LeaveCell(const Outline& outline, int32_t x, int32_t y);
+  float LeastLeft(const CellApart& now, const CellApart& at_start) const;
+  void NoteClearance(float clearance_cells);
   void Collide();
   void Finish(const WorldPath& path);
 
   PathCheckResult result_;
-  VehicleParams vehicle_;
+  Footprint footprint_;
   OptimizerParams limits_;
+  float margin_cells_ = 0.0f;
   Phase phase_ = Phase::kDone;
-  int32_t point_ = 0;             // the one being turned at, or whose chord is being driven
-  int32_t sample_ = 0;            // judged so far in this phase
-  int32_t samples_ = 0;           // of this phase
-  float turn_rad_ = 0.0f;         // of this phase
-  float nearest2_cells2_ = 0.0f;  // of a disc's centre to a hard square, over all poses so far
-  float middle2_cells2_ = 0.0f;   // of the vehicle's middle to a hard cell's centre
-  DiscOverlap front_;
-  DiscOverlap rear_;
+  int32_t point_ = 0;      // the one being turned at, or whose chord is being driven
+  int32_t sample_ = 0;     // judged so far in this phase
+  int32_t samples_ = 0;    // of this phase
+  float turn_rad_ = 0.0f;  // of this phase
+  float between_cells_ =
+      0.0f;  // half of what a point of the outline moves by from sample to sample
+  float nearest_cells_ = 0.0f;      // of the outline to a hard square, over all poses so far
+  float middle2_cells2_ = 0.0f;     // of the axle's centre to a hard cell's centre
+  bool is_clear_ = false;           // of the start, and may touch nothing from here on
+  bool has_start_ = false;          // the first pose was judged
+  Outline start_;                   // the first pose's
+  float start_least_cells_ = 0.0f;  // to the nearest that it does not overlap
+  // Of the pose that is judged while it leaves its start.
+  int32_t near_left_ = 0;
+  float least_cells_ = 0.0f;  // to the nearest of all
 };
 static_assert(std::is_trivially_copyable_v<PathCheck>);
 

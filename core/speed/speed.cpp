@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/speed/speed.h"
 
+#include "core/base/footprint.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 
@@ -269,8 +270,7 @@ float PassingTime(const SpeedParams& params, float way_m, float speed_mps) {
 
 float PersonSpeedCap(const SpeedParams& params, const VehicleParams& vehicle, float along_m,
                      float lateral_m, float speed_mps) {
-  const float half_length_m = 0.5f * vehicle.length_m;
-  const float way_by_m = along_m + half_length_m;
+  const float way_by_m = along_m - RearOf(vehicle);
   if (way_by_m <= 0.0f) return params.max_speed_mps;
   const float aside_m = lateral_m - params.person_margin_m;
   if (aside_m > params.person_speed_mps * PassingTime(params, way_by_m, speed_mps)) {
@@ -279,7 +279,7 @@ float PersonSpeedCap(const SpeedParams& params, const VehicleParams& vehicle, fl
   // s(v) + v_person T(v) = v (t + v_person / a) + v^2 / (2 a) + v_person t.
   const float delay_s = StoppingDelay(params);
   const float brakes_mps2 = params.max_deceleration_mps2;
-  const float free_m = along_m - half_length_m - params.person_margin_m;
+  const float free_m = along_m - FrontOf(vehicle) - params.person_margin_m;
   const float walk_mps = params.person_speed_mps;
   const float before_mps =
       SpeedWithin(params, delay_s + walk_mps / brakes_mps2, free_m - walk_mps * delay_s);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/sevcon/sevcon.h"
 
+#include "config/conflicts.h"
 #include "config/validate.h"
 #include "core/base/assert.h"
 #include "core/base/loop_bound.h"
@@ -20,11 +21,9 @@ bool IsSign(int32_t sign) {
 }
 
 bool FitTogether(const DriveParams& params) {
-  return params.left_node != params.right_node && params.left_node != params.master_node &&
-         params.right_node != params.master_node && IsSign(params.left_sign) &&
-         IsSign(params.right_sign) && params.heartbeat_timeout_ms > params.heartbeat_period_ms &&
-         params.command_timeout_ms > params.command_period_ms &&
-         params.feedback_timeout_ms > params.sync_period_ms;
+  bool fits = IsSign(params.left_sign) && IsSign(params.right_sign);
+  ForEachConflict(params, [&fits](const ParameterConflict&) { fits = false; });
+  return fits;
 }
 
 bool IsFinite(float value) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/base/footprint.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/saturate.h"
@@ -20,8 +21,6 @@ constexpr int kLooks = 5;
 
 }  // namespace
 
-// kParameterOutOfRange: a corridor that is wider than what plans are checked for, so that a plan
-// that is free would brake for ever.
 Status VehicleLoop::ConfigureSafety() {
   const VehicleParams& vehicle = config_.planner.vehicle;
   const SafetyParams& safety = config_.onboard.safety;
@@ -31,8 +30,6 @@ Status VehicleLoop::ConfigureSafety() {
   round_tick_ = 0;
   seen_plan_ = 0;
   seen_check_ns_ = 0;
-  const float half_width_m = 0.5f * vehicle.width_m + safety.corridor_margin_m;
-  if (half_width_m > vehicle.footprint_disc_radius_m) return Status::kParameterOutOfRange;
   Status status =
       gate_.Configure({vehicle.max_wheel_speed_radps, safety.max_wheel_acceleration_radps2});
   if (IsUsable(status)) status = motion_.Configure(safety);
@@ -44,8 +41,9 @@ CorridorSize VehicleLoop::SizeOfCorridor() const {
   const SpeedParams& speed = config_.planner.speed;
   const float margin_m = config_.onboard.safety.corridor_margin_m;
   return {.half_width_m = 0.5f * vehicle.width_m + margin_m,
-          .pivot_radius_m = vehicle.pivot_radius_m + margin_m,
-          .reach_m = Min(StoppingDistance(speed, speed.max_speed_mps) + vehicle.length_m,
+          .pivot_radius_m = PivotRadiusOf(vehicle) + margin_m,
+          .reach_m = Min(StoppingDistance(speed, speed.max_speed_mps) + FrontOf(vehicle) +
+                             0.5f * vehicle.length_m,
                          Corridor::kMaxReach_m)};
 }
 

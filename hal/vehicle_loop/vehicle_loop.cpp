@@ -49,12 +49,6 @@ Status VehicleLoop::Configure(const VehicleConfig& config) {
     status = tracker_.Configure(config.planner.vehicle, config.planner.speed, onboard.odometry,
                                 onboard.dynamics, onboard.tracking);
   }
-  // What a plan takes to stop is not to be less than what the tracker needs.
-  const SpeedParams& speed = config.planner.speed;
-  const bool stops =
-      speed.stopping_dead_time_s >= onboard.dynamics.dead_time_s &&
-      speed.stopping_lag_s >= onboard.dynamics.common_lag_s + onboard.dynamics.speed_lag_s;
-  if (IsUsable(status) && !stops) status = Status::kParameterOutOfRange;
   if (IsUsable(status)) status = supervisor_.Configure(onboard.safety);
   if (IsUsable(status)) status = ConfigureSafety();
   if (IsUsable(status)) {
@@ -63,7 +57,7 @@ Status VehicleLoop::Configure(const VehicleConfig& config) {
                            lidar.columns_per_frame, lidar.lidar_origin_to_beam_origin_m,
                            lidar.sensor_from_lidar, beam_model_);
   }
-  if (IsUsable(status) && !KeepsUpWithLidar()) status = Status::kParameterOutOfRange;
+  if (IsUsable(status) && ConflictOf(config).name != nullptr) status = Status::kParameterOutOfRange;
   if (IsUsable(status)) status = ConfigureSight();
   configured_ = IsUsable(status);
   return status;
@@ -72,17 +66,26 @@ Status VehicleLoop::Configure(const VehicleConfig& config) {
 // What a lidar sends in one period has to fit into what a tick may class, and into the datagrams
 // that it takes. The metadata do not say how fast it turns: 20 times a second, or with 2048 columns
 // 10 times.
-bool VehicleLoop::KeepsUpWithLidar() const {
+ParameterConflict VehicleLoop::ConflictOf(const VehicleConfig& config) {
+  const ParameterConflict first = FirstConflict(config.planner, config.perception, config.onboard);
+  if (first.name != nullptr) return first;
   constexpr int32_t kMaxColumns_per_s = 2048 * 10;
-  const TickParams& tick = config_.onboard.tick;
-  const int32_t columns_per_s = config_.lidar.columns_per_frame * 20;
+  const TickParams& tick = config.onboard.tick;
+  const int32_t columns_per_s = config.lidar.columns_per_frame * 20;
   const int32_t most_per_s = columns_per_s < kMaxColumns_per_s ? columns_per_s : kMaxColumns_per_s;
-  const int32_t columns_per_packet = config_.lidar.columns_per_packet;
+  const int32_t columns_per_packet = config.lidar.columns_per_packet;
   const int32_t others =
-      kMaxInsDatagrams + (config_.perception.mapping.use_labels != 0 ? kMaxLabelDatagrams : 0);
+      kMaxInsDatagrams + (config.perception.mapping.use_labels != 0 ? kMaxLabelDatagrams : 0);
   const int32_t packets = kMaxDatagramsPerTick - others;
-  return most_per_s * tick.period_ms <= tick.directions * 1000 &&
-         most_per_s * tick.period_ms <= packets * columns_per_packet * 1000;
+  if (most_per_s * tick.period_ms > tick.directions * 1000) {
+    return {"tick.directions", "tick.period_ms",
+            "at least the columns that the lidar (lidar.metadata) sends in it"};
+  }
+  if (most_per_s * tick.period_ms > packets * columns_per_packet * 1000) {
+    return {"tick.period_ms", "lidar.metadata",
+            "so short that a tick takes all packets that the lidar sends in it"};
+  }
+  return {};
 }
 
 // With an empty map.

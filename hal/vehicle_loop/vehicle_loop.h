@@ -5,6 +5,7 @@
 #include <span>
 #include <type_traits>
 
+#include "config/conflicts.h"
 #include "config/onboard_parameters.h"
 #include "config/parameters.h"
 #include "core/autonomy/mapper.h"
@@ -118,10 +119,13 @@ class VehicleLoop {
   // What a late tick may make up for of the ramps.
   static constexpr float kLongestTick_s = 0.1f;
 
+  // What of it does not go together, by name: config/conflicts.h, and a period that brings more
+  // columns of the lidar than a tick classes directions, or more of its datagrams than a tick
+  // takes. No name: nothing. Precondition: each parameter is within its range.
+  static ParameterConflict ConflictOf(const VehicleConfig& config);
+
   // Sets everything up and forgets what was. The statuses of the stages' Configure;
-  // kParameterOutOfRange too where plans would take less to stop than the drives need, or a period
-  // brings more columns of the lidar than a tick classes directions, or more of its datagrams than
-  // a tick takes. Cost: everything is cleared.
+  // kParameterOutOfRange too where there is a conflict. Cost: everything is cleared.
   Status Configure(const VehicleConfig& config);
 
   // One tick. kOk; kNotStarted: Configure has not succeeded; kInvalidArgument: the time or the
@@ -185,7 +189,6 @@ class VehicleLoop {
   void NoteIns(uint64_t measured_ns);
   void AddPose();
   void LocateInMap(const StampedPose& pose);
-  bool KeepsUpWithLidar() const;
   Status ConfigureMapper();
   void AddToHash(const TickOutput& output);
 

@@ -103,7 +103,11 @@ bool SetUp(const Startup& startup) {
   config->lidar = startup.lidar;
   const Status configured = g_loop.Configure(*config);
   if (IsUsable(configured)) return true;
-  Say(std::string("the configuration does not go together: ") + StatusName(configured));
+  const ParameterConflict conflict = VehicleLoop::ConflictOf(*config);
+  Say(conflict.name != nullptr
+          ? std::string(conflict.name) + " and " + conflict.other + ": " + conflict.name +
+                " has to be " + conflict.rule
+          : std::string("the configuration does not go together: ") + StatusName(configured));
   return false;
 }
 

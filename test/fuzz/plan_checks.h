@@ -7,6 +7,7 @@
 
 #include "config/parameters.h"
 #include "core/autonomy/planner.h"
+#include "test/core/safety/rectangle.h"
 #include "test/fuzz/mapper_script.h"
 
 // What the headers promise of a usable plan, held against the plan and the cells that were drawn
@@ -14,30 +15,35 @@
 
 namespace hardpack {
 
-// The drawn cells, and how far a disc is from the hard ones.
+// The drawn cells, and how far an outline is from the hard ones.
 struct DrawnCells {
   GridWindow window;
   const uint8_t* flags;  // [kMapCells]
 
   bool Contains(const Pose2& pose) const { return window.Contains(CellAt({pose.x_m, pose.y_m})); }
 
-  // From a disc's edge to the nearest hard cell's square [m]; at most a cell beyond its edge.
-  double Clearance(double x_m, double y_m, double radius_m) const {
-    const double x = x_m * static_cast<double>(kCellsPerMeter);
-    const double y = y_m * static_cast<double>(kCellsPerMeter);
-    const int reach = static_cast<int>(radius_m * static_cast<double>(kCellsPerMeter)) + 2;
-    const int middle_x = static_cast<int>(std::floor(x));
-    const int middle_y = static_cast<int>(std::floor(y));
-    double nearest2 = static_cast<double>(reach - 1) * (reach - 1);
-    for (int cell_y = middle_y - reach; cell_y <= middle_y + reach; ++cell_y) {
-      for (int cell_x = middle_x - reach; cell_x <= middle_x + reach; ++cell_x) {
-        if (!IsHard({cell_x, cell_y})) continue;
-        const double dx = std::max({0.0, cell_x - x, x - (cell_x + 1)});
-        const double dy = std::max({0.0, cell_y - y, y - (cell_y + 1)});
-        nearest2 = std::min(nearest2, dx * dx + dy * dy);
+  // The least distance of the outline to the square of a hard cell; and to those only that are
+  // further than `beyond_m` from another outline [m]. At most a cell or so.
+  double Clearance(const Quad& outline, const Quad* other = nullptr, double beyond_m = 0.0) const {
+    constexpr double kCell_m = 0.2;
+    double low_x = 1e9, low_y = 1e9, high_x = -1e9, high_y = -1e9;
+    for (const TestPoint& corner : outline) {
+      low_x = std::min(low_x, corner.x);
+      low_y = std::min(low_y, corner.y);
+      high_x = std::max(high_x, corner.x);
+      high_y = std::max(high_y, corner.y);
+    }
+    const auto cell_of = [](double m) { return static_cast<int>(std::floor(m / kCell_m)); };
+    double nearest = kCell_m;
+    for (int y = cell_of(low_y) - 1; y <= cell_of(high_y) + 1; ++y) {
+      for (int x = cell_of(low_x) - 1; x <= cell_of(high_x) + 1; ++x) {
+        if (!IsHard({x, y})) continue;
+        const Quad box = BoxQuad(kCell_m * x, kCell_m * y, kCell_m * (x + 1), kCell_m * (y + 1));
+        if (other != nullptr && DistanceBetween(*other, box) <= beyond_m) continue;
+        nearest = std::min(nearest, DistanceBetween(outline, box));
       }
     }
-    return std::sqrt(nearest2) / static_cast<double>(kCellsPerMeter) - radius_m;
+    return nearest;
   }
 
  private:
@@ -48,49 +54,42 @@ struct DrawnCells {
   }
 };
 
-// One disc of the footprint along the path: it may drive out of what it stands in, and into nothing
-// else (core/safety/path_check.h).
-class DiscWitness {
+// The outline along the path: it may drive out of what it stands in, and into nothing else
+// (core/safety/path_check.h).
+class OutlineWitness {
  public:
-  DiscWitness(const DrawnCells& cells, const VehicleParams& vehicle, double side)
+  OutlineWitness(const DrawnCells& cells, const PlannerParams& params, const Pose2& start)
       : cells_(cells),
-        radius_m_(static_cast<double>(vehicle.footprint_disc_radius_m)),
-        offset_m_(side * static_cast<double>(vehicle.footprint_disc_offset_m)) {}
+        vehicle_(params.vehicle),
+        margin_m_(static_cast<double>(params.path.margin_m)),
+        start_(At(static_cast<double>(start.x_m), static_cast<double>(start.y_m),
+                  static_cast<double>(start.theta_rad))) {}
 
-  // A point of the path, which the check has looked at. `clear`: it says that it is clear there.
-  void AtPoint(const Pose2& pose, bool clear) {
-    const double clearance_m = At(pose.x_m, pose.y_m, pose.theta_rad);
-    if (is_first_) start_m_ = clearance_m;
-    is_first_ = false;
-    Require(!clear || clearance_m > -kRounding_m);
-    was_clear_ = was_clear_ || clear || clearance_m > kRounding_m;
-    Require(clearance_m > Least() - kRounding_m);
-  }
-
-  // Between two of them, where it has looked a quarter of a cell from here.
-  void AtSample(double x_m, double y_m, double theta_rad) const {
-    constexpr double kQuarterCell_m = 0.25 / static_cast<double>(kCellsPerMeter);
-    Require(At(x_m, y_m, theta_rad) > Least() - kQuarterCell_m - kRounding_m);
+  // A pose, and whether the check says that it is clear of its start there. Between two that it has
+  // looked at the margin may be less by half of what a sample's turn moves.
+  void Judge(double x_m, double y_m, double theta_rad, bool clear) const {
+    const Quad outline = At(x_m, y_m, theta_rad);
+    if (clear) {
+      Require(cells_.Clearance(outline) >= std::min(margin_m_, 0.2) - kRounding_m);
+      return;
+    }
+    // What was not near it at the start it does not touch.
+    const double deeper_m = static_cast<double>(PathCheck::kDeeperTolerance_m) + kBetween_m;
+    Require(cells_.Clearance(outline, &start_, deeper_m) > 0.0 || margin_m_ == 0.0);
   }
 
  private:
-  static constexpr double kRounding_m = 1e-4;
+  static constexpr double kRounding_m = 1e-3;
+  static constexpr double kBetween_m = 0.03;
 
-  double At(double x_m, double y_m, double theta_rad) const {
-    return cells_.Clearance(x_m + offset_m_ * std::cos(theta_rad),
-                            y_m + offset_m_ * std::sin(theta_rad), radius_m_);
-  }
-  double Least() const {
-    if (was_clear_) return 0.0;
-    return std::min(0.0, start_m_ - static_cast<double>(PathCheck::kDeeperTolerance_m));
+  Quad At(double x_m, double y_m, double theta_rad) const {
+    return OutlineQuad(vehicle_, x_m, y_m, theta_rad);
   }
 
   const DrawnCells& cells_;
-  double radius_m_;
-  double offset_m_;
-  double start_m_ = 0.0;
-  bool is_first_ = true;
-  bool was_clear_ = false;
+  const VehicleParams& vehicle_;
+  double margin_m_;
+  Quad start_;
 };
 
 class PlanWitness {
@@ -197,38 +196,37 @@ class PlanWitness {
     Require(std::abs(Square(plan_.speed.back()) - left_m2ps2) <= 1e-4 * start_m2ps2);
   }
 
-  // The whole footprint, at every point and on the way to the next; no point off the map.
+  // The whole outline, at every point and on the way to the next; no point off the map.
   void CheckClear(const DrawnCells& cells) const {
-    DiscWitness discs[] = {{cells, params_.vehicle, 1.0}, {cells, params_.vehicle, -1.0}};
+    // Nothing is driven where it stays, but for a turn.
+    if (plan_.stays && !plan_.pivots_last) return;
+    const OutlineWitness witness(cells, params_, plan_.path[0]);
     for (int k = 0; k < plan_.path.size(); ++k) {
       Require(cells.Contains(plan_.path[k]));
-      for (DiscWitness& disc : discs) {
-        disc.AtPoint(plan_.path[k], k >= plan_.check.overlap_points);
-        if (k + 1 < plan_.path.size()) CheckWay(k, disc);
-      }
+      if (k + 1 < plan_.path.size()) CheckWay(k, witness);
     }
   }
 
   // Along the chord behind a point, and in the turn at its end.
-  void CheckWay(int k, const DiscWitness& disc) const {
+  void CheckWay(int k, const OutlineWitness& witness) const {
     const Pose2& from = plan_.path[k];
     const Pose2& to = plan_.path[k + 1];
+    const bool clear = k >= plan_.check.overlap_points;
     const double theta_rad = static_cast<double>(from.theta_rad);
     const double turn_rad = static_cast<double>(plan_.actuator.steps[k].phi_rad);
     constexpr double kPiece_m = 0.07;  // not theirs, so that it falls between theirs
     const int pieces = 1 + static_cast<int>(Way(plan_.actuator.steps[k]) / kPiece_m);
-    for (int i = 1; i < pieces; ++i) {
+    for (int i = 0; i < pieces; ++i) {
       const double share = static_cast<double>(i) / pieces;
-      disc.AtSample(std::lerp(static_cast<double>(from.x_m), static_cast<double>(to.x_m), share),
+      witness.Judge(std::lerp(static_cast<double>(from.x_m), static_cast<double>(to.x_m), share),
                     std::lerp(static_cast<double>(from.y_m), static_cast<double>(to.y_m), share),
-                    theta_rad);
+                    theta_rad, clear);
     }
-    const double arc_m =
-        std::abs(turn_rad) * static_cast<double>(params_.vehicle.footprint_disc_offset_m);
+    const double arc_m = std::abs(turn_rad) * static_cast<double>(PivotRadiusOf(params_.vehicle));
     const int turns = 1 + static_cast<int>(arc_m / kPiece_m);
     for (int i = 0; i < turns; ++i) {
-      disc.AtSample(static_cast<double>(to.x_m), static_cast<double>(to.y_m),
-                    theta_rad + turn_rad * i / turns);
+      witness.Judge(static_cast<double>(to.x_m), static_cast<double>(to.y_m),
+                    theta_rad + turn_rad * i / turns, clear);
     }
   }
 

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <vector>
 
+#include "config/conflicts.h"
 #include "config/validate.h"
 #include "core/costmap/costmap.h"
 #include "gtest/gtest.h"
@@ -74,9 +75,19 @@ class RandomConfiguration {
     for (const ConfigurationKey& key : keys) {
       if (!key.not_above.empty()) PutInOrder(key, KeyNamed(keys, key.not_above));
     }
-    if (!IsUsable(CheckCostmapParams(configuration.planner.costmap))) {
-      configuration.planner.costmap = {};
-      configuration.planner.costmap.halo_m = Between(0.0f, 3.0f);
+    PlannerParams& planner = configuration.planner;
+    if (FirstConflict(planner, configuration.perception, configuration.onboard).name != nullptr ||
+        !IsUsable(CheckCostmapParams(planner.costmap))) {
+      planner.vehicle = {};
+      planner.costmap = {};
+      planner.costmap.halo_m = Between(0.0f, 3.0f);
+      planner.path.margin_m = 0.1f;
+      planner.path.kept_margin_m = Between(0.05f, 0.1f);
+      planner.speed.stopping_dead_time_s = 5.0f;
+      planner.speed.stopping_lag_s = 5.0f;
+      configuration.onboard.dynamics = {};
+      configuration.onboard.safety.corridor_margin_m = Between(0.0f, 0.05f);
+      configuration.perception.mount = {};
     }
     configuration.onboard.drive.left_sign = Below(2) == 0 ? 1 : -1;
     configuration.onboard.drive.right_sign = Below(2) == 0 ? 1 : -1;

@@ -272,15 +272,12 @@ TEST(Configuration, TellsWhatDoesNotGoTogether) {
             "f:7: speed.min_speed_mps: 2.0 is above speed.max_speed_mps, which is 1.0");
   EXPECT_EQ(Message("log.file_size_mb = 2\nlog.max_total_mb = 1\n"),
             "f:8: log.file_size_mb: 2 is above log.max_total_mb, which is 1");
-  EXPECT_TRUE(Message("costmap.ground_window_cells = 4\n")
-                  .starts_with("f:7: costmap: its numbers do not go together: "));
-  for (const char* numbers :
-       {"drive.left_node = 3\ndrive.right_node = 3\n",
-        "drive.right_node = 1\ndrive.left_node = 2\n",
-        "drive.heartbeat_period_ms = 300\ndrive.heartbeat_timeout_ms = 300\n"}) {
-    EXPECT_NE(Message(numbers).find(": drive: its numbers do not go together: "), std::string::npos)
-        << Message(numbers);
-  }
+  EXPECT_EQ(Message("costmap.ground_window_cells = 4\n"),
+            "f:7: costmap.ground_window_cells: is 4, has to be odd");
+  EXPECT_EQ(
+      Message("drive.heartbeat_timeout_ms = 100\n"),
+      "f:7: drive.heartbeat_timeout_ms: 100 does not go with drive.heartbeat_period_ms, which "
+      "is 100: it has to be above it");
   EXPECT_EQ(
       Message("drive.max_bus_load_percent = 1\n"),
       "f:7: drive.max_bus_load_percent: is 1, but what is sent and asked for in these periods "
@@ -288,6 +285,61 @@ TEST(Configuration, TellsWhatDoesNotGoTogether) {
   EXPECT_EQ(Message("lidar.port = 5000"),
             "f:6: ins.port: is lidar.port too: each sensor needs its own");
   EXPECT_EQ(Message("labels.port = 5000"), "");  // no labels are used
+}
+
+// SR-GEO08: an error that concerns two keys names both, and where the later of them stands.
+TEST(Configuration, NamesBothKeysOfWhatDoesNotGoTogether) {
+  struct Case {
+    std::string lines;
+    std::string key;
+    std::string other;
+  };
+  const std::vector<Case> cases = {
+      {"vehicle.axle_offset_m = 0.77", "vehicle.axle_offset_m", "vehicle.length_m"},
+      {"vehicle.length_m = 3.0", "mount.self_max_x_m", "vehicle.length_m"},
+      {"vehicle.length_m = 6.0\nmount.self_max_x_m = 3.0", "mount.self_min_x_m",
+       "vehicle.length_m"},
+      {"vehicle.width_m = 1.8", "mount.self_max_abs_y_m", "vehicle.width_m"},
+      {"mount.self_max_x_m = 1.3", "mount.self_max_x_m", "vehicle.length_m"},
+      {"mount.self_max_abs_y_m = 1.2", "mount.self_max_abs_y_m", "vehicle.width_m"},
+      {"mount.self_min_x_m = -2.8", "mount.self_min_x_m", "vehicle.length_m"},
+      {"mount.x_m = 1.3", "mount.x_m", "vehicle.length_m"},
+      {"mount.y_m = -1.2", "mount.y_m", "vehicle.width_m"},
+      {"vehicle.width_m = 4.0\nmount.self_max_abs_y_m = 2.1", "costmap.hard_slope_per_m",
+       "vehicle.width_m"},
+      {"costmap.hard_slope_per_m = 40.0", "costmap.hard_slope_per_m", "costmap.planning_radius_m"},
+      {"costmap.clearance_height_m = 0.5", "costmap.clearance_height_m",
+       "costmap.obstacle_height_m"},
+      {"speed.stopping_dead_time_s = 0.1", "speed.stopping_dead_time_s", "dynamics.dead_time_s"},
+      {"speed.stopping_lag_s = 0.5", "speed.stopping_lag_s", "dynamics.common_lag_s"},
+      {"safety.corridor_margin_m = 0.06", "safety.corridor_margin_m", "path.kept_margin_m"},
+      {"path.kept_margin_m = 0.2", "path.kept_margin_m", "path.margin_m"},
+      {"drive.left_node = 3", "drive.right_node", "drive.left_node"},
+      {"drive.left_node = 1", "drive.master_node", "drive.left_node"},
+      {"drive.right_node = 1", "drive.master_node", "drive.right_node"},
+      {"drive.command_timeout_ms = 20\ndrive.command_period_ms = 20", "drive.command_timeout_ms",
+       "drive.command_period_ms"},
+      {"drive.feedback_timeout_ms = 20", "drive.feedback_timeout_ms", "drive.sync_period_ms"}};
+  for (const Case& one : cases) {
+    const std::string message = Message(one.lines + "\n");
+    EXPECT_NE(message.find(": " + one.key + ": "), std::string::npos) << one.lines << message;
+    EXPECT_NE(message.find(' ' + one.other + ", which is "), std::string::npos)
+        << one.lines << ": " << message;
+    EXPECT_TRUE(message.starts_with("f:")) << message;
+  }
+  EXPECT_EQ(Message("vehicle.length_m = 6.0\nvehicle.width_m = 2.4\nmount.self_min_x_m = -3.0\n"
+                    "mount.self_max_x_m = 3.2\nmount.self_max_abs_y_m = 1.3\n"),
+            "");
+}
+
+TEST(Configuration, SaysWhatReplacesAFormerKey) {
+  for (const std::string key :
+       {"footprint_disc_radius_m", "footprint_disc_offset_m", "pivot_radius_m"}) {
+    EXPECT_EQ(Message("vehicle." + key + " = 1.0\n"),
+              "f:7: vehicle." + key +
+                  ": is no key any more: it follows from vehicle.length_m, vehicle.width_m and "
+                  "vehicle.axle_offset_m");
+  }
 }
 
 TEST(Configuration, RefusesClassesAndCodesThatAreNone) {

@@ -74,10 +74,7 @@ PlanRequest RequestFor(int goal) {
 void MakeLargest(PlannerParams& params) {
   params.vehicle.length_m = 6.0f;
   params.vehicle.width_m = 4.0f;
-  params.vehicle.footprint_disc_radius_m = PathCheck::kMaxFootprint_m;
-  params.vehicle.footprint_disc_offset_m = PathCheck::kMaxFootprint_m;
-  params.vehicle.pivot_radius_m = 2.5f;
-  params.costmap.planning_radius_m = 2.0f;
+  params.vehicle.axle_offset_m = 3.0f;
   params.costmap.hard_slope_per_m *= 0.4f;  // the same costs inside
   params.costmap.soft_slope_per_m *= 0.4f;
   params.optimizer.window_steps = 255;
@@ -164,6 +161,7 @@ void PrintConstants() {
   print("corridor_rows", Corridor::kMaxMarked_rows);
   print("person_cells", SpeedCaps::kMaxPersonCells);
   print("folds", Mapper::kMaxFolds);
+  print("near_cells", PathCheck::kMaxNearCells);
   print("plan_units", Planner::kMaxUnits);
   print("plan_transitions", Planner::kMaxTransitions);
   // What parameters are by default.

@@ -152,7 +152,8 @@ Status StageChain::Speed() {
 }
 
 Status StageChain::Check() {
-  const Status begun = check_->Begin(params_.vehicle, params_.optimizer, path_, 0.0f);
+  const Status begun =
+      check_->Begin(params_.vehicle, params_.optimizer, path_, 0.0f, params_.path.margin_m);
   if (IsUsable(begun)) ToEnd([this] { return check_->Step(map(), path_, kAllUnits); });
   return check_->result().status;
 }

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "config/conflicts.h"
 #include "config/validate.h"
 #include "port_linux/configuration_keys.h"
 #include "port_linux/nearest_name.h"
@@ -74,18 +75,29 @@ void SetFromText(const std::string& assignment, Parameters& parameters) {
                                       (nearest.empty() ? "" : ", did you mean '" + nearest + "'?"));
 }
 
+void Refuse(const ParameterConflict& conflict) {
+  throw CommandFailure(kBadInput, "--param " + std::string(conflict.name) + ": does not go with " +
+                                      conflict.other + ": it has to be " + conflict.rule);
+}
+
 }  // namespace
 
 void SetParameters(const std::vector<std::string>& assignments, Parameters& parameters) {
   for (const std::string& assignment : assignments) SetFromText(assignment, parameters);
-  // Each is within its own range; what is left is that one exceeds another that it must not.
-  for (const char* name :
-       {FirstInvalidParameter(parameters.planner), FirstInvalidParameter(parameters.perception)}) {
-    if (name == nullptr) continue;
-    throw CommandFailure(kBadInput,
-                         "--param " + std::string(name) +
-                             ": exceeds the parameter that it must not (docs/parameters.md)");
-  }
+  // Each is within its own range; what is left is that two do not go together.
+  const auto check_order = [](auto& group, const auto& table) {
+    for (const auto& entry : table) {
+      if (IsInOrder(entry, group)) continue;
+      for (const auto& other : table) {
+        if (other.number != entry.not_above) continue;
+        Refuse({entry.full_name, other.full_name, "no more than it"});
+      }
+    }
+  };
+  VisitParameters(parameters.planner, check_order);
+  VisitParameters(parameters.perception, check_order);
+  ForEachConflict(parameters.planner, Refuse);
+  ForEachConflict(parameters.planner.vehicle, parameters.perception, Refuse);
 }
 
 nlohmann::json ParametersToJson(const Parameters& parameters) {

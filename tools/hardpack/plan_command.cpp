@@ -73,8 +73,6 @@ CommandFailure FailureOf(Status status, const PlanRequest& request) {
       return {kBadInput, name + "--start lies off the map"};
     case Status::kParameterOutOfRange:
       return {kBadInput, name + "--param: the values do not fit together"};
-    case Status::kPathTooShort:
-      return {kBadInput, name + goal + " is where the vehicle stands"};
     case Status::kNoPath:
       return {kWorkFailed, name + "every way to the goal is closed"};
     case Status::kStartEnclosed:
@@ -104,7 +102,7 @@ std::string Remark(Status status) {
     case Status::kIterationLimit:
       return "the optimizer reached its sweep limit";
     case Status::kNarrowGap:
-      return "only passable for the bare footprint, at low speed";
+      return "little room beside the outline, driven at low speed there";
     case Status::kLimitExceeded:
       return "a curvature limit is exceeded";
     default:
@@ -128,6 +126,7 @@ picture::PlanPicture PictureOf(const PlanReport& report, const Costmap& map) {
   picture.title = std::string(StatusName(plan.status));
   if (IsUsable(plan.status)) picture.title += ": " + Summary(plan, report.params.speed);
   if (plan.pivots_first) picture.title += ", begins with a turn on the spot";
+  if (plan.starts_in_obstacle) picture.title += ", starts in an obstacle";
   if (plan.is_seed) picture.title += "; the base path: optimized it would touch";
   const auto add = [&picture](const char* what, const std::string& value) {
     picture.figures.emplace_back(what, value);
@@ -200,7 +199,17 @@ void RunPlan(const PlanOptions& options) {
   if (options.json) std::cout << object.dump() << "\n";
   if (!IsUsable(plan.status)) throw FailureOf(plan.status, request);
   if (options.json) return;
-  const std::string remark = Remark(plan.status);
+  std::string remark = Remark(plan.status);
+  const auto also = [&remark](const std::string& more) {
+    remark += (remark.empty() ? "" : "; ") + more;
+  };
+  if (plan.stays) {
+    also(plan.pivots_last ? "the goal is where the vehicle stands: a turn on the spot"
+                          : "the goal is where the vehicle stands: it has arrived");
+  }
+  if (plan.starts_in_obstacle && plan.status != Status::kStartInObstacle) {
+    also(Remark(Status::kStartInObstacle));
+  }
   std::cout << StatusName(plan.status) << ": " << Summary(plan, parameters.planner.speed)
             << (remark.empty() ? "" : " (" + remark + ")") << " -> " << options.out
             << "/plan.png\n";

@@ -142,6 +142,8 @@ json PlanToJson(const PlanReport& report) {
   object["pivots_last"] = plan.pivots_last;
   object["is_seed"] = plan.is_seed;
   object["narrow"] = plan.narrow;
+  object["stays"] = plan.stays;
+  object["starts_in_obstacle"] = plan.starts_in_obstacle;
   object["length_m"] = JsonNumber(PlanLength(plan));
   object["duration_s"] = JsonNumber(PlanDuration(plan, report.params.speed));
   AddArrays(plan, object);

@@ -96,7 +96,7 @@ QualityMeasures Measure(const Costmap& map, const PlannerParams& params, const W
   measures.length_m = LengthOf(path);
   if (measures.length_m > 0.0f) measures.angle_per_m = SumOfAngles(path) / measures.length_m;
   PathCheck check;
-  if (!IsUsable(check.Begin(params.vehicle, params.optimizer, path, start_curvature_per_m))) {
+  if (!IsUsable(check.Begin(params.vehicle, params.optimizer, path, start_curvature_per_m, 0.0f))) {
     return measures;
   }
   while (check.Step(map, path, kAllUnits) == Progress::kBusy) {

@@ -190,10 +190,14 @@ void Observer::WatchMode(const Moment& now, double t_s) {
   drove_ = drove_ || !stands;
   if (mode_ == Mode::kFault || mode_ == Mode::kEmergencyStop) End(Outcome::kFault);
   // A stop that gives up the goal ends in the same mode.
-  if (drove_ && stands && mode_ == Mode::kArmed && now.goals == 0) {
+  if (stands && mode_ == Mode::kArmed && now.goals == 0) {
     const world::Point2 here = Here(now);
     const double off_m = std::hypot(here.x_m - goal_.x_m, here.y_m - goal_.y_m);
-    End(off_m <= kAtGoal_m ? Outcome::kReached : Outcome::kSaid);
+    if (drove_) End(off_m <= kAtGoal_m ? Outcome::kReached : Outcome::kSaid);
+    // Nothing was to be driven. A status may be from before the goal was accepted.
+    if (!drove_ && reason == "none" && off_m <= kHere_m && t_s > kAccepted_s) {
+      End(Outcome::kReached);
+    }
   }
   if (!stands) return;
   const double stood_s = t_s - stands_since_s_;

@@ -60,6 +60,10 @@ class Observer {
 
   // So near to the goal, the odometry's drift included, a mission that is over has reached it.
   static constexpr double kAtGoal_m = 3.0;
+  // So near to it a vehicle that has not moved was at it from the start; after so long the status
+  // is from after the goal was accepted.
+  static constexpr double kHere_m = 0.5;
+  static constexpr double kAccepted_s = 1.0;
   // It stands, and has said the same reason for so long.
   static constexpr double kSaid_s = 5.0;
   // People who stand in the way go on again.

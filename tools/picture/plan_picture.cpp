@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/footprint.h"
 #include "tools/picture/axes.h"
 #include "tools/picture/cell_image.h"
 #include "tools/picture/palette.h"
@@ -26,14 +27,15 @@ std::vector<DataPoint> PointsOf(const WorldPath& path) {
 }
 
 std::array<DataPoint, 4> Footprint(const VehicleParams& vehicle, const Pose2& pose) {
-  const double half_length_m = double{vehicle.length_m} / 2.0;
+  const double front_m = double{FrontOf(vehicle)};
+  const double rear_m = double{RearOf(vehicle)};
   const double half_width_m = double{vehicle.width_m} / 2.0;
   const double cosine = std::cos(double{pose.theta_rad});
   const double sine = std::sin(double{pose.theta_rad});
-  std::array<DataPoint, 4> corners = {DataPoint{half_length_m, half_width_m},
-                                      {-half_length_m, half_width_m},
-                                      {-half_length_m, -half_width_m},
-                                      {half_length_m, -half_width_m}};
+  std::array<DataPoint, 4> corners = {DataPoint{front_m, half_width_m},
+                                      {rear_m, half_width_m},
+                                      {rear_m, -half_width_m},
+                                      {front_m, -half_width_m}};
   for (DataPoint& corner : corners) {
     corner = {double{pose.x_m} + cosine * corner.x - sine * corner.y,
               double{pose.y_m} + sine * corner.x + cosine * corner.y};
@@ -134,11 +136,10 @@ void DrawSpeed(Canvas& canvas, const PlanPicture& picture, double top_px) {
 void DrawVehicle(Canvas& canvas, Axes& axes, const VehicleParams& vehicle, const Pose2& pose,
                  const Colour& fill, const Colour& rim) {
   axes.Polygon(Footprint(vehicle, pose), fill, rim);
-  const double half_length_m = double{vehicle.length_m} / 2.0;
+  const double front_m = double{FrontOf(vehicle)};
   canvas.Line(axes.X(double{pose.x_m}), axes.Y(double{pose.y_m}),
-              axes.X(double{pose.x_m} + half_length_m * std::cos(double{pose.theta_rad})),
-              axes.Y(double{pose.y_m} + half_length_m * std::sin(double{pose.theta_rad})), rim,
-              2.0);
+              axes.X(double{pose.x_m} + front_m * std::cos(double{pose.theta_rad})),
+              axes.Y(double{pose.y_m} + front_m * std::sin(double{pose.theta_rad})), rim, 2.0);
 }
 
 void FindView(const PlanPicture& picture, Range& x, Range& y) {

@@ -92,8 +92,10 @@ TEST(Planner, RefusesParametersOutOfRange) {
   Planner& planner = ThePlanner();
   const PlanRequest request = SceneTo({5.0f, 0.0f}).request;
   const std::vector<std::function<void(PlannerParams&)>> faults = {
-      [](PlannerParams& p) { p.vehicle.footprint_disc_radius_m = kNan; },
-      [](PlannerParams& p) { p.vehicle.footprint_disc_radius_m = -0.1f; },
+      [](PlannerParams& p) { p.vehicle.length_m = kNan; },
+      [](PlannerParams& p) { p.vehicle.width_m = -0.1f; },
+      [](PlannerParams& p) { p.vehicle.axle_offset_m = 0.8f; },
+      [](PlannerParams& p) { p.vehicle.axle_offset_m = kNan; },
       [](PlannerParams& p) { p.vehicle.skid_baseline_m = kInf; },
       [](PlannerParams& p) { p.costmap.planning_radius_m = -1.0f; },
       [](PlannerParams& p) { p.costmap.hard_slope_per_m = 1e9f; },

@@ -111,7 +111,7 @@ TEST(Planner, LeavesAnObstacleAtItsStartSlowly) {
 // A cell within the footprint itself, behind the middle.
 TEST(Planner, DrivesSlowlyOutOfWhatItStandsIn) {
   Scene scene = SceneTo({15.1f, 0.1f});
-  scene.Add(-5, 0, -5, 0);
+  scene.Add(-4, 0, -4, 0);
   const Plan& plan = PlanIn(scene);
   ExpectSound(scene, plan);
   EXPECT_EQ(plan.check_status, Status::kStartInObstacle);
@@ -202,12 +202,13 @@ TEST(Planner, ArrivesAtTheGoalHeading) {
   }
 }
 
-TEST(Planner, ReachesAGoalWithinACell) {
-  const Scene near = SceneTo({0.25f, 0.1f});
+TEST(Planner, ReachesAGoalTwoCellsAhead) {
+  const Scene near = SceneTo({0.42f, 0.1f});
   const Plan& plan = PlanIn(near);
   ExpectSound(near, plan);
-  const Scene here = SceneTo({0.12f, 0.1f});
-  EXPECT_EQ(PlanIn(here).status, Status::kPathTooShort);
+  Scene moving = SceneTo({0.12f, 0.1f});
+  moving.request.start.speed_mps = 0.5f;
+  EXPECT_EQ(PlanIn(moving).status, Status::kPathTooShort);
 }
 
 TEST(Planner, CutsALongPathAtItsCapacity) {
@@ -294,6 +295,7 @@ TEST(Planner, PlansOnHeights) {
 //   o ------> x###     a wall just beyond the goal: its cell is free, but the vehicle is longer
 TEST(Planner, StopsShortOfAGoalInFrontOfAWall) {
   Scene scene = SceneTo({10.1f, 0.1f});
+  scene.params.vehicle.length_m = 2.6f;
   scene.Add(56, -20, 58, 20);  // from 11.2 m on
   const Plan& plan = PlanIn(scene);
   ExpectSound(scene, plan);

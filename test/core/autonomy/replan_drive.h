@@ -172,16 +172,7 @@ struct Drive {
 
   // Least distance of the footprint where it is to any block.
   double Clearance() {
-    double clearance = 1e9;
-    const VehicleParams& vehicle = world.params.vehicle;
-    for (const float side : {-1.0f, 1.0f}) {
-      const float arm = side * vehicle.footprint_disc_offset_m;
-      clearance =
-          std::min(clearance, NearestHard_m(world, truth.x_m + arm * std::cos(truth.theta_rad),
-                                            truth.y_m + arm * std::sin(truth.theta_rad)) -
-                                  double{vehicle.footprint_disc_radius_m});
-    }
-    return clearance;
+    return OutlineClearance_m(world, double{truth.x_m}, double{truth.y_m}, double{truth.theta_rad});
   }
 
   float ToGoal() {

@@ -10,6 +10,7 @@
 
 #include "core/autonomy/planner.h"
 #include "core/base/math.h"
+#include "test/core/safety/rectangle.h"
 
 // Scenes of blocks for the planner's tests, and what every usable plan in one owes.
 
@@ -72,29 +73,25 @@ inline uint64_t HashOf(const Plan& plan) {
   return hash.value();
 }
 
-inline double NearestHard_m(const Scene& scene, double x_m, double y_m) {
-  double nearest2 = 1e18;
+// From the outline at a place to the nearest hard block; 0 where it overlaps one.
+inline double OutlineClearance_m(const Scene& scene, double x_m, double y_m, double theta_rad) {
+  const Quad outline = OutlineQuad(scene.params.vehicle, x_m, y_m, theta_rad);
+  double nearest = 1e9;
   for (const Block& block : scene.blocks) {
     if ((block.flags & (Costmap::kHard | Costmap::kPerson)) == 0) continue;
-    const double dx = std::max({0.0, 0.2 * block.low.x - x_m, x_m - 0.2 * (block.high.x + 1)});
-    const double dy = std::max({0.0, 0.2 * block.low.y - y_m, y_m - 0.2 * (block.high.y + 1)});
-    nearest2 = std::min(nearest2, dx * dx + dy * dy);
+    nearest = std::min(
+        nearest,
+        DistanceBetween(outline, BoxQuad(0.2 * block.low.x, 0.2 * block.low.y,
+                                         0.2 * (block.high.x + 1), 0.2 * (block.high.y + 1))));
   }
-  return std::sqrt(nearest2);
+  return nearest;
 }
 
-// Clearance of the footprint's two discs along a whole plan, cut every 3 cm, in double and over
-// every hard block.
+// Clearance of the outline along a whole plan, cut every 3 cm, in double and over every hard block.
 inline double ClearanceOf(const Scene& scene, const Plan& plan) {
-  const VehicleParams& vehicle = scene.params.vehicle;
   double clearance = 1e9;
   const auto judge = [&](double x, double y, double theta) {
-    for (const double side : {-1.0, 1.0}) {
-      const double arm = side * double{vehicle.footprint_disc_offset_m};
-      const double nearest =
-          NearestHard_m(scene, x + arm * std::cos(theta), y + arm * std::sin(theta));
-      clearance = std::min(clearance, nearest - double{vehicle.footprint_disc_radius_m});
-    }
+    clearance = std::min(clearance, OutlineClearance_m(scene, x, y, theta));
   };
   for (int k = 0; k + 1 < plan.path.size(); ++k) {
     const Pose2& a = plan.path[k];
@@ -107,7 +104,7 @@ inline double ClearanceOf(const Scene& scene, const Plan& plan) {
       const double share = static_cast<double>(j) / pieces;
       judge(double{a.x_m} + share * dx, double{a.y_m} + share * dy, double{a.theta_rad});
     }
-    const int turns = 1 + static_cast<int>(std::abs(turn) / 0.05);
+    const int turns = 1 + static_cast<int>(std::abs(turn) / 0.02);
     for (int j = 1; j <= turns; ++j) {
       judge(double{b.x_m}, double{b.y_m}, double{a.theta_rad} + turn * j / turns);
     }

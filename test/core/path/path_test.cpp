@@ -8,6 +8,8 @@
 #include <memory>
 #include <random>
 
+#include "core/base/footprint.h"
+
 namespace hardpack {
 namespace {
 
@@ -227,7 +229,7 @@ class Pivot : public testing::Test {
 };
 
 TEST_F(Pivot, AgreesWithADenseSampleOfTheCircle) {
-  const float radius_m = vehicle_.pivot_radius_m + params_.pivot_margin_m;
+  const float radius_m = PivotRadiusOf(vehicle_) + params_.pivot_margin_m;
   std::mt19937 random(5);
   std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
   int blocked = 0;

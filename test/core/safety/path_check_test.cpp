@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/math.h"
+#include "test/core/safety/rectangle.h"
 
 namespace hardpack {
 namespace {
@@ -68,34 +69,26 @@ WorldPath StraightPath(Pose2 from, int points, float step_m) {
   return path;
 }
 
-// One disc of 0.8 m (four cells) about the middle.
-VehicleParams Disc() {
+VehicleParams Vehicle(float length_m, float width_m, float axle_offset_m = 0.0f) {
   VehicleParams vehicle;
-  vehicle.footprint_disc_radius_m = 0.8f;
-  vehicle.footprint_disc_offset_m = 0.0f;
+  vehicle.length_m = length_m;
+  vehicle.width_m = width_m;
+  vehicle.axle_offset_m = axle_offset_m;
   return vehicle;
+}
+
+// 0.8 m (four cells) to each side.
+VehicleParams Square() {
+  return Vehicle(1.6f, 1.6f);
 }
 
 PathCheckResult Check(const Ground& ground, const WorldPath& path,
                       const VehicleParams& vehicle = {}, float start_curvature_per_m = 0.0f,
-                      const OptimizerParams& limits = {}) {
+                      const OptimizerParams& limits = {}, float margin_m = 0.0f) {
   PathCheck check;
-  EXPECT_EQ(check.Begin(vehicle, limits, path, start_curvature_per_m), Status::kOk);
+  EXPECT_EQ(check.Begin(vehicle, limits, path, start_curvature_per_m, margin_m), Status::kOk);
   EXPECT_EQ(check.Step(ground.map(), path, PathCheck::kMaxUnits), Progress::kDone);
   return check.result();
-}
-
-// Distance of a point to the nearest hard square, in double, over every hard cell.
-double NearestSquare_m(const Ground& ground, double x_m, double y_m) {
-  double nearest = 1e9;
-  for (const Cell& cell : ground.hard()) {
-    const double low_x = 0.2 * cell.x;
-    const double low_y = 0.2 * cell.y;
-    const double dx = std::max({0.0, low_x - x_m, x_m - (low_x + 0.2)});
-    const double dy = std::max({0.0, low_y - y_m, y_m - (low_y + 0.2)});
-    nearest = std::min(nearest, std::hypot(dx, dy));
-  }
-  return nearest;
 }
 
 double NearestCentre_m(const Ground& ground, double x_m, double y_m) {
@@ -108,11 +101,19 @@ double NearestCentre_m(const Ground& ground, double x_m, double y_m) {
 
 double PoseClearance_m(const Ground& ground, const VehicleParams& vehicle, double x_m, double y_m,
                        double theta_rad) {
-  const double arm_x = double{vehicle.footprint_disc_offset_m} * std::cos(theta_rad);
-  const double arm_y = double{vehicle.footprint_disc_offset_m} * std::sin(theta_rad);
-  return std::min(NearestSquare_m(ground, x_m + arm_x, y_m + arm_y),
-                  NearestSquare_m(ground, x_m - arm_x, y_m - arm_y)) -
-         double{vehicle.footprint_disc_radius_m};
+  const Quad outline = OutlineQuad(vehicle, x_m, y_m, theta_rad);
+  const double reach = double{PivotRadiusOf(vehicle)};
+  double nearest = 1e9;
+  for (const Cell& cell : ground.hard()) {
+    const double low_x = 0.2 * cell.x;
+    const double low_y = 0.2 * cell.y;
+    // No nearer than its corner is, less its diagonal and the outline's reach.
+    const double least = std::hypot(low_x - x_m, low_y - y_m) - 0.29 - reach;
+    if (least > std::min(nearest, 2.5)) continue;
+    nearest = std::min(nearest,
+                       DistanceBetween(outline, BoxQuad(low_x, low_y, low_x + 0.2, low_y + 0.2)));
+  }
+  return nearest;
 }
 
 struct Reference {
@@ -135,7 +136,7 @@ Reference SlowCheck(const Ground& ground, const VehicleParams& vehicle, const Wo
       const double turn = std::remainder(double{p.theta_rad} - double{path[k - 1].theta_rad},
                                          2.0 * 3.14159265358979323846);
       const int pieces =
-          1 + static_cast<int>(std::abs(turn) * double{vehicle.footprint_disc_offset_m} / piece_m);
+          1 + static_cast<int>(std::abs(turn) * double{PivotRadiusOf(vehicle)} / piece_m);
       for (int j = 0; j <= pieces; ++j) {
         judge(double{p.x_m}, double{p.y_m}, double{path[k - 1].theta_rad} + turn * j / pieces);
       }
@@ -162,12 +163,13 @@ TEST(PathCheck, IsCleanOnOpenGround) {
   EXPECT_FALSE(result.leaves_map);
 }
 
-//   ( )--->      disc of 4 cells
+//   [ ]--->      4 cells to the side
 //      #         square 5 cells below the middle: one cell, 0.2 m, is left
 TEST(PathCheck, MeasuresToTheSquareNotToItsMiddle) {
   Ground ground;
   ground.SetHard({10, -6});  // y from -1.2 to -1.0 m
-  const PathCheckResult result = Check(ground, StraightPath({0.0f, 0.0f, 0.0f}, 20, 0.2f), Disc());
+  const PathCheckResult result =
+      Check(ground, StraightPath({0.0f, 0.0f, 0.0f}, 20, 0.2f), Square());
   EXPECT_EQ(result.status, Status::kOk);
   EXPECT_NEAR(result.smallest_clearance_m, 0.2f, 1e-6f);
   EXPECT_NEAR(result.smallest_hard_distance_m, 1.1f, 0.002f);  // between two samples
@@ -176,11 +178,11 @@ TEST(PathCheck, MeasuresToTheSquareNotToItsMiddle) {
 TEST(PathCheck, TakesTouchingExactlyForACollision) {
   Ground touching;
   touching.SetHard({10, -5});  // y from -1.0 to -0.8 m: the disc's radius away
-  EXPECT_EQ(Check(touching, StraightPath({0.0f, 0.0f, 0.0f}, 20, 0.2f), Disc()).status,
+  EXPECT_EQ(Check(touching, StraightPath({0.0f, 0.0f, 0.0f}, 20, 0.2f), Square()).status,
             Status::kCollision);
   Ground free;
   free.SetHard({10, -6});
-  EXPECT_EQ(Check(free, StraightPath({0.0f, 0.0f, 0.0f}, 20, 0.2f), Disc()).status, Status::kOk);
+  EXPECT_EQ(Check(free, StraightPath({0.0f, 0.0f, 0.0f}, 20, 0.2f), Square()).status, Status::kOk);
 }
 
 TEST(PathCheck, FindsACellBetweenTwoFarPoints) {
@@ -189,7 +191,7 @@ TEST(PathCheck, FindsACellBetweenTwoFarPoints) {
   const PathCheckResult result =
       Check(ground, PathOf({{0.0f, 0.1f, 0.0f}, {30.0f, 0.1f, 0.0f}, {30.5f, 0.1f, 0.0f}}));
   EXPECT_EQ(result.status, Status::kCollision);
-  EXPECT_NEAR(result.smallest_clearance_m, -VehicleParams{}.footprint_disc_radius_m, 1e-6f);
+  EXPECT_EQ(result.smallest_clearance_m, 0.0f);
   EXPECT_EQ(result.smallest_clearance_point, 0);
   EXPECT_EQ(result.collision_point, 0);
 }
@@ -200,9 +202,9 @@ TEST(PathCheck, FindsACellBetweenTwoFarPoints) {
 TEST(PathCheck, KnowsWhichWayTheVehicleIsTurned) {
   Ground ground;
   for (int x = -20; x <= 20; ++x) ground.SetHard({x, -6});  // top at -1.0 m
-  // Along: 0.79 m to the side. Across: 0.38 + 0.79 m ahead.
+  // Along: 0.69 m to the side. Across: 0.76 m ahead of -0.5.
   EXPECT_EQ(Check(ground, StraightPath({0.0f, 0.0f, 0.0f}, 5, 0.2f)).status, Status::kOk);
-  EXPECT_EQ(Check(ground, StraightPath({0.0f, 0.8f, -kHalfPi}, 5, 0.2f)).status,
+  EXPECT_EQ(Check(ground, StraightPath({0.0f, 0.3f, -kHalfPi}, 5, 0.2f)).status,
             Status::kCollision);
 }
 
@@ -210,8 +212,8 @@ TEST(PathCheck, KnowsWhichWayTheVehicleIsTurned) {
 //   ==== -> ||
 TEST(PathCheck, SweepsATurnOnTheSpot) {
   Ground ground;
-  // 45 degrees to the left, its nearest corner 1.13 m from the middle: within 0.38 + 0.79.
-  ground.SetHard({4, 4});
+  // Ahead to the left, its nearest corner 1.0 m from the middle: within the corner's 1.03.
+  ground.SetHard({3, 4});
   const Pose2 before{0.0f, 0.0f, 0.0f};
   const Pose2 after{0.0f, 0.0f, kHalfPi};
   EXPECT_EQ(Check(ground, PathOf({before, {-0.2f, 0.0f, 0.0f}})).status, Status::kOk);
@@ -219,17 +221,18 @@ TEST(PathCheck, SweepsATurnOnTheSpot) {
   EXPECT_EQ(Check(ground, PathOf({before, after})).status, Status::kCollision);
 }
 
-//    #      the discs pass below the cell on the long way from 115 to -115 degrees only
+//    #      a long vehicle's front passes the cell on the long way from 115 to -115 degrees only
 //  \   /
 TEST(PathCheck, SweepsATurnTheShorterWay) {
   Ground ground;
-  ground.SetHard({0, 6});  // 1.15 m to the left of (0.1, 0.05), within 0.38 + 0.79
+  ground.SetHard({0, 6});  // 1.15 m to the left of (0.1, 0.05), within 1.5
+  const VehicleParams rod = Vehicle(3.0f, 0.6f);
   const Pose2 a{0.1f, 0.05f, 2.0f};
   const Pose2 left{0.1f, 0.05f, kHalfPi};
   const Pose2 b{0.1f, 0.05f, -2.0f};
-  EXPECT_EQ(Check(ground, PathOf({a, b})).status, Status::kOk);
-  EXPECT_EQ(Check(ground, PathOf({b, a})).status, Status::kOk);
-  EXPECT_EQ(Check(ground, PathOf({a, left, b})).status, Status::kCollision);
+  EXPECT_EQ(Check(ground, PathOf({a, b}), rod).status, Status::kOk);
+  EXPECT_EQ(Check(ground, PathOf({b, a}), rod).status, Status::kOk);
+  EXPECT_EQ(Check(ground, PathOf({a, left, b}), rod).status, Status::kCollision);
 }
 
 TEST(PathCheck, SaysWhenThePathLeavesTheMap) {
@@ -247,7 +250,7 @@ TEST(PathCheck, SaysWhenThePathLeavesTheMap) {
 TEST(PathCheck, SeesTheLastCellsOfTheMapFromBeyondItsEdge) {
   Ground ground;
   ground.SetHard({255, 4});
-  // The middle is on the map, the front disc is not.
+  // The axle is on the map, the front is not.
   const PathCheckResult result = Check(ground, PathOf({{50.9f, 0.0f, 0.0f}, {51.1f, 0.0f, 0.0f}}));
   EXPECT_FALSE(result.leaves_map);
   EXPECT_NEAR(result.smallest_clearance_m, PoseClearance_m(ground, VehicleParams{}, 50.9, 0.0, 0.0),
@@ -258,7 +261,7 @@ TEST(PathCheck, SeesTheLastCellsOfTheMapFromBeyondItsEdge) {
 //   # inside the footprint, behind the middle, and one on the way
 TEST(PathCheck, KeepsTheOverlapAtTheStartApartFromALaterCollision) {
   Ground ground;
-  ground.SetHard({-5, 0});
+  ground.SetHard({-4, 0});
   ground.SetHard({30, 0});
   const PathCheckResult result = Check(ground, StraightPath({0.0f, 0.1f, 0.0f}, 30, 0.25f));
   EXPECT_EQ(result.status, Status::kCollision);
@@ -270,7 +273,7 @@ TEST(PathCheck, KeepsTheOverlapAtTheStartApartFromALaterCollision) {
 //   # inside the footprint, behind the middle: driving on leaves it, turning back does not
 TEST(PathCheck, LetsAVehicleDriveOutOfAnOverlapAtItsStart) {
   Ground ground;
-  ground.SetHard({-5, 0});
+  ground.SetHard({-4, 0});
   const PathCheckResult out = Check(ground, StraightPath({0.0f, 0.1f, 0.0f}, 30, 0.25f));
   EXPECT_EQ(out.status, Status::kStartInObstacle);
   EXPECT_LT(out.smallest_clearance_m, 0.0f);
@@ -286,11 +289,11 @@ TEST(PathCheck, LetsAVehicleDriveOutOfAnOverlapAtItsStart) {
   // Out of it but not clear of it at the end:
   EXPECT_EQ(Check(ground, StraightPath({0.0f, 0.1f, 0.0f}, 2, 0.1f)).status, Status::kCollision);
   EXPECT_EQ(out.collision_point, -1);
-  // Out, and into another, from 6 m on: the front reaches it after 4.83 m.
+  // Out, and into another, from 6 m on: the front reaches it after 5.24 m.
   ground.SetHard({30, 0});
   const PathCheckResult into = Check(ground, StraightPath({0.0f, 0.1f, 0.0f}, 30, 0.25f));
   EXPECT_EQ(into.status, Status::kCollision);
-  EXPECT_EQ(into.collision_point, 19);
+  EXPECT_EQ(into.collision_point, 20);
 }
 
 //        #          the rear stands in a wall, which it may leave; the front meets a post beside
@@ -298,7 +301,7 @@ TEST(PathCheck, LetsAVehicleDriveOutOfAnOverlapAtItsStart) {
 TEST(PathCheck, MeetsASecondObstacleWhileLeavingTheFirst) {
   const WorldPath path = StraightPath({0.0f, 0.0f, 0.0f}, 12, 0.25f);
   Ground wall;
-  wall.SetHard({-5, 0});
+  wall.SetHard({-4, 0});
   EXPECT_EQ(Check(wall, path).status, Status::kStartInObstacle);
   Ground post;
   post.SetHard({5, 3});
@@ -355,26 +358,84 @@ TEST(PathCheck, RefusesBadInput) {
   PathCheck check;
   EXPECT_EQ(check.result().status, Status::kNotStarted);
   EXPECT_EQ(check.Step(ground.map(), good, 10), Progress::kDone);
-  EXPECT_EQ(check.Begin({}, {}, WorldPath{}, 0.0f), Status::kPathTooShort);
-  EXPECT_EQ(check.Begin({}, {}, PathOf({{}}), 0.0f), Status::kPathTooShort);
+  EXPECT_EQ(check.Begin({}, {}, WorldPath{}, 0.0f, 0.1f), Status::kPathTooShort);
+  EXPECT_EQ(check.Begin({}, {}, PathOf({{}}), 0.0f, 0.1f), Status::kPathTooShort);
   for (const float bad : {kNan, kInf, -kInf}) {
-    EXPECT_EQ(check.Begin({}, {}, good, bad), Status::kNotFinite);
+    EXPECT_EQ(check.Begin({}, {}, good, bad, 0.1f), Status::kNotFinite);
     for (int field = 0; field < 3; ++field) {
       WorldPath path = good;
       (field == 0 ? path[2].x_m : field == 1 ? path[2].y_m : path[2].theta_rad) = bad;
-      EXPECT_EQ(check.Begin({}, {}, path, 0.0f), Status::kNotFinite);
+      EXPECT_EQ(check.Begin({}, {}, path, 0.0f, 0.1f), Status::kNotFinite);
       EXPECT_EQ(check.result().status, Status::kNotFinite);
       EXPECT_EQ(check.Step(ground.map(), path, 10), Progress::kDone);
     }
   }
-  for (const float bad : {-0.1f, 2.6f, kNan, kInf}) {
-    VehicleParams vehicle;
-    vehicle.footprint_disc_radius_m = bad;
-    EXPECT_EQ(check.Begin(vehicle, {}, good, 0.0f), Status::kParameterOutOfRange);
-    vehicle = {};
-    vehicle.footprint_disc_offset_m = bad;
-    EXPECT_EQ(check.Begin(vehicle, {}, good, 0.0f), Status::kParameterOutOfRange);
+  for (const float bad : {-0.1f, 6.1f, kNan, kInf}) {
+    for (const VehicleParams& vehicle :
+         {Vehicle(bad, 1.0f), Vehicle(1.0f, bad), Vehicle(1.0f, 1.0f, std::abs(bad) * 6.0f)}) {
+      EXPECT_EQ(check.Begin(vehicle, {}, good, 0.0f, 0.1f), Status::kParameterOutOfRange) << bad;
+    }
+    EXPECT_EQ(check.Begin({}, {}, good, 0.0f, bad), Status::kParameterOutOfRange) << bad;
   }
+}
+
+// SR-GEO02: a path is only ok with the margin all along; by a millimetre.
+//   ====>      flank at -0.69
+//   -----      wall at -1.0: 0.31 m
+TEST(PathCheck, KeepsTheMarginThatIsAskedFor) {
+  Ground ground;
+  for (int x = -40; x <= 60; ++x) ground.SetHard({x, -6});
+  // Begins 0.5 m away from it and comes down to it.
+  WorldPath path = StraightPath({0.0f, 0.19f, 0.0f}, 5, 0.25f);
+  EXPECT_EQ(Check(ground, path, {}, 0.0f, {}, 0.499f).status, Status::kOk);
+  EXPECT_EQ(path.PushBack({2.0f, 0.0f, 0.0f}), Status::kOk);  // a chord across its heading
+  EXPECT_EQ(path.PushBack({4.0f, 0.0f, 0.0f}), Status::kOk);
+  const float between_m = 0.5f * 0.19f / 11.0f;
+  EXPECT_EQ(Check(ground, path, {}, 0.0f, {}, 0.309f - between_m).status, Status::kOk);
+  const PathCheckResult near = Check(ground, path, {}, 0.0f, {}, 0.311f);
+  EXPECT_EQ(near.status, Status::kCollision);
+  EXPECT_GE(near.collision_point, 4);
+}
+
+//   ====>      flank 0.06 m from the wall: along it, yes, towards it, no; and ahead the margin
+//   -----  #   holds all the same
+TEST(PathCheck, LeavesAStartWithinTheMargin) {
+  Ground ground;
+  for (int x = -40; x <= 60; ++x) ground.SetHard({x, -6});  // top at -1.0 m
+  const float y_m = -0.25f;
+  const auto judge = [&](const WorldPath& path) { return Check(ground, path, {}, 0.0f, {}, 0.1f); };
+  const PathCheckResult along = judge(StraightPath({0.0f, y_m, 0.0f}, 20, 0.25f));
+  EXPECT_EQ(along.status, Status::kNarrowGap);
+  EXPECT_FALSE(along.start_overlaps);
+  EXPECT_NEAR(along.smallest_clearance_m, 0.06f, 1e-4f);
+  EXPECT_EQ(judge(StraightPath({0.0f, y_m, 0.0f}, 2, 0.25f)).status, Status::kNarrowGap);
+  // Away from it, the rear corner swings towards it by less than what is left.
+  EXPECT_EQ(judge(StraightPath({0.0f, y_m, 0.02f}, 20, 0.25f)).status, Status::kNarrowGap);
+  EXPECT_EQ(judge(StraightPath({0.0f, y_m, -0.05f}, 20, 0.25f)).status, Status::kCollision);
+  EXPECT_EQ(judge(PathOf({{0.0f, y_m, 0.0f}, {0.0f, y_m, 0.5f}})).status, Status::kCollision);
+  // A post ahead: not nearer than the margin, since it was not at the start.
+  ground.SetHard({20, -2});
+  const PathCheckResult ahead = judge(StraightPath({0.0f, y_m, 0.0f}, 14, 0.25f));
+  EXPECT_EQ(ahead.status, Status::kCollision);  // 3.25 + 0.76 > 4.0
+  EXPECT_EQ(judge(StraightPath({0.0f, y_m, 0.0f}, 13, 0.25f)).status, Status::kNarrowGap);
+  EXPECT_EQ(judge(StraightPath({0.15f, y_m, 0.0f}, 13, 0.25f)).status, Status::kCollision);
+}
+
+// SR-GEO03: the rear swings out behind an axle far ahead: 3 m long, the axle 1 m ahead of its
+// middle. Turning on the spot by 30 degrees the rear's right corner moves 1.3 m to the right.
+TEST(PathCheck, SweepsTheRearOverhang) {
+  Ground ground;
+  ground.SetHard({-10, -7});  // x -2.0 .. -1.8, y -1.4 .. -1.2
+  const VehicleParams vehicle = Vehicle(3.0f, 1.0f, 1.0f);
+  EXPECT_EQ(Check(ground, StraightPath({0.0f, 0.0f, 0.0f}, 9, 0.25f), vehicle).status, Status::kOk);
+  EXPECT_EQ(Check(ground, PathOf({{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.52f}}), vehicle).status,
+            Status::kCollision);
+  EXPECT_EQ(Check(ground, PathOf({{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -0.52f}}), vehicle).status,
+            Status::kOk);
+  // The same vehicle about its middle reaches no cell so far off.
+  EXPECT_EQ(
+      Check(ground, PathOf({{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.52f}}), Vehicle(3.0f, 1.0f)).status,
+      Status::kOk);
 }
 
 struct Scene {
@@ -391,8 +452,8 @@ Scene RandomScene(uint32_t seed) {
   const int32_t far = seed % 3 == 0 ? 5000 : 0;
   const int32_t edge = seed % 3 == 1 ? 240 : 0;
   Scene scene{Ground({far - 256 + edge, far - 256}), {}, {}};
-  scene.vehicle.footprint_disc_radius_m = 0.2f + 1.2f * unit(random);
-  scene.vehicle.footprint_disc_offset_m = 0.8f * unit(random);
+  const float length_m = 0.3f + 3.0f * unit(random);
+  scene.vehicle = Vehicle(length_m, 0.3f + 1.7f * unit(random), length_m * (unit(random) - 0.5f));
   const int cells = static_cast<int>(unit(random) * 40.0f);
   for (int i = 0; i < cells; ++i) {
     const Cell cell{far + static_cast<int32_t>(within(50.0f)),
@@ -427,15 +488,19 @@ TEST(PathCheck, AgreesWithASlowCheckOverEveryHardCell) {
     }
     const Reference fine = SlowCheck(scene.ground, scene.vehicle, scene.path, 0.004);
     const double reach = double{kClearanceReach_m};
-    const double expected =
-        std::max(std::min(fine.clearance_m, reach), -double{scene.vehicle.footprint_disc_radius_m});
-    // Samples lie at most a quarter of a cell from every pose between them.
-    EXPECT_GE(result.smallest_clearance_m, expected - 0.003) << "seed " << seed;
-    EXPECT_LE(result.smallest_clearance_m, expected + 0.051) << "seed " << seed;
-    EXPECT_GE(result.smallest_hard_distance_m, std::min(fine.hard_distance_m, reach) - 0.003)
-        << "seed " << seed;
-    EXPECT_LE(result.smallest_hard_distance_m, std::min(fine.hard_distance_m, reach) + 0.051)
-        << "seed " << seed;
+    const double expected = std::min(fine.clearance_m, reach);
+    const double judged = double{result.smallest_clearance_m};
+    // Never more than there is, and less by no more than half of what a sample's turn moves.
+    EXPECT_LE(judged, expected + 0.003) << "seed " << seed;
+    if (!result.start_overlaps) {
+      EXPECT_GE(judged, expected - 0.028) << "seed " << seed;
+    }
+    if (result.overlap_points == 0) {
+      EXPECT_GE(result.smallest_hard_distance_m, std::min(fine.hard_distance_m, reach) - 0.003)
+          << "seed " << seed;
+      EXPECT_LE(result.smallest_hard_distance_m, std::min(fine.hard_distance_m, reach) + 0.051)
+          << "seed " << seed;
+    }
     const bool collides = result.status == Status::kCollision || result.overlap_points > 0;
     EXPECT_EQ(collides, result.smallest_clearance_m <= 0.0f) << "seed " << seed;
     collisions += collides ? 1 : 0;
@@ -450,7 +515,7 @@ TEST(PathCheck, GivesTheSameResultInAnyPortions) {
     const Scene scene = RandomScene(seed);
     const PathCheckResult whole = Check(scene.ground, scene.path, scene.vehicle);
     PathCheck check;
-    ASSERT_EQ(check.Begin(scene.vehicle, {}, scene.path, 0.0f), Status::kOk);
+    ASSERT_EQ(check.Begin(scene.vehicle, {}, scene.path, 0.0f, 0.0f), Status::kOk);
     std::mt19937 random(seed);
     while (check.Step(scene.ground.map(), scene.path, static_cast<int>(random() % 3u)) ==
            Progress::kBusy) {

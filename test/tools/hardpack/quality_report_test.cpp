@@ -47,10 +47,10 @@ TEST_F(Measures, OfAStraightPathFarFromEverything) {
 }
 
 //         #  (0, 3.0) to (0.2, 3.2)
-//   ------+------>  y = 1.5: the discs of 0.79 m pass 0.71 m below it
+//   ------+------>  y = 1.5: the flank of 0.69 m passes 0.81 m below it
 TEST_F(Measures, OfAPathPastAnObstacle) {
   const QualityMeasures past = Of(1.5f, 0.0f);
-  EXPECT_NEAR(past.clearance_m, 3.0f - 1.5f - VehicleParams{}.footprint_disc_radius_m, 1.0e-3f);
+  EXPECT_NEAR(past.clearance_m, 3.0f - 1.5f - 0.5f * VehicleParams{}.width_m, 1.0e-3f);
   EXPECT_GT(past.cost.map, 0.0f);
   EXPECT_FALSE(past.collides);
   EXPECT_TRUE(Of(2.5f, 0.0f).collides);

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "config/onboard_parameters.h"
+#include "config/parameters.h"
+
+// Parameters of different meaning that have to go together, each rule once: the stages refuse by
+// it, and the configuration and the command line name both parameters. What a table's entry must
+// not exceed within its own group stands in the tables (config/validate.h). Parameters are within
+// their ranges before they are asked about here.
+
+namespace hardpack {
+
+struct ParameterConflict {
+  const char* name = nullptr;   // full name of the one; null: there is no conflict
+  const char* other = nullptr;  // and of the other
+  const char* rule = nullptr;   // what has to hold, as it is written behind "has to be"
+};
+
+// A sensor, and the box of returns that are the vehicle itself, may reach so far beyond the outline
+// to the front and to the sides: what stands in there is not seen.
+inline constexpr float kMaxBeyondOutline_m = 0.5f;
+// The same behind the rear, where a mast or a trailer's hitch may be, and nobody is driven to.
+inline constexpr float kMaxBehindOutline_m = 2.0f;
+// Both layers and unknown ground in one cell (core/costmap/costmap.h): 39.
+inline constexpr float kMaxCellCost = 39.0f;
+
+// Calls take(conflict) for each that there is. Cost: a few comparisons.
+template <typename Take>
+constexpr void ForEachConflict(const PlannerParams& planner, Take&& take) {
+  const VehicleParams& vehicle = planner.vehicle;
+  const float offset_m =
+      vehicle.axle_offset_m < 0.0f ? -vehicle.axle_offset_m : vehicle.axle_offset_m;
+  if (!(offset_m <= 0.5f * vehicle.length_m)) {
+    take(ParameterConflict{"vehicle.axle_offset_m", "vehicle.length_m",
+                           "within the outline: at most half the length, to either side"});
+  }
+  const CostmapParams& costmap = planner.costmap;
+  if (!(costmap.clearance_height_m > costmap.obstacle_height_m)) {
+    take(ParameterConflict{"costmap.clearance_height_m", "costmap.obstacle_height_m", "above it"});
+  }
+  // Half a cell's diagonal beyond the outline and its margin (PlanningRadius, core/path/path.h).
+  const float for_width_m = 0.5f * vehicle.width_m + planner.path.margin_m + 0.14142136f;
+  const bool is_for_width = for_width_m > costmap.planning_radius_m;
+  const float radius_m = is_for_width ? for_width_m : costmap.planning_radius_m;
+  const float deepest = costmap.hard_edge_cost + costmap.soft_edge_cost + costmap.unknown_cost +
+                        (costmap.hard_slope_per_m + costmap.soft_slope_per_m) * radius_m;
+  if (!(deepest <= kMaxCellCost)) {
+    take(ParameterConflict{
+        "costmap.hard_slope_per_m", is_for_width ? "vehicle.width_m" : "costmap.planning_radius_m",
+        "so low that both layers' costs at the depth that obstacles are dilated by, and "
+        "costmap.unknown_cost, are at most 39 together"});
+  }
+}
+
+template <typename Take>
+constexpr void ForEachConflict(const VehicleParams& vehicle, const PerceptionParams& perception,
+                               Take&& take) {
+  const LidarMountParams& mount = perception.mount;
+  const float front_m = 0.5f * vehicle.length_m - vehicle.axle_offset_m;
+  const float rear_m = -0.5f * vehicle.length_m - vehicle.axle_offset_m;
+  const float half_width_m = 0.5f * vehicle.width_m;
+  constexpr const char* kOnVehicle = "on the vehicle: within its outline, or 0.5 m beside it";
+  if (!(mount.x_m <= front_m + kMaxBeyondOutline_m && mount.x_m >= rear_m - kMaxBeyondOutline_m)) {
+    take(ParameterConflict{"mount.x_m", "vehicle.length_m", kOnVehicle});
+  }
+  const float aside_m = mount.y_m < 0.0f ? -mount.y_m : mount.y_m;
+  if (!(aside_m <= half_width_m + kMaxBeyondOutline_m)) {
+    take(ParameterConflict{"mount.y_m", "vehicle.width_m", kOnVehicle});
+  }
+  constexpr const char* kAround =
+      "around the outline, with at most 0.5 m more: outside of the box the vehicle would be an "
+      "obstacle to itself, and whatever else is in it stays hidden";
+  if (!(mount.self_max_x_m >= front_m && mount.self_max_x_m <= front_m + kMaxBeyondOutline_m)) {
+    take(ParameterConflict{"mount.self_max_x_m", "vehicle.length_m", kAround});
+  }
+  if (!(mount.self_max_abs_y_m >= half_width_m &&
+        mount.self_max_abs_y_m <= half_width_m + kMaxBeyondOutline_m)) {
+    take(ParameterConflict{"mount.self_max_abs_y_m", "vehicle.width_m", kAround});
+  }
+  if (!(mount.self_min_x_m <= rear_m && mount.self_min_x_m >= rear_m - kMaxBehindOutline_m)) {
+    take(
+        ParameterConflict{"mount.self_min_x_m", "vehicle.length_m", "behind the rear by 0 to 2 m"});
+  }
+}
+
+template <typename Take>
+constexpr void ForEachConflict(const PlannerParams& planner, const OnboardParams& onboard,
+                               Take&& take) {
+  const SpeedParams& speed = planner.speed;
+  const DynamicsParams& dynamics = onboard.dynamics;
+  if (!(speed.stopping_dead_time_s >= dynamics.dead_time_s)) {
+    take(ParameterConflict{"speed.stopping_dead_time_s", "dynamics.dead_time_s",
+                           "at least as much: plans are to leave the drives their time"});
+  }
+  if (!(speed.stopping_lag_s >= dynamics.common_lag_s + dynamics.speed_lag_s)) {
+    take(ParameterConflict{"speed.stopping_lag_s", "dynamics.common_lag_s",
+                           "at least as much as it and dynamics.speed_lag_s together"});
+  }
+  if (!(onboard.safety.corridor_margin_m <= planner.path.kept_margin_m)) {
+    take(ParameterConflict{"safety.corridor_margin_m", "path.kept_margin_m",
+                           "no more: a plan that is free would brake for ever"});
+  }
+}
+
+// Of the two drives. Their signs are single values: hal/sevcon refuses others.
+template <typename Take>
+constexpr void ForEachConflict(const DriveParams& drive, Take&& take) {
+  constexpr const char* kDiffers = "another one: each node has its own number";
+  if (drive.left_node == drive.right_node) {
+    take(ParameterConflict{"drive.right_node", "drive.left_node", kDiffers});
+  }
+  if (drive.master_node == drive.left_node) {
+    take(ParameterConflict{"drive.master_node", "drive.left_node", kDiffers});
+  }
+  if (drive.master_node == drive.right_node) {
+    take(ParameterConflict{"drive.master_node", "drive.right_node", kDiffers});
+  }
+  constexpr const char* kAbove = "above it";
+  if (drive.heartbeat_timeout_ms <= drive.heartbeat_period_ms) {
+    take(ParameterConflict{"drive.heartbeat_timeout_ms", "drive.heartbeat_period_ms", kAbove});
+  }
+  if (drive.command_timeout_ms <= drive.command_period_ms) {
+    take(ParameterConflict{"drive.command_timeout_ms", "drive.command_period_ms", kAbove});
+  }
+  if (drive.feedback_timeout_ms <= drive.sync_period_ms) {
+    take(ParameterConflict{"drive.feedback_timeout_ms", "drive.sync_period_ms", kAbove});
+  }
+}
+
+// The first of a group's, or one without a name.
+constexpr ParameterConflict FirstConflict(const PlannerParams& planner) {
+  ParameterConflict first;
+  ForEachConflict(planner, [&first](const ParameterConflict& conflict) {
+    if (first.name == nullptr) first = conflict;
+  });
+  return first;
+}
+
+// Of all that an onboard program is given, but the drives, which hal/sevcon asks about itself.
+constexpr ParameterConflict FirstConflict(const PlannerParams& planner,
+                                          const PerceptionParams& perception,
+                                          const OnboardParams& onboard) {
+  ParameterConflict first = FirstConflict(planner);
+  const auto take = [&first](const ParameterConflict& conflict) {
+    if (first.name == nullptr) first = conflict;
+  };
+  ForEachConflict(planner.vehicle, perception, take);
+  ForEachConflict(planner, onboard, take);
+  return first;
+}
+
+// Defaults that do not go together do not compile.
+static_assert(FirstConflict(PlannerParams{}, PerceptionParams{}, OnboardParams{}).name == nullptr);
+
+}  // namespace hardpack
