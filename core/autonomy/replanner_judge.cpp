@@ -251,8 +251,8 @@ void Replanner::TakeFresh() {
   candidate_.slow_points = fresh_.slow_points;
 }
 
-// The last point that leaves room for a turn on the spot before what blocks the rest, so that it can
-// be left; the last free one where there is none.
+// The last point that leaves room for a turn on the spot before what blocks the rest, so that it
+// can be left; the last free one where there is none.
 int Replanner::LastRoomyPoint() const {
   const float needed_m =
       PivotRadiusOf(params_.vehicle) + params_.path.pivot_margin_m - FrontOf(params_.vehicle);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/base/footprint.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/speed/speed.h"
@@ -71,7 +72,7 @@ SightLook VehicleLoop::OldestLook() const {
 // The vehicle's front at one place of the path, as it lies in the body frame.
 void VehicleLoop::LookAt(const Pose2& place, SightLook& oldest) const {
   const VehicleParams& vehicle = config_.planner.vehicle;
-  const float front_m = 0.5f * vehicle.length_m;
+  const float front_m = FrontOf(vehicle);
   const float side_m = SizeOfCorridor().half_width_m;
   const StampedPose& here = odometry_.pose();
   const SinCosPair body = SinCos(here.yaw_rad);
