@@ -139,7 +139,13 @@ inline constexpr std::array kPathTable = {
             "The same of the plan that is being driven, each time that it is checked on a new map: "
             "what the tracking is off by. Less than margin_m, since the edge of an obstacle moves "
             "by a cell from map to map (ours).",
-            &PathParams::margin_m)};
+            &PathParams::margin_m),
+    HP_PATH(lead_out_m, 0.0f, 12.0f,
+            "Where there is no room to turn, the path begins along the present heading, at most so "
+            "far; 0: it does not (ours)."),
+    HP_PATH(unseen_start_m, 0.0f, 12.0f,
+            "What stands beside the vehicle where its map begins has not been seen: so far it is "
+            "left along its heading, if that is free, before it turns; 0: it may turn (ours).")};
 #undef HP_PATH
 
 #define HP_OPTIMIZER(...) HP_ENTRY("optimizer", OptimizerParams, __VA_ARGS__)
@@ -222,7 +228,14 @@ inline constexpr std::array kSpeedTable = {
     HP_SPEED(narrow_room_m, 0.0f, 1.0f,
              "Where there is less room than this between one of the discs that cover the outline "
              "and a hard cell, half a cell's diagonal off, min_speed_mps is the limit: what "
-             "tracking may be off by (ours).")};
+             "tracking may be off by (ours)."),
+    HP_SPEED(track_error_m, 0.0f, 1.0f,
+             "What the vehicle may be beside its path by must be less than the room there: so much "
+             "at any speed, odometry's drift included, ..."),
+    HP_SPEED(track_error_s, 0.0f, 1.0f, "... so much for each m/s, ..."),
+    HP_SPEED(track_error_s2, 0.0f, 1.0f,
+             "... and so much for each m/s^2 of lateral acceleration there and shortly before."),
+    HP_SPEED(least_room_mps, 0.1f, 5.0f, "However little room there is, this speed is allowed.")};
 #undef HP_SPEED
 
 #define HP_REPLAN(...) HP_ENTRY("replan", ReplanParams, __VA_ARGS__)
@@ -238,6 +251,10 @@ inline constexpr std::array kReplanTable = {
     HP_REPLAN(max_cross_track_m, 0.05f, 5.0f,
               "Further off the committed path than this the new plan starts from the vehicle's "
               "predicted pose instead of from the path (ours)."),
+    HP_REPLAN(least_cross_track_m, 0.05f, 5.0f,
+              "The same where there is less room than that beside the path, which is then the "
+              "limit, but never less than this (ours).",
+              &ReplanParams::max_cross_track_m),
     HP_REPLAN(min_latency_s, 0.0f, 10.0f,
               "The new plan leaves the committed path behind the stretch that is driven while it "
               "is made: this long, or 1.5 times what plans have taken, if that is longer (ours)."),

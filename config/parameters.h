@@ -55,6 +55,8 @@ struct PathParams {
   float pivot_margin_m = 0.15f;          // free distance around the pivot circle
   float margin_m = 0.1f;                 // between the outline and what is hard, on a new plan ...
   float kept_margin_m = 0.05f;           // ... and on one that is driven: what tracking needs
+  float lead_out_m = 10.0f;  // longest way along the heading out of where there is no room to turn
+  float unseen_start_m = 2.4f;  // way from the map's first pose before a turn; 0: none
 };
 
 // Cost weights and limits of [OS] Cost Function Formulation, per metre of path.
@@ -99,6 +101,11 @@ struct SpeedParams {
   float max_unseen_m = 0.6f;      // stretch of ground along the path that may be unobserved
   float unseen_margin_m = 0.6f;   // between the vehicle at rest and ground that was not observed
   float narrow_room_m = 0.15f;    // with less beside the footprint's discs: at min_speed_mps
+  // What the vehicle is beside its path by, the odometry's drift included, at a speed: its sum of
+  float track_error_m = 0.03f;   // so much at rest,
+  float track_error_s = 0.03f;   // so much for each m/s,
+  float track_error_s2 = 0.12f;  // and so much for each m/s^2 of lateral acceleration lately.
+  float least_room_mps = 0.7f;   // with less room than any of that: at most this
 };
 
 // When the plan that is driven gives way to a new one, and where the new one joins it
@@ -107,10 +114,11 @@ struct ReplanParams {
   float cheaper_share = 0.25f;     // a new plan must cost less by so much of the old one's cost ...
   float cheaper_floor = 1.0f;      // ... and by so much at least
   float max_cross_track_m = 0.5f;  // further off the path: planned from the vehicle's own pose
-  float min_latency_s = 0.1f;      // least time that a plan is taken to need
-  float extend_m = 5.0f;           // an end short of the goal is left behind once it could be so
-                                   // much nearer
-  float goal_change_m = 1.0f;      // a goal that moves by more is another one
+  float least_cross_track_m = 0.2f;  // the same where there is less room, but not below this
+  float min_latency_s = 0.1f;        // least time that a plan is taken to need
+  float extend_m = 5.0f;             // an end short of the goal is left behind once it could be so
+                                     // much nearer
+  float goal_change_m = 1.0f;        // a goal that moves by more is another one
 };
 
 // Where the lidar sits on the vehicle, and which returns are the vehicle itself.

@@ -138,4 +138,32 @@ PathState StateAt(const CommittedPlan& plan, float along_m) {
   return state;
 }
 
+void CurvaturesFrom(const CommittedPlan& plan, float along_m, float step_m,
+                    std::span<float> curvature_per_m) {
+  const WorldPath& path = plan.path;
+  const int last = path.size() - 2;
+  int point = 0;
+  float before_m = 0.0f;
+  float length_m = last >= 0 ? Length(ChordBehind(path, 0)) : 0.0f;
+  float wanted_m = along_m;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (float& curvature : curvature_per_m) curvature = 0.0f;
+  HP_LOOP_BOUND_INNER(kMaxPathPoints, kMaxPathPoints)
+  for (float& curvature : curvature_per_m) {
+    HP_LOOP_BOUND(kMaxPathPoints)
+    while (point < last && before_m + length_m <= wanted_m) {
+      before_m += length_m;
+      ++point;
+      length_m = Length(ChordBehind(path, point));
+      if (!HasLength(length_m)) return;  // it stands there
+    }
+    if (last >= 0 && HasLength(length_m) && wanted_m <= before_m + length_m) {
+      const float share = Clamp((wanted_m - before_m) / length_m, 0.0f, 1.0f);
+      const float from = CurvatureAt(path, point, plan.start_curvature_per_m);
+      curvature = from + share * (CurvatureAt(path, point + 1, 0.0f) - from);
+    }
+    wanted_m += step_m;
+  }
+}
+
 }  // namespace hardpack

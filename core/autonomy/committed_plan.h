@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <type_traits>
 
 #include "core/base/decision_hash.h"
+#include "core/base/fixed_vector.h"
 #include "core/base/pose.h"
 #include "core/base/status.h"
 #include "core/path/path.h"
@@ -49,12 +51,15 @@ struct CommittedPlan {
   float start_along_m = 0.0f;           // where the vehicle was when it was published
   float start_curvature_per_m = 0.0f;   // at path[0], where no chord comes in any more ...
   float start_turn_rad = 0.0f;          // ... and the turn that was there
-  int32_t slow_points = 0;              // first points driven slowly, out of an obstacle
-  bool narrow = false;                  // somewhere with little room, driven at min_speed_mps there
-  bool is_stop = false;                 // cut short to come to rest: it leads nowhere
-  bool reaches_goal = false;            // its end is the goal itself
-  PlanGoal goal;                        // that it was planned to
-  uint64_t checked_ns = 0;              // when the plan began on whose map it was checked
+  FixedVector<float, kMaxPathPoints> room_m;  // [n] beside the footprint, see SpeedCaps::room_m
+  int32_t slow_points = 0;                    // first points driven slowly, out of an obstacle
+  // Of these the first that lead out of a place without room to turn (core/autonomy/lead_out.h).
+  int32_t lead_points = 0;
+  bool narrow = false;        // somewhere with little room, driven at min_speed_mps there
+  bool is_stop = false;       // cut short to come to rest: it leads nowhere
+  bool reaches_goal = false;  // its end is the goal itself
+  PlanGoal goal;              // that it was planned to
+  uint64_t checked_ns = 0;    // when the plan began on whose map it was checked
 };
 static_assert(std::is_trivially_copyable_v<CommittedPlan>);
 
@@ -99,8 +104,13 @@ PathPlace Project(const WorldPath& path, const Pose2& pose, bool stands, float s
 // along_m is clamped to the path. All zero without a plan. Cost: one pass.
 PathState StateAt(const CommittedPlan& plan, float along_m);
 
-// Adds what was decided: every field but the goal, the steps (which follow from the path) and
-// checked_ns.
+// Curvature along the path from along_m of way on, each step_m: 0 behind its end, at a turn on the
+// spot and without a plan. Precondition: step_m > 0. Cost: one pass over the path, and the results.
+void CurvaturesFrom(const CommittedPlan& plan, float along_m, float step_m,
+                    std::span<float> curvature_per_m);
+
+// Adds what was decided: every field but the goal, the steps (which follow from the path), the room
+// and checked_ns.
 void AddToHash(const CommittedPlan& plan, DecisionHash& hash);
 
 }  // namespace hardpack

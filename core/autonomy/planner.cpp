@@ -103,6 +103,10 @@ Status Planner::Prepare(const PlannerParams& params, const PlanRequest& request)
   request_.start.pose.theta_rad = WrapAngle(request.start.pose.theta_rad);
   keeps_end_heading_ = false;
   has_goal_heading_ = false;
+  lead_.Clear();
+  own_start_ = request_.start;
+  led_out_ = false;
+  lead_failure_ = Status::kNotStarted;
   return Status::kOk;
 }
 
@@ -136,6 +140,8 @@ void Planner::StepStage(const Source& source, int units) {
       return StepSearch(units);
     case PlanStage::kSample:
       return StepSample(units);
+    case PlanStage::kLeadOut:
+      return StepLeadOut(units);
     case PlanStage::kOptimize:
       return StepOptimize(units);
     case PlanStage::kCheck:
@@ -208,7 +214,11 @@ void Planner::StepSearch(int units) {
   plan_.search = search_.result();
   plan_.starts_in_obstacle = plan_.search.start_in_obstacle;
   plan_.base_status = plan_.search.status;
-  if (!IsUsable(plan_.base_status)) return Fail(plan_.base_status);
+  if (!IsUsable(plan_.base_status)) {
+    const bool is_enclosed = plan_.search.start_in_obstacle;
+    if (is_enclosed && BeginLeadOut(plan_.base_status)) return;
+    return Fail(plan_.base_status);
+  }
   plan_.base_status =
       sampler_.Begin(search_, params_.path, PlaceOf(request_.start.pose), request_.goal_odom);
   if (!IsUsable(plan_.base_status)) return Fail(plan_.base_status);
@@ -223,7 +233,10 @@ void Planner::StepSample(int units) {
   const float base_error_rad = Abs(WrapAngle(heading_rad - BaseHeading(plan_.base)));
   const float smooth_error_rad = Abs(WrapAngle(heading_rad - BaseHeading(smoother_.result())));
   plan_.pivots_first = Max(base_error_rad, smooth_error_rad) > params_.path.max_join_heading_rad;
-  if (plan_.pivots_first && !MayPivot()) return Fail(Status::kPivotBlocked);
+  if (plan_.pivots_first && !MayPivot()) {
+    if (BeginLeadOut(Status::kPivotBlocked)) return;
+    return Fail(Status::kPivotBlocked);
+  }
   BeginSeed();
 }
 
@@ -349,9 +362,20 @@ void Planner::StepCheck(int units) {
   }
   if (plan_.check_status == Status::kCollision) return TryAgain();
   if (!IsUsable(plan_.check_status)) return Fail(plan_.check_status);
+  if (request_.has_unseen_start && lead_.empty() && lead_failure_ != Status::kOk &&
+      SweepsUnseen()) {
+    if (request_.start.speed_mps > 0.0f) return Fail(Status::kPivotBlocked);
+    if (BeginLeadOut(Status::kOk)) return;
+  }
+  BeginSpeed();
+}
+
+void Planner::BeginSpeed() {
+  if (!lead_.empty()) PrependLead();
+  const Status status = ToActuator<PlanarModel>(plan_.path, plan_.actuator);
+  if (!IsUsable(status)) return Fail(status);
   stage_ = PlanStage::kSpeed;
-  caps_.Begin(costmap().window, params_.speed, params_.vehicle, plan_.path,
-              request_.start.speed_mps);
+  caps_.Begin(costmap().window, params_.speed, params_.vehicle, plan_.path, own_start_.speed_mps);
 }
 
 bool Planner::MayEndShort() const {
@@ -389,7 +413,10 @@ void Planner::TryAgain() {
     MakePath(seed_);
     return BeginCheck();
   }
-  if (plan_.pivots_first || !MayPivot()) return Fail(Status::kCollision);
+  if (plan_.pivots_first || !MayPivot()) {
+    if (BeginLeadOut(Status::kCollision)) return;
+    return Fail(Status::kCollision);
+  }
   plan_.pivots_first = true;
   BeginSeed();
 }
@@ -399,8 +426,8 @@ void Planner::StepSpeed(int units) {
     return;
   }
   SpeedRequest request;
-  request.start_speed_mps = request_.start.speed_mps;
-  request.start_curvature_per_m = request_.start.curvature_per_m;
+  request.start_speed_mps = own_start_.speed_mps;
+  request.start_curvature_per_m = own_start_.curvature_per_m;
   plan_.slow_points = SlowPoints();
   request.slow_points = plan_.slow_points;
   plan_.narrow = caps_.narrow();
@@ -414,6 +441,7 @@ void Planner::StepSpeed(int units) {
 // The stretch from a start in an obstacle to the first point that is clear of it, which is within
 // it still; the footprint's own overlap may last longer than the middle's.
 int Planner::SlowPoints() const {
+  if (!lead_.empty()) return plan_.lead_points + plan_.check.overlap_points;
   if (!plan_.search.start_in_obstacle) return plan_.check.overlap_points;
   const Costmap& map = costmap();
   int clear = 0;
@@ -432,7 +460,15 @@ void Planner::Finish() {
   stage_ = PlanStage::kDone;
 }
 
+// A path that was free but swept what nobody has seen is better than none.
 void Planner::Fail(Status status) {
+  if (lead_.empty() || lead_failure_ != Status::kOk) return End(status);
+  lead_.Clear();
+  request_.start = own_start_;
+  BeginSearch();
+}
+
+void Planner::End(Status status) {
   plan_.status = status;
   stage_ = PlanStage::kDone;
 }

@@ -6,6 +6,7 @@
 
 #include "config/parameters.h"
 #include "core/astar/astar.h"
+#include "core/autonomy/lead_out.h"
 #include "core/autonomy/mapper.h"
 #include "core/autonomy/speed_caps.h"
 #include "core/base/decision_hash.h"
@@ -38,6 +39,11 @@
 // - The optimized path touches: its seed is checked in its place, then the base path as joined. If
 //   they touch too, and the vehicle stands and has not turned on the spot, it turns first and the
 //   rest is done again.
+// - There is no room to turn on the spot where the vehicle stands, or no way at all out of what is
+//   too near: it leads out along its heading (lead_out.h), and all the rest is planned from there.
+//   The lead-out comes before the path that is checked, and is driven slowly.
+// - The path sweeps what stands beside the place where the map began, which nobody has seen: the
+//   same, unseen_start_m from that place, if that is free; else the path is taken as it is.
 
 namespace hardpack {
 
@@ -49,6 +55,9 @@ struct PlanRequest {
   Vec2 goal_odom;
   bool has_goal_heading = false;
   float goal_heading_rad = 0.0f;  // where the path ends at the goal; else it has no effect
+  // The map began while the vehicle was at unseen_start, and it is near that place still.
+  bool has_unseen_start = false;
+  Pose2 unseen_start;
 };
 
 // What is planned: everything that plan.json, the tracker and the decision hash need.
@@ -78,6 +87,7 @@ struct Plan {
   PathCost cost_after;   // of path, before turns on the spot were added or it was made to end short
   PathCheckResult check;
   int32_t slow_points = 0;  // first points of path that are driven slowly, out of an obstacle
+  int32_t lead_points = 0;  // of these the first that lead out of where there is no room to turn
   AstarResult search;
 };
 
@@ -88,6 +98,7 @@ enum class PlanStage : uint8_t {
   kCostmap,
   kSearch,
   kSample,
+  kLeadOut,
   kOptimize,
   kCheck,
   kSpeed,
@@ -139,10 +150,14 @@ class Planner {
   static constexpr float kMaxShort_m = 1.0f;
   static constexpr float kHere_m = 0.3f;  // a cell's diagonal
   static constexpr int kMaxTransitions = 32;
-  static constexpr int kMaxUnits = kMaxTransitions + CostmapBuilder::kUnits +
-                                   ScanRing::kMaxColumns + AstarSearch::kMaxUnits / kSearchUnits +
-                                   1 + PathSampler::kMaxUnits + PathSmoother::kMaxPasses +
-                                   2 * Optimizer::kMaxUnits + 12 * PathCheck::kMaxUnits +
+  // From one start on the map that there is.
+  static constexpr int kMaxRouteUnits = kMaxTransitions + AstarSearch::kMaxUnits / kSearchUnits +
+                                        1 + PathSampler::kMaxUnits + PathSmoother::kMaxPasses +
+                                        2 * Optimizer::kMaxUnits + 12 * PathCheck::kMaxUnits;
+  // Where the vehicle is, behind a lead-out, and again where it is.
+  static constexpr int kMaxRoutes = 3;
+  static constexpr int kMaxUnits = CostmapBuilder::kUnits + ScanRing::kMaxColumns +
+                                   kMaxRoutes * kMaxRouteUnits + 2 * (LeadOut::kMaxUnits + 1) +
                                    SpeedCaps::kMaxUnits;
 
  private:
@@ -164,6 +179,7 @@ class Planner {
   void StepSearch(int units);
   void StepSample(int units);
   void StepSampler(int units);
+  void StepLeadOut(int units);
   void StepOptimize(int units);
   void StepCheck(int units);
   void StepSpeed(int units);
@@ -172,6 +188,11 @@ class Planner {
   bool IsHere() const;
   void Stay();
   [[nodiscard]] bool MayPivot() const;
+  [[nodiscard]] bool BeginLeadOut(Status failure);
+  void LookForLeadOut(bool straight_only);
+  bool SweepsUnseen() const;
+  void PrependLead();
+  void BeginSpeed();
   void BeginSeed();
   [[nodiscard]] bool MakeSeed(const WorldPath& base);
   PathCost SeedCost() const;
@@ -184,6 +205,7 @@ class Planner {
   int SlowPoints() const;
   void Finish();
   void Fail(Status status);
+  void End(Status status);
 
   PlanStage stage_ = PlanStage::kIdle;
   uint32_t folded_before_ = 0;  // columns, when this plan began
@@ -194,6 +216,12 @@ class Planner {
   PlanRequest request_;
   Plan plan_;
   WorldPath seed_;
+  WorldPath lead_;       // from where the vehicle is; else empty
+  PathStart own_start_;  // of the request, before lead_ took its place
+  LeadOut lead_out_;
+  bool led_out_ = false;                       // a lead-out was looked for
+  bool looks_bent_ = false;                    // the one that is looked for may be bent
+  Status lead_failure_ = Status::kNotStarted;  // what it fails with without one; kOk: it does not
   CostmapBuilder builder_;
   AstarSearch search_;
   PathSampler sampler_;

@@ -100,6 +100,15 @@ bool Replanner::IsAt(int point) const {
   return WayTo(committed_.path, point) - place_.along_m <= kAtPoint_m;
 }
 
+// What the vehicle may be beside its path by: the room that there is at its place.
+float Replanner::MostCrossTrack() const {
+  const ReplanParams& params = params_.replan;
+  const int point = place_.point;
+  if (point + 1 >= committed_.room_m.size()) return params.max_cross_track_m;
+  const float room_m = Min(committed_.room_m[point], committed_.room_m[point + 1]);
+  return Clamp(room_m, params.least_cross_track_m, params.max_cross_track_m);
+}
+
 // Where the newest state is on the committed path, and whether it is on it at all.
 void Replanner::Locate(float since_s) {
   off_path_ = false;
@@ -111,7 +120,7 @@ void Replanner::Locate(float since_s) {
   const bool looks_away =
       Abs(WrapAngle(state_.pose.theta_rad - heading_rad)) > params_.path.max_join_heading_rad;
   const bool stands_off = Stands() && !IsAt(StandingPoint(path, place_.point));
-  const float most_m = stands_off ? kMaxStandingOff_m : params_.replan.max_cross_track_m;
+  const float most_m = stands_off ? kMaxStandingOff_m : MostCrossTrack();
   off_path_ =
       place_.cross_track_m > most_m || (looks_away && !TurnsOnTheSpotAt(path, place_.point));
 }
@@ -211,6 +220,8 @@ PlanRequest Replanner::RequestFrom(const PathStart& start) const {
   request.goal_odom = round_goal_.position_odom;
   request.has_goal_heading = round_goal_.has_heading;
   request.goal_heading_rad = round_goal_.heading_rad;
+  request.has_unseen_start = state_.has_unseen_start;
+  request.unseen_start = state_.unseen_start;
   return request;
 }
 
@@ -274,6 +285,7 @@ void Replanner::KeepFresh() {
   if (!IsUsable(plan.status)) return;
   fresh_.path = plan.path;
   fresh_.slow_points = plan.slow_points;
+  fresh_.lead_points = plan.lead_points;
   fresh_.search_end = plan.search.end;
   const bool in_end_cell = CellAt(request_.goal_odom) == plan.search.end;
   fresh_.end_odom = in_end_cell ? request_.goal_odom : CellCenter(plan.search.end);
@@ -294,18 +306,28 @@ void Replanner::BeginCheck() {
   rest_curvature_per_m_ = CurvatureAt(path, dropped_, committed_.start_curvature_per_m);
   rest_turn_rad_ = TurnAt(path, dropped_, committed_.start_turn_rad);
   late_ = anchored_ && place_.along_m > WayTo(path, anchor_);
-  const Status status = check_.Begin(params_.vehicle, params_.optimizer, rest_,
-                                     rest_curvature_per_m_, params_.path.kept_margin_m);
+  // A lead-out was looked along where it was planned, and the sweep of every tick looks after it.
+  unchecked_ = ClampInt(committed_.lead_points - dropped_, 0, rest_.size() - 2);
+  checked_.Clear();
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int point = unchecked_; point < rest_.size(); ++point) {
+    checked_.Resize(checked_.size() + 1);
+    checked_.back() = rest_[point];
+  }
+  const float curvature_per_m = unchecked_ > 0 ? 0.0f : rest_curvature_per_m_;
+  const Status status = check_.Begin(params_.vehicle, params_.optimizer, checked_, curvature_per_m,
+                                     params_.path.kept_margin_m);
   if (!IsUsable(status)) return Decide();
   phase_ = Phase::kCheck;
 }
 
 void Replanner::StepCheck(int units) {
-  if (check_.Step(planner_.costmap(), rest_, units) == Progress::kBusy) return;
+  if (check_.Step(planner_.costmap(), checked_, units) == Progress::kBusy) return;
   // The pose at which it collides is not free, the chord that leads there is driven up to it.
-  free_until_ = IsUsable(check_.result().status)
-                    ? rest_.size() - 1
-                    : ClampInt(check_.result().collision_point - 1, -1, rest_.size() - 1);
+  free_until_ =
+      IsUsable(check_.result().status)
+          ? rest_.size() - 1
+          : ClampInt(unchecked_ + check_.result().collision_point - 1, -1, rest_.size() - 1);
   extension_point_ = ExtensionPoint();
   if (extension_point_ < 0) return Decide();
   BeginExtension();

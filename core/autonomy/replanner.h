@@ -28,7 +28,8 @@
 //    while the round lasts: min_latency_s, or 1.5 times the longest of the last rounds (their
 //    length in the owner's time, so the same in replay). What it leads to is
 //    kept stretch + new plan. It starts from the predicted pose itself if there is no committed
-//    plan, if the vehicle is more than max_cross_track_m beside it, or kMaxStandingOff_m where it
+//    plan, if the vehicle is further beside it than there is room there (max_cross_track_m at most,
+//    least_cross_track_m at least), or kMaxStandingOff_m where it
 //    stands (or turned away from it by more than max_join_heading_rad), or stands at its end or at
 //    a turn on the spot.
 // 2. The new plan, on the map of this moment.
@@ -78,6 +79,8 @@ struct VehicleState {
   // Age that what is known of the ground ahead will have when a plan of now is driven. Where that
   // is more than SpeedParams::reaction_time_s it is what speeds are made for.
   float reaction_s = 0.0f;
+  bool has_unseen_start = false;  // see PlanRequest
+  Pose2 unseen_start;
 };
 
 // For an owner without a history of commands: the state after ahead_s at constant speed and
@@ -191,6 +194,7 @@ class Replanner {
     Status status = Status::kNotStarted;
     WorldPath path;
     int32_t slow_points = 0;
+    int32_t lead_points = 0;
     Cell search_end;
     Vec2 end_odom;          // of the search: where the path ends unless it was cut
     float way_cost = 0.0f;  // of the search, in metres at cost 0
@@ -205,6 +209,7 @@ class Replanner {
     float start_curvature_per_m = 0.0f;
     float start_turn_rad = 0.0f;
     int32_t slow_points = 0;
+    int32_t lead_points = 0;
     int32_t joint = -1;  // point of rest_ where it leaves the committed path; -1: it has no joint
   };
 
@@ -224,6 +229,7 @@ class Replanner {
   void BeginCheck();
   void StepCheck(int units);
   void BeginExtension();
+  float MostCrossTrack() const;
   float ReachOfRound() const;
   void EndRound();
   void Locate(float since_s);
@@ -279,9 +285,11 @@ class Replanner {
   bool left_path_ = false;  // the vehicle was off the path when it began
   bool late_ = false;
   PlanRequest request_;
-  int32_t anchor_ = 0;   // point of the committed path; where anchored
-  int32_t dropped_ = 0;  // points of the committed path before rest_
-  WorldPath rest_;       // of the committed path: empty without one
+  int32_t anchor_ = 0;     // point of the committed path; where anchored
+  int32_t dropped_ = 0;    // points of the committed path before rest_
+  WorldPath rest_;         // of the committed path: empty without one
+  WorldPath checked_;      // of that, from the end of a lead-out on
+  int32_t unchecked_ = 0;  // points of rest_ before it
   float rest_curvature_per_m_ = 0.0f;
   float rest_turn_rad_ = 0.0f;
   int32_t free_until_ = -1;  // last point of rest_ that was checked free

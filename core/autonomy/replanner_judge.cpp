@@ -212,8 +212,10 @@ void Replanner::MakeCandidate(ReplanDecision decision, ReplanReason reason) {
   candidate_.joint = -1;
   candidate_.status = committed_.status;
   const int slow_rest = committed_.slow_points - dropped_;
-  const int overlap = rest_.empty() ? 0 : check_.result().overlap_points;
+  const int checked_overlap = rest_.empty() ? 0 : check_.result().overlap_points;
+  const int overlap = checked_overlap > 0 ? unchecked_ + checked_overlap : 0;
   candidate_.slow_points = slow_rest > overlap ? slow_rest : overlap;
+  candidate_.lead_points = committed_.lead_points - dropped_;
   switch (decision) {
     case ReplanDecision::kNone:
       candidate_.path.Clear();
@@ -234,6 +236,7 @@ void Replanner::MakeCandidate(ReplanDecision decision, ReplanReason reason) {
       break;
   }
   candidate_.slow_points = ClampInt(candidate_.slow_points, 0, candidate_.path.size());
+  candidate_.lead_points = ClampInt(candidate_.lead_points, 0, candidate_.path.size());
 }
 
 void Replanner::TakeFresh() {
@@ -246,6 +249,7 @@ void Replanner::TakeFresh() {
     return;
   }
   candidate_.path = fresh_.path;
+  candidate_.lead_points = fresh_.lead_points;
   candidate_.start_curvature_per_m = request_.start.curvature_per_m;
   candidate_.start_turn_rad = 0.0f;
   candidate_.slow_points = fresh_.slow_points;

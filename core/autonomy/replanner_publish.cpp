@@ -60,6 +60,14 @@ void Replanner::Commit(const PathPlace& place) {
   if (TurnsOnTheSpotAt(plan.path, 0)) plan.path[0].theta_rad = state_.pose.theta_rad;
   const int slow_points = candidate_.slow_points - first;
   plan.slow_points = slow_points < 0 ? 0 : slow_points;
+  const int lead_points = candidate_.lead_points - first;
+  plan.lead_points = lead_points < 0 ? 0 : lead_points;
+  plan.room_m.Clear();
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = first; k < path.size(); ++k) {
+    plan.room_m.Resize(plan.room_m.size() + 1);
+    plan.room_m.back() = caps_.room_m(k);
+  }
   plan.narrow = caps_.narrow();
   plan.status = candidate_.status == Status::kNarrowGap ? Status::kOk : candidate_.status;
   if (plan.narrow) plan.status = Graver(plan.status, Status::kNarrowGap);

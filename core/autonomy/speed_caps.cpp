@@ -35,6 +35,20 @@ float Squared(float value) {
   return value * value;
 }
 
+// The speed at which what the vehicle is beside its path by is room_m; see the header.
+float RoomSpeedCap(const SpeedParams& params, float room_m, float bend_per_m) {
+  const float left_m = room_m - params.track_error_m;
+  if (!(left_m > 0.0f)) return params.least_room_mps;
+  const float linear_s = params.track_error_s;
+  const float square = params.track_error_s2 * bend_per_m;
+  // a v^2 + b v = c: v = 2 c / (b + sqrt(b^2 + 4 a c)), which holds for a = 0 too.
+  const float root = Sqrt(linear_s * linear_s + 4.0f * square * left_m);
+  const float divisor = linear_s + root;
+  const float cap_mps = 2.0f * left_m > params.max_speed_mps * divisor ? params.max_speed_mps
+                                                                       : 2.0f * left_m / divisor;
+  return Max(cap_mps, Min(params.least_room_mps, params.max_speed_mps));
+}
+
 }  // namespace
 
 void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
@@ -62,6 +76,7 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
     cap_mps_[k] = ReactionSpeedCap(params, along_m_[points_ - 1] - along_m_[k]);
     cause_[k] = CapCause::kPathEnd;
   }
+  FindBends(path);
   chord_ = 0;
   observed_m_ = kFar_m;
   max_unseen_m_ = params.max_unseen_m;
@@ -97,6 +112,8 @@ Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
         narrow_ = true;
         Lower(point_, params.min_speed_mps, CapCause::kLittleRoom);
       }
+      room_m_[point_] = RoomAt(map, path[point_]);
+      Lower(point_, RoomSpeedCap(params, room_m_[point_], BendAt(point_)), CapCause::kLittleRoom);
       CapForPersonAt(point_, params, vehicle);
       ++point_;
     }
@@ -175,6 +192,48 @@ bool SpeedCaps::HasLittleRoom(const Costmap& map, const Pose2& pose) const {
                                 static_cast<float>(distance2_cells2) <= room2_cells2_);
   }
   return has_little;
+}
+
+float SpeedCaps::RoomAt(const Costmap& map, const Pose2& pose) const {
+  const SinCosPair heading = SinCos(pose.theta_rad);
+  float room_m = kFarRoom_m;
+  HP_LOOP_BOUND(Footprint::kMaxDiscs)
+  for (int disc = 0; disc < footprint_.discs; ++disc) {
+    const float ahead_m = footprint_.DiscAhead(disc);
+    const Cell cell = CellAt({pose.x_m + ahead_m * heading.cos, pose.y_m + ahead_m * heading.sin});
+    if (!map.window.Contains(cell)) continue;
+    const int distance2_cells2 = map.hard_distance2[map.window.Index(cell)];
+    if (distance2_cells2 >= kMaxDistance2_cells2) continue;
+    room_m = Min(room_m, Sqrt(static_cast<float>(distance2_cells2)) * kCellSize_m -
+                             footprint_.disc_radius_m - 0.5f * kCellSize_m);
+  }
+  return Max(room_m, 0.0f);
+}
+
+// Between chords, as the speed planner takes it; a turn on the spot is none.
+void SpeedCaps::FindBends(const WorldPath& path) {
+  bend_per_m_[0] = 0.0f;
+  bend_per_m_[points_ - 1] = 0.0f;
+  HP_LOOP_BOUND(kMaxPathPoints - 2)
+  for (int k = 1; k + 1 < points_; ++k) {
+    const float before_m = along_m_[k] - along_m_[k - 1];
+    const float behind_m = along_m_[k + 1] - along_m_[k];
+    const float turn_rad = WrapAngle(path[k].theta_rad - path[k - 1].theta_rad);
+    bend_per_m_[k] = Abs(CurvatureBetween(turn_rad, before_m, behind_m));
+  }
+}
+
+float SpeedCaps::BendAt(int point) const {
+  float most_per_m = bend_per_m_[point];
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = point - 1; k >= 0 && along_m_[point] - along_m_[k] <= kBendBehind_m; --k) {
+    most_per_m = Max(most_per_m, bend_per_m_[k]);
+  }
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = point + 1; k < points_ && along_m_[k] - along_m_[point] <= kBendAhead_m; ++k) {
+    most_per_m = Max(most_per_m, bend_per_m_[k]);
+  }
+  return most_per_m;
 }
 
 // False: there were many cells of people, and the row is to be searched on. Not inlined, as

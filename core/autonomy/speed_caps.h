@@ -31,6 +31,12 @@
 // There is little room where a hard cell's centre is nearer to the centre of one of the discs
 // that cover the outline (core/base/footprint.h) than its radius, half a cell's diagonal and
 // narrow_room_m: min_speed_mps at most there.
+//
+// A plan's room is its clearance less what the tracker and the odometry may be off by there. So the
+// speed is at most that at which
+//   track_error_m + track_error_s v + track_error_s2 v^2 kappa
+// fits into the distance from the discs to the nearest hard cell, half a cell off, with kappa the
+// largest curvature of the last kBendBehind_m and the next kBendAhead_m of the path.
 
 namespace hardpack {
 
@@ -71,6 +77,12 @@ class SpeedCaps {
   CapCause cause(int point) const { return cause_[point]; }
   // Whether there is little room anywhere.
   bool narrow() const { return narrow_; }
+  // From the discs at a point to the nearest hard cell, half a cell off [m]; at most kFarRoom_m,
+  // not below 0. Valid with cap_mps().
+  float room_m(int point) const { return room_m_[point]; }
+  static constexpr float kFarRoom_m = 10.0f;
+  static constexpr float kBendBehind_m = 1.5f;
+  static constexpr float kBendAhead_m = 0.5f;
   // Way along the path to the end of the observed ground; kFar_m if that is not on it.
   float observed_m() const { return observed_m_; }
   static constexpr float kFar_m = 1.0e3f;        // further than any two points of a map
@@ -87,6 +99,9 @@ class SpeedCaps {
   void LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m);
   void Lower(int point, float cap_mps, CapCause cause);
   bool HasLittleRoom(const Costmap& map, const Pose2& pose) const;
+  float RoomAt(const Costmap& map, const Pose2& pose) const;
+  void FindBends(const WorldPath& path);
+  float BendAt(int point) const;
   bool SearchRow(const Costmap& map);
   void FilePerson(Vec2 person_odom);
   void CapForPersonAt(int point, const SpeedParams& params, const VehicleParams& vehicle);
@@ -99,7 +114,9 @@ class SpeedCaps {
   // Of one person, to the points; before the first and behind the last those again.
   float distance2_m2_[kMaxPathPoints + 2] = {};
   Footprint footprint_;
-  float reach_m_ = 0.0f;  // people further from the path cap nothing
+  float reach_m_ = 0.0f;                   // people further from the path cap nothing
+  float bend_per_m_[kMaxPathPoints] = {};  // magnitude of the curvature
+  float room_m_[kMaxPathPoints] = {};
   CapCause cause_[kMaxPathPoints] = {};
   float speed_mps_ = 0.0f;
   int32_t points_ = 0;

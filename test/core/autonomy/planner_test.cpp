@@ -158,7 +158,8 @@ TEST(Planner, TurnsOnTheSpotTowardsAGoalBehind) {
 
 TEST(Planner, SaysWhenTheTurnOnTheSpotHasNoRoom) {
   Scene scene = SceneTo({-15.1f, 0.1f});
-  scene.Add(-5, 5, 5, 5);  // 0.9 m to the left
+  scene.Add(-5, 5, 5, 5);    // 0.9 m to the left
+  scene.Add(8, -10, 9, 10);  // and no way ahead
   EXPECT_EQ(PlanIn(scene).status, Status::kPivotBlocked);
 }
 

@@ -267,6 +267,50 @@ TEST(SpeedCaps, StandsForAPersonWhoCouldStepIntoTheWay) {
     EXPECT_EQ(ground.CauseAt(8.25f), CapCause::kPerson) << beside_m;
   }
 }
+// A hard cell so far to the left of the path, all along it: what the distance field says.
+void PutWall(Ground& ground, int cells) {
+  for (int y = 0; y < kMapSize_cells; ++y) {
+    for (int x = 0; x < kMapSize_cells; ++x) {
+      const int away = y - (256 + cells);
+      const int distance2 = std::min(away * away, kMaxDistance2_cells2);
+      ground.map->hard_distance2[y * kMapSize_cells + x] = static_cast<uint8_t>(distance2);
+    }
+  }
+}
+
+// SR-MOV03 the less room beside the path, the slower
+TEST(SpeedCaps, LittleRoomBesideABendIsDrivenSlowly) {
+  Ground straight;
+  PutWall(straight, 7);  // 1.4 m: 0.51 m of room
+  straight.Caps();
+  EXPECT_NEAR(straight.caps->room_m(20), 0.51f, 0.01f);
+  const float straight_mps = straight.CapAt(5.5f);
+  Ground bent;
+  PutWall(bent, 7);
+  // Bends of 0.4 / m to and fro, a hand's breadth off the straight line.
+  float heading = 0.0f;
+  for (int k = 0; k < bent.path.size(); ++k) {
+    heading += (k / 4 % 2 == 0 ? 0.11f : -0.11f);
+    bent.path[k].theta_rad = heading;
+  }
+  bent.Caps();
+  EXPECT_LT(bent.CapAt(5.5f), 0.75f * straight_mps);
+  const SpeedParams& speed = bent.speed;
+  const float cap_mps = bent.CapAt(5.5f);
+  EXPECT_NEAR(speed.track_error_m + speed.track_error_s * cap_mps +
+                  speed.track_error_s2 * cap_mps * cap_mps * 0.4f,
+              0.51f, 0.02f)
+      << "what it may be off by is the room";
+  EXPECT_EQ(bent.CauseAt(5.5f), CapCause::kLittleRoom);
+}
+
+TEST(SpeedCaps, WithoutAnyRoomItIsDrivenAtTheLeast) {
+  Ground ground;
+  PutWall(ground, 4);
+  ground.Caps();
+  EXPECT_EQ(ground.caps->room_m(20), 0.0f);
+  EXPECT_EQ(ground.CapAt(5.5f), ground.speed.least_room_mps);
+}
 
 }  // namespace
 }  // namespace hardpack

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/autonomy/lead_out.h"
+
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
+#include "core/base/saturate.h"
+
+namespace hardpack {
+
+void LeadOut::Begin(const VehicleParams& vehicle, const PathParams& params, const Pose2& start,
+                    float least_m, float longest_m, bool straight_only) {
+  *this = LeadOut{};
+  footprint_ = FootprintOf(vehicle);
+  vehicle_ = vehicle;
+  params_ = params;
+  start_ = start;
+  least_m_ = least_m;
+  longest_m_ = Min(longest_m, kMaxLength_m);
+  bends_ = straight_only ? 1 : kBends;
+  const float reach_m = footprint_.pivot_radius_m + kCellDiagonal_m;
+  reach_cells_ = FloorToInt(Min(reach_m * kCellsPerMeter, 1.0e6f)) + 1;
+  if (2 * reach_cells_ >= kMaxSide_cells) bends_ = 0;  // further than it looks
+}
+
+Pose2 LeadOut::PoseAt(int bend, float along_m) const {
+  const float turn_rad = kBends_per_m[bend] * along_m;
+  const float half_rad = 0.5f * turn_rad;
+  const float shortened = Abs(half_rad) < 1.0e-3f ? 1.0f : Sin(half_rad) / half_rad;
+  const SinCosPair chord = SinCos(WrapAngle(start_.theta_rad + half_rad));
+  return {start_.x_m + along_m * shortened * chord.cos,
+          start_.y_m + along_m * shortened * chord.sin, WrapAngle(start_.theta_rad + turn_rad)};
+}
+
+// How deep a point lies in the outline at a pose; negative outside.
+float LeadOut::Depth(const Pose2& pose, Vec2 point_odom) const {
+  const SinCosPair heading = SinCos(pose.theta_rad);
+  const float dx_m = point_odom.x_m - pose.x_m;
+  const float dy_m = point_odom.y_m - pose.y_m;
+  const float ahead_m = heading.cos * dx_m + heading.sin * dy_m - footprint_.middle_m();
+  const float left_m = heading.cos * dy_m - heading.sin * dx_m;
+  return Min(footprint_.half_length_m() - Abs(ahead_m), footprint_.half_width_m - Abs(left_m));
+}
+
+bool LeadOut::Touches(const Costmap& map, const Pose2& pose) const {
+  const Cell middle = CellAt({pose.x_m, pose.y_m});
+  const Cell low = {middle.x - reach_cells_, middle.y - reach_cells_};
+  const Cell high = {middle.x + reach_cells_, middle.y + reach_cells_};
+  if (!map.window.Contains(low) || !map.window.Contains(high)) return true;
+  HP_LOOP_BOUND(kMaxSide_cells)
+  for (int32_t y = low.y; y <= high.y; ++y) {
+    HP_LOOP_BOUND(kMaxSide_cells)
+    for (int32_t x = low.x; x <= high.x; ++x) {
+      if ((map.flags[map.window.Index({x, y})] & Costmap::kHard) == 0) continue;
+      const Vec2 centre = CellCenter({x, y});
+      const float before_m = Max(Depth(start_, centre), 0.0f);
+      if (Depth(pose, centre) > before_m + kCellTolerance_m) return true;
+    }
+  }
+  return false;
+}
+
+void LeadOut::EndBend() {
+  ++bend_;
+  pose_ = 0;
+}
+
+Progress LeadOut::Step(const Costmap& map, int units) {
+  HP_LOOP_BOUND(kMaxUnits)
+  for (int unit = 0; unit < units && bend_ < bends_; ++unit) {
+    const float along_m = kStep_m * static_cast<float>(pose_);
+    const float bend_m = kBendCost_m2 * Abs(kBends_per_m[bend_]);
+    const bool is_worse = found() && along_m + bend_m >= best_cost_m_;
+    if (along_m > longest_m_ || is_worse) {
+      EndBend();
+      continue;
+    }
+    const Pose2 pose = PoseAt(bend_, along_m);
+    if (Touches(map, pose)) {
+      EndBend();
+      continue;
+    }
+    const bool is_out = pose_ > 0 && along_m >= least_m_ - 0.5f * kStep_m &&
+                        PivotIsFree(map, vehicle_, params_, {pose.x_m, pose.y_m});
+    if (is_out) {
+      best_bend_ = bend_;
+      best_m_ = along_m;
+      best_cost_m_ = along_m + bend_m;
+      EndBend();
+      continue;
+    }
+    ++pose_;
+  }
+  return bend_ < bends_ ? Progress::kBusy : Progress::kDone;
+}
+
+// The headings of chords, as those of a path.
+void LeadOut::Poses(WorldPath& path) const {
+  path.Clear();
+  if (!found()) return;
+  constexpr int kMaxPoints = static_cast<int>(kMaxLength_m / kPointStep_m) + 2;
+  const int steps = ClampInt(FloorToInt(best_m_ / kPointStep_m) + 1, 1, kMaxPoints);
+  HP_LOOP_BOUND(kMaxPoints + 1)
+  for (int k = 0; k <= steps; ++k) {
+    const float share = static_cast<float>(k) / static_cast<float>(steps);
+    path.Resize(path.size() + 1);
+    path.back() = PoseAt(best_bend_, share * best_m_);
+  }
+}
+
+}  // namespace hardpack

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "config/parameters.h"
+#include "core/base/footprint.h"
+#include "core/base/pose.h"
+#include "core/base/progress.h"
+#include "core/costmap/costmap.h"
+#include "core/path/path.h"
+
+// The way out of a place without room to turn: along the present heading, straight on or gently
+// bent, until the vehicle could turn on the spot. The rest of the path is planned from there. It
+// does not know the goal's way (core/astar does) but where the goal lies. Ours.
+//
+//      ################
+//     [ > ]- - - - - - - - -(o)        straight on; arcs of kBends to both sides, where a straight
+//                          /            way is blocked or longer by more than what a bend costs
+//                         v
+//
+// The outline must not touch a hard cell more deeply than it does at the start. Cells are coarser
+// than what is beside a flank by a hand's breadth: so a cell counts by its middle, and by
+// kCellTolerance_m less. What stands there is held against the outline itself in every tick, to 5
+// cm (core/safety/motion_sweep.h), and the way is driven slowly.
+
+namespace hardpack {
+
+class LeadOut {
+ public:
+  static constexpr float kStep_m = 0.1f;
+  static constexpr float kPointStep_m = 0.3f;  // between two points of the result
+  static constexpr float kMaxLength_m = 12.0f;
+  static constexpr int kMaxPoses = 121;
+  static constexpr float kBends_per_m[] = {0.0f, 0.08f, -0.08f, 0.2f, -0.2f, 0.4f, -0.4f};
+  static constexpr int kBends = sizeof(kBends_per_m) / sizeof(kBends_per_m[0]);
+  static constexpr int kMaxUnits = kBends * kMaxPoses;
+  static constexpr float kBendCost_m2 = 4.0f;  // a bend is worth so much way per curvature
+  static constexpr float kCellTolerance_m = 0.06f;
+  static constexpr int kMaxSide_cells = 64;
+
+  // A way of least_m at least and longest_m at most. straight_only: no bends. Preconditions:
+  // finite.
+  void Begin(const VehicleParams& vehicle, const PathParams& params, const Pose2& start,
+             float least_m, float longest_m, bool straight_only);
+
+  // A unit is one pose of one of the ways. At most kMaxUnits.
+  Progress Step(const Costmap& map, int units);
+
+  // Once it is done: whether there is one, and the shortest of them, with what bends cost: its
+  // first point is the start, its last where the vehicle may turn.
+  bool found() const { return best_bend_ >= 0; }
+  void Poses(WorldPath& path) const;
+
+ private:
+  Pose2 PoseAt(int bend, float along_m) const;
+  bool Touches(const Costmap& map, const Pose2& pose) const;
+  float Depth(const Pose2& pose, Vec2 point_odom) const;
+  void EndBend();
+
+  Footprint footprint_;
+  VehicleParams vehicle_;
+  PathParams params_;
+  Pose2 start_;
+  float least_m_ = 0.0f;
+  float longest_m_ = 0.0f;
+  int32_t reach_cells_ = 0;
+  int32_t bends_ = 0;
+  int32_t bend_ = 0;  // being looked along, ...
+  int32_t pose_ = 0;  // ... next pose of it
+  int32_t best_bend_ = -1;
+  float best_m_ = 0.0f;
+  float best_cost_m_ = 0.0f;
+};
+static_assert(std::is_trivially_copyable_v<LeadOut>);
+
+}  // namespace hardpack

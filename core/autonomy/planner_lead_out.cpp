@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/autonomy/planner.h"
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
+
+// Planner: the way out of where there is no room to turn, or of where nobody has seen what there
+// is.
+
+namespace hardpack {
+namespace {
+
+// Of the flank: what a straight way may sweep by its own errors.
+constexpr float kBesideFlank_m = 0.05f;
+// Behind and ahead of the outline nothing low is seen from the start either.
+constexpr float kBehindRear_m = 1.0f;
+constexpr float kAheadOfFront_m = 0.7f;
+constexpr float kGoalBehind_m = 1.0f;
+
+float AlongHeading(const Pose2& from, const Pose2& to) {
+  const SinCosPair heading = SinCos(from.theta_rad);
+  return heading.cos * (to.x_m - from.x_m) + heading.sin * (to.y_m - from.y_m);
+}
+
+float LeftOfHeading(const Pose2& from, const Pose2& to) {
+  const SinCosPair heading = SinCos(from.theta_rad);
+  return heading.cos * (to.y_m - from.y_m) - heading.sin * (to.x_m - from.x_m);
+}
+
+}  // namespace
+
+// Once in a plan, by a vehicle that stands. False: there is none to be looked for.
+bool Planner::BeginLeadOut(Status failure) {
+  const bool may = !led_out_ && request_.start.speed_mps == 0.0f && params_.path.lead_out_m > 0.0f;
+  if (!may) return false;
+  led_out_ = true;
+  lead_failure_ = failure;
+  looks_bent_ = !request_.has_unseen_start;
+  LookForLeadOut(!looks_bent_);
+  stage_ = PlanStage::kLeadOut;
+  return true;
+}
+
+// For what was not seen no further than it takes; for what is in the way as far as there is one.
+void Planner::LookForLeadOut(bool straight_only) {
+  float least_m = 0.0f;
+  if (request_.has_unseen_start) {
+    least_m =
+        Max(params_.path.unseen_start_m - AlongHeading(request_.unseen_start, request_.start.pose),
+            0.0f);
+  }
+  const Pose2 goal = {request_.goal_odom.x_m, request_.goal_odom.y_m, 0.0f};
+  const float goal_ahead_m = AlongHeading(request_.start.pose, goal);
+  const bool is_for_unseen = lead_failure_ == Status::kOk;
+  const bool is_beside = is_for_unseen && Abs(goal_ahead_m) < least_m + kGoalBehind_m &&
+                         Abs(LeftOfHeading(request_.start.pose, goal)) < least_m + kGoalBehind_m;
+  const float longest_m = is_beside ? 0.0f : Max(params_.path.lead_out_m, least_m);
+  lead_out_.Begin(params_.vehicle, params_.path, request_.start.pose, least_m, longest_m,
+                  straight_only);
+}
+
+void Planner::StepLeadOut(int units) {
+  if (lead_out_.Step(costmap(), units) == Progress::kBusy) return;
+  if (!lead_out_.found() && !looks_bent_ && lead_failure_ != Status::kOk) {
+    looks_bent_ = true;
+    return LookForLeadOut(false);
+  }
+  if (!lead_out_.found()) {
+    if (lead_failure_ == Status::kOk) return BeginSpeed();
+    return End(lead_failure_);
+  }
+  lead_out_.Poses(lead_);
+  request_.start = {lead_.back(), 0.0f, 0.0f};
+  BeginSearch();
+}
+
+// Whether a pose of the path has a corner beside the place where the map began, off the strip that
+// the vehicle itself stood on or drives straight ahead.
+bool Planner::SweepsUnseen() const {
+  const Footprint footprint = FootprintOf(params_.vehicle);
+  const float aside_m = footprint.half_width_m + kBesideFlank_m;
+  const float low_m = footprint.rear_m - kBehindRear_m;
+  const float high_m = footprint.front_m + kAheadOfFront_m;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (const Pose2& pose : plan_.path) {
+    const float ahead_m = AlongHeading(request_.unseen_start, pose);
+    const float left_m = LeftOfHeading(request_.unseen_start, pose);
+    const SinCosPair turn = SinCos(WrapAngle(pose.theta_rad - request_.unseen_start.theta_rad));
+    HP_LOOP_BOUND(4)
+    for (int corner = 0; corner < 4; ++corner) {
+      const float x_m = corner < 2 ? footprint.front_m : footprint.rear_m;
+      const float y_m = corner % 2 == 0 ? footprint.half_width_m : -footprint.half_width_m;
+      const float corner_x_m = ahead_m + turn.cos * x_m - turn.sin * y_m;
+      const float corner_y_m = left_m + turn.sin * x_m + turn.cos * y_m;
+      const bool is_beside = corner_x_m >= low_m && corner_x_m <= high_m;
+      if (is_beside && Abs(corner_y_m) > aside_m) return true;
+    }
+  }
+  return false;
+}
+
+// The last point of the lead-out is the first of the path. What does not fit is cut at the end.
+void Planner::PrependLead() {
+  WorldPath& path = plan_.path;
+  const int lead = lead_.size() - 1;
+  const int room = WorldPath::capacity() - lead;
+  const int kept = path.size() < room ? path.size() : room;
+  if (kept < path.size()) plan_.base_status = Graver(plan_.base_status, Status::kPathCut);
+  path.Resize(kept + lead);
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = kept - 1; k >= 0; --k) path[k + lead] = path[k];
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 0; k < lead; ++k) path[k] = lead_[k];
+  plan_.lead_points = lead;
+  plan_.check.smallest_clearance_point += lead;
+}
+
+}  // namespace hardpack

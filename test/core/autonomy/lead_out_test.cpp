@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/autonomy/lead_out.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "test/core/autonomy/scene.h"
+
+namespace hardpack {
+namespace {
+
+//   ##########
+//   [ > ] - - - - (o)       a wall 0.2 m beside the left flank from x = -1 to 5 m
+//              x            the goal behind it to the right
+Scene WallBeside() {
+  Scene scene = SceneTo({6.1f, -12.1f}, {0.1f, 0.1f, 0.0f});
+  scene.Add(-5, 5, 25, 7);
+  return scene;
+}
+
+// SR-STA01 no room to turn: out along the heading, then on
+TEST(LeadOut, AStartBesideAWallWithoutRoomToTurnIsLeftAlongTheHeading) {
+  const Scene scene = WallBeside();
+  const Plan& plan = PlanIn(scene);
+  ASSERT_TRUE(IsUsable(plan.status)) << StatusName(plan.status);
+  ASSERT_GT(plan.lead_points, 2);
+  for (int k = 0; k < plan.lead_points; ++k) {
+    EXPECT_LT(std::abs(plan.path[k].theta_rad), 0.3f) << "it does not turn beside the wall";
+    EXPECT_LE(plan.speed[k], scene.params.speed.obstacle_start_speed_mps + 1e-4f);
+  }
+  const Pose2& out = plan.path[plan.lead_points];
+  EXPECT_TRUE(PivotIsFree(ThePlanner().costmap(), scene.params.vehicle, scene.params.path,
+                          {out.x_m, out.y_m}));
+  EXPECT_NEAR(plan.path.back().x_m, 6.1f, 0.3f);
+  EXPECT_NEAR(plan.path.back().y_m, -12.1f, 0.3f);
+  EXPECT_EQ(plan.speed.size(), plan.path.size());
+  EXPECT_EQ(plan.actuator.steps.size(), plan.path.size() - 1);
+}
+
+// Walls on both sides, nearer than the search keeps from them: from the middle no way falls.
+TEST(LeadOut, AStartBetweenTwoWallsIsLeftStraightOn) {
+  Scene scene = SceneTo({15.1f, 8.1f});
+  scene.Add(-5, 4, 15, 6);
+  scene.Add(-5, -5, 15, -4);
+  const Plan& plan = PlanIn(scene);
+  ASSERT_TRUE(IsUsable(plan.status)) << StatusName(plan.status);
+  EXPECT_GT(plan.lead_points, 2);
+  for (int k = 0; k < plan.lead_points; ++k) EXPECT_NEAR(plan.path[k].y_m, 0.1f, 0.05f);
+}
+
+TEST(LeadOut, StaysWhereTheWayAheadIsClosedToo) {
+  Scene scene = WallBeside();
+  scene.Add(9, -20, 10, 4);  // 1 m ahead of the nose
+  scene.Add(-5, -5, 8, -4);
+  EXPECT_FALSE(IsUsable(PlanIn(scene).status));
+}
+
+TEST(LeadOut, AMovingVehicleIsLedOutOfNothing) {
+  Scene scene = WallBeside();
+  scene.request.start.speed_mps = 1.0f;
+  EXPECT_EQ(PlanIn(scene).status, Status::kPivotBlocked);
+}
+
+// SR-STA02 what nobody has seen beside the place of the start is not swept
+TEST(LeadOut, WhereTheMapBeganItIsLeftStraightBeforeItTurns) {
+  Scene scene = SceneTo({0.1f, 15.1f});  // to the left
+  EXPECT_EQ(PlanIn(scene).lead_points, 0);
+  EXPECT_TRUE(PlanIn(scene).pivots_first);
+  scene.request.has_unseen_start = true;
+  scene.request.unseen_start = scene.request.start.pose;
+  const Plan& plan = PlanIn(scene);
+  ASSERT_TRUE(IsUsable(plan.status)) << StatusName(plan.status);
+  ASSERT_GT(plan.lead_points, 2);
+  EXPECT_NEAR(plan.path[plan.lead_points].x_m, 0.1f + scene.params.path.unseen_start_m, 0.11f);
+  EXPECT_NEAR(plan.path[plan.lead_points].y_m, 0.1f, 1e-3f);
+}
+
+TEST(LeadOut, AGoalStraightAheadNeedsNone) {
+  Scene scene = SceneTo({20.1f, 0.1f});
+  scene.request.has_unseen_start = true;
+  scene.request.unseen_start = scene.request.start.pose;
+  EXPECT_EQ(PlanIn(scene).lead_points, 0);
+}
+
+// Nothing can be led out of: the way ahead is closed, but there is room to turn.
+TEST(LeadOut, WithoutAWayAheadItTurnsWhereItIs) {
+  Scene scene = SceneTo({0.1f, 15.1f});
+  scene.Add(9, -10, 10, 10);
+  scene.request.has_unseen_start = true;
+  scene.request.unseen_start = scene.request.start.pose;
+  const Plan& plan = PlanIn(scene);
+  ASSERT_TRUE(IsUsable(plan.status)) << StatusName(plan.status);
+  EXPECT_EQ(plan.lead_points, 0);
+}
+
+// The same for any split of the units.
+TEST(LeadOut, UnitsDoNotMatter) {
+  const Scene scene = WallBeside();
+  const uint64_t hash = HashOf(PlanIn(scene));
+  for (const int units : {1, 7, 64}) EXPECT_EQ(HashOf(PlanIn(scene, units)), hash) << units;
+}
+
+}  // namespace
+}  // namespace hardpack
