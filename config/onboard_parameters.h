@@ -125,6 +125,7 @@ struct SafetyParams {
   float hard_age_factor = 3.0f;  // an age beyond this many times its limit: zero speed at once
   // The corridor that single returns are held against (core/safety/corridor.h).
   float corridor_margin_m = 0.05f;  // beyond half the vehicle's width
+  float sweep_margin_m = 0.05f;     // beyond the outline, on the way to a stop (motion_sweep.h)
   // The last limits of a command (core/safety/command_gate.h).
   float max_wheel_acceleration_radps2 = 200.0f;
   // Motion against command (core/safety/motion_watch.h).

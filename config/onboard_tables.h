@@ -211,6 +211,10 @@ inline constexpr std::array kSafetyTable = {
     HP_SAFETY(corridor_margin_m, 0.0f, 0.5f,
               "Beyond half the vehicle's width a return so near to the path brakes at once. Not "
               "more than path.kept_margin_m: the plan that is driven is checked for that."),
+    HP_SAFETY(
+        sweep_margin_m, 0.0f, 0.5f,
+        "The outline's margin while a stop is rolled out in every tick: a tenth of it at rest, "
+        "all of it from 1.5 m/s on."),
     HP_SAFETY(max_wheel_acceleration_radps2, 1.0f, 2000.0f,
               "No wheel's command changes faster; zero for both goes out at once."),
     HP_SAFETY(motion_speed_margin_mps, 0.1f, 5.0f,

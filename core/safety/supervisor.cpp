@@ -85,7 +85,8 @@ void Supervisor::JudgeZero(const SupervisorInput& input) {
   if (mode_ != Mode::kDriving && mode_ != Mode::kSafeStop) return;
   const bool has_way = input.has_plan || input.has_path;
   const bool is_held = input.has_plan && input.held_by == StopReason::kPerson;
-  if (!has_way || is_held || input.ahead == WayAhead::kTooNear) zero_ = true;
+  const bool is_too_near = input.ahead == WayAhead::kTooNear || input.sweep == WayAhead::kTooNear;
+  if (!has_way || is_held || is_too_near) zero_ = true;
   if (input.at_rest) zero_ = false;
 }
 
@@ -156,6 +157,7 @@ StopReason Supervisor::Waits(const SupervisorInput& input) const {
   if (input.ahead != WayAhead::kClear) {
     return input.ahead_is_person ? StopReason::kPerson : StopReason::kObstacle;
   }
+  if (input.sweep != WayAhead::kClear) return StopReason::kObstacle;
   if (input.held_by != StopReason::kNone) return input.held_by;
   if (!zero_) return input.has_plan ? StopReason::kNone : StopReason::kNoPlan;
   // It comes to rest before it goes on, for the reason for which that began.
@@ -208,7 +210,8 @@ Motion Supervisor::MotionOf(const SupervisorInput& input) const {
       return Motion::kHold;
     case Mode::kDriving:
       if (zero_) return Motion::kZero;
-      if (input.has_plan && input.ahead == WayAhead::kClear && input.held_by == StopReason::kNone) {
+      if (input.has_plan && input.ahead == WayAhead::kClear && input.sweep == WayAhead::kClear &&
+          input.held_by == StopReason::kNone) {
         return Motion::kFollow;
       }
       return input.has_path ? Motion::kStopAlong : Motion::kZero;

@@ -109,6 +109,10 @@ struct SupervisorInput {
   // The first return in the corridor of the path.
   WayAhead ahead = WayAhead::kClear;
   bool ahead_is_person = false;
+  // Whether the vehicle, from its actual state, comes to rest without touching anything
+  // (core/safety/motion_sweep.h): kObstacle: along its path it does, or hits it more slowly, and it
+  // has to begin now; kTooNear: with zero speed at once.
+  WayAhead sweep = WayAhead::kClear;
   // Why there is no plan, as far as it is known, or why by the plan the vehicle is to stand where
   // it is, short of its end: kNone, kNoWay, kUnseenGround, kPerson or kGoalInObstacle. It stops
   // then.

@@ -33,9 +33,8 @@ constexpr float kBodyTaken = 0.25f;
 constexpr float kStanding_radps = 0.05f;
 constexpr float kLeastLimit_radps = 0.5f;  // however fast it drives, it can turn a little
 
-float Toward(float from, float settled, float lag_s) {
-  return lag_s <= DriveModel::kStep_s ? settled
-                                      : from + (settled - from) * (DriveModel::kStep_s / lag_s);
+float Toward(float from, float settled, float lag_s, float step_s) {
+  return lag_s <= step_s ? settled : from + (settled - from) * (step_s / lag_s);
 }
 
 WheelParts Sum(const WheelParts& a, const WheelParts& b) {
@@ -148,29 +147,30 @@ float DriveModel::TurningPointChange_s(float speed_mps) const {
 }
 
 // Explicit Euler, the pose by the mean of both ends.
-void DriveModel::Step(const WheelParts& command, DriveState& state) const {
+void DriveModel::Step(const WheelParts& command, float step_s, DriveState& state) const {
   const float common_radps = state.wheels.common_radps;
   const float differential_radps = state.wheels.differential_radps;
   const float reachable_radps =
       ReachableDifferential(params_, command.differential_radps, common_radps);
   const float common_change =
-      Clamp((command.common_radps + bias_radps_ - common_radps) / params_.common_lag_s,
+      Clamp((command.common_radps + bias_radps_ - common_radps) / Max(params_.common_lag_s, step_s),
             -params_.common_slew_radps2, params_.common_slew_radps2);
   const float slew_radps2 = DifferentialSlew_radps2();
   const float pushed_radps = reachable_radps - ScrubOf(params_, differential_radps) +
                              state.integral_radps - differential_radps;
-  const float change = Clamp(pushed_radps / DifferentialLag_s(), -slew_radps2, slew_radps2);
+  const float change =
+      Clamp(pushed_radps / Max(DifferentialLag_s(), step_s), -slew_radps2, slew_radps2);
   const bool is_to_stand = Abs(command.common_radps) < kStanding_radps &&
                            Abs(command.differential_radps) < kStanding_radps;
   const float integral_change =
-      is_to_stand ? -state.integral_radps / params_.differential_lag_s
+      is_to_stand ? -state.integral_radps / Max(params_.differential_lag_s, step_s)
                   : (reachable_radps - differential_radps) / params_.integral_time_s;
-  state.integral_radps = Clamp(state.integral_radps + integral_change * kStep_s,
-                               -kMaxIntegral_radps, kMaxIntegral_radps);
-  state.wheels = {common_radps + common_change * kStep_s, differential_radps + change * kStep_s};
-  state.speed_mps = Toward(state.speed_mps, common_radps * RimWay_m(), params_.speed_lag_s);
+  state.integral_radps = Clamp(state.integral_radps + integral_change * step_s, -kMaxIntegral_radps,
+                               kMaxIntegral_radps);
+  state.wheels = {common_radps + common_change * step_s, differential_radps + change * step_s};
+  state.speed_mps = Toward(state.speed_mps, common_radps * RimWay_m(), params_.speed_lag_s, step_s);
   state.yaw_rate_radps =
-      Toward(state.yaw_rate_radps, differential_radps / PerTurn(), params_.yaw_rate_lag_s);
+      Toward(state.yaw_rate_radps, differential_radps / PerTurn(), params_.yaw_rate_lag_s, step_s);
 }
 
 DriveState DriveModel::Now() const {
@@ -186,7 +186,7 @@ void DriveModel::StepOnce() {
   const bool is_old = at_ns_ > feedback_ns_ && at_ns_ - feedback_ns_ > kFreshBias_ns;
   if (is_old) bias_radps_ *= kBiasFade;
   DriveState state = Now();
-  Step(DelayedCommand(1), state);
+  Step(DelayedCommand(1), kStep_s, state);
   newest_ = (newest_ + 1) & (kHistory - 1);
   commands_[newest_] = command_;
   at_[newest_] = state.wheels;
@@ -286,6 +286,30 @@ void DriveModel::SetCommand(const WheelParts& command) {
   command_ = command;
 }
 
+void DriveModel::Roll(const WheelParts& command, float step_s, DriveState& state) const {
+  const float before_mps = state.speed_mps;
+  const float before_radps = state.yaw_rate_radps;
+  Step(command, step_s, state);
+  const float half_s = 0.5f * step_s;
+  const float way_m = half_s * (before_mps + state.speed_mps);
+  const float turn_rad = half_s * (before_radps + state.yaw_rate_radps);
+  const float left_m = -turn_rad * TurningPoint_m(state.speed_mps);
+  const SinCosPair middle = SinCos(state.pose.theta_rad + 0.5f * turn_rad);
+  state.pose.x_m += way_m * middle.cos - left_m * middle.sin;
+  state.pose.y_m += way_m * middle.sin + left_m * middle.cos;
+  state.pose.theta_rad = WrapAngle(state.pose.theta_rad + turn_rad);
+}
+
+DriveState DriveModel::StateAt(const Pose2& pose) const {
+  DriveState state = Now();
+  state.pose = pose;
+  return state;
+}
+
+WheelParts DriveModel::CommandIn(int steps_ahead) const {
+  return steps_ahead <= dead_steps_ + 1 ? DelayedCommand(steps_ahead) : command_;
+}
+
 DriveState DriveModel::Predict(const Pose2& pose) const {
   DriveState state = Now();
   state.pose = pose;
@@ -293,17 +317,7 @@ DriveState DriveModel::Predict(const Pose2& pose) const {
   state.pose.theta_rad = WrapAngle(pose.theta_rad);
   HP_LOOP_BOUND(kMaxDeadSteps)
   for (int i = 1; i <= dead_steps_ + (dead_share_ > 0.5f ? 1 : 0); ++i) {
-    const float before_mps = state.speed_mps;
-    const float before_radps = state.yaw_rate_radps;
-    Step(DelayedCommand(i), state);
-    const float half_s = 0.5f * kStep_s;
-    const float way_m = half_s * (before_mps + state.speed_mps);
-    const float turn_rad = half_s * (before_radps + state.yaw_rate_radps);
-    const float left_m = -turn_rad * TurningPoint_m(state.speed_mps);
-    const SinCosPair middle = SinCos(state.pose.theta_rad + 0.5f * turn_rad);
-    state.pose.x_m += way_m * middle.cos - left_m * middle.sin;
-    state.pose.y_m += way_m * middle.sin + left_m * middle.cos;
-    state.pose.theta_rad = WrapAngle(state.pose.theta_rad + turn_rad);
+    Roll(DelayedCommand(i), kStep_s, state);
   }
   return state;
 }

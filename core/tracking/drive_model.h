@@ -102,6 +102,16 @@ class DriveModel {
   // Of this tick, until the next.
   void SetCommand(const WheelParts& command);
 
+  // One step from any state, with a command in force at the drives: for whoever rolls a motion out.
+  // Preconditions: finite, 0 < step_s <= 0.05. Constant cost.
+  void Roll(const WheelParts& command, float step_s, DriveState& state) const;
+  // Now, of a vehicle at `pose`.
+  DriveState StateAt(const Pose2& pose) const;
+  // The command that is in force at the drives in the step that ends so many steps after now, where
+  // the one told last stays in force. Precondition: steps_ahead >= 1.
+  WheelParts CommandIn(int steps_ahead) const;
+  int dead_steps() const { return dead_steps_; }
+
   // The state of a vehicle that is at `pose` now after the dead time. A pose that is not finite
   // comes back as it is. Cost: kMaxDeadSteps steps with a sine and a cosine at most.
   DriveState Predict(const Pose2& pose) const;
@@ -127,7 +137,7 @@ class DriveModel {
  private:
   int Place(int steps_back) const { return (newest_ - steps_back) & (kHistory - 1); }
   WheelParts DelayedCommand(int steps_ahead) const;
-  void Step(const WheelParts& command, DriveState& state) const;
+  void Step(const WheelParts& command, float step_s, DriveState& state) const;
   DriveState Now() const;
   void Forget(uint64_t now_ns);
   void StepOnce();

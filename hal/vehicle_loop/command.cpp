@@ -55,6 +55,7 @@ SupervisorInput VehicleLoop::Situation(const TickInput& input) const {
   situation.arrived = HasArrived();
   situation.ahead = Ahead();
   situation.ahead_is_person = corridor_.is_person();
+  situation.sweep = sweep_advice_;
   situation.held_by = situation.arrived ? StopReason::kNone : HeldBy();
   situation.misbehaves = Misbehaves();
   situation.wishes = wishes_;
@@ -70,6 +71,7 @@ void VehicleLoop::UpdatePlanner() {
                            .heading_rad = goal.heading_rad};
   VehicleState state = PredictedState();
   state.reaction_s = ReactionTime();
+  FillUnseenStart(state);
   is_located_ = IsUsable(replanner_.Update(now_ns_, state, wanted));
   if (!is_located_) ++counters_.refused_states;
 }

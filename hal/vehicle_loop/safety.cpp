@@ -25,6 +25,7 @@ Status VehicleLoop::ConfigureSafety() {
   const VehicleParams& vehicle = config_.planner.vehicle;
   const SafetyParams& safety = config_.onboard.safety;
   corridor_.Reset();
+  ConfigureSweep();
   reaction_.Reset();
   no_way_ = StopReason::kNone;
   round_tick_ = 0;
@@ -39,7 +40,8 @@ Status VehicleLoop::ConfigureSafety() {
 CorridorSize VehicleLoop::SizeOfCorridor() const {
   const VehicleParams& vehicle = config_.planner.vehicle;
   const SpeedParams& speed = config_.planner.speed;
-  const float margin_m = config_.onboard.safety.corridor_margin_m;
+  // Out of where there is no room to turn the way is slow, and as wide as the vehicle.
+  const float margin_m = IsOnLeadOut() ? 0.0f : config_.onboard.safety.corridor_margin_m;
   return {.half_width_m = 0.5f * vehicle.width_m + margin_m,
           .pivot_radius_m = PivotRadiusOf(vehicle) + margin_m,
           .reach_m = Min(StoppingDistance(speed, speed.max_speed_mps) + FrontOf(vehicle) +
@@ -69,6 +71,7 @@ void VehicleLoop::TestReturns(bool are_new) {
     const uint8_t flags = mapper_.ObstacleOf(slot, row, max_range_mm, point_odom);
     if ((flags & Costmap::kHard) == 0) continue;
     static_cast<void>(corridor_.File(point_odom, (flags & Costmap::kPerson) != 0));
+    sweep_.File(point_odom);
   }
 }
 
@@ -80,9 +83,12 @@ void VehicleLoop::FollowPlan() {
   seen_plan_ = plan.number;
   seen_check_ns_ = plan.checked_ns;
   if (plan.number == 0) return corridor_.Clear();
+  // Beside a way out of where there is no room to turn stand things that whole cells would put in
+  // the way: it is the sweep that knows better where they are.
+  const uint32_t since = IsOnLeadOut() ? static_cast<uint32_t>(index_) : round_tick_;
   // A path that is none has no corridor, and is not followed either.
   static_cast<void>(
-      corridor_.Build(plan.path, replanner_.place().along_m, SizeOfCorridor(), round_tick_));
+      corridor_.Build(plan.path, replanner_.place().along_m, SizeOfCorridor(), since));
 }
 
 WayAhead VehicleLoop::Ahead() const {
@@ -212,10 +218,14 @@ float VehicleLoop::ReactionTime() const {
 // Around StepPlanner's one step: what it began is what everything that was filed until now is in.
 void VehicleLoop::NoteRound(bool was_busy, bool is_judged) {
   if (!was_busy) {
+    sweep_.MapBegun();
     round_tick_ = static_cast<uint32_t>(index_);
     reaction_.RoundBegun();
   }
   if (!is_judged) return;
+  if (replanner_.outcome().plan_status != Status::kNotStarted) {
+    sweep_.MapDone(replanner_.planner().costmap());
+  }
   NoteNoWay();
   // A round that could not begin has checked nothing.
   if (replanner_.committed().checked_ns != seen_check_ns_) reaction_.RoundJudged();

@@ -132,6 +132,7 @@ Status VehicleLoop::Tick(const TickInput& input, TickOutput& output) {
   UpdatePlanner();
   FollowPlan();
   WatchMotion();
+  sweep_advice_ = JudgeSweep();
   permission_ = supervisor_.Judge(Situation(input));
   if (permission_.drop_goal) DropGoals();
   if (output.has_answer && IsUsable(output.answer)) {
@@ -323,7 +324,16 @@ void VehicleLoop::AddPose() {
     static_cast<void>(mapper_.AddPose(pose));
     map_from_odom_.Restart();
   }
-  if (is_gap_) corridor_.Reset();
+  if (is_gap_) {
+    corridor_.Reset();
+    sweep_.Reset();
+    has_start_ = false;
+  }
+  if (!has_start_) {
+    has_start_ = true;
+    start_odom_ = {pose.position.x_m, pose.position.y_m, pose.yaw_rad};
+  }
+  sweep_.Advance({pose.position.x_m, pose.position.y_m});
   corridor_.Advance({pose.position.x_m, pose.position.y_m}, static_cast<uint32_t>(index_));
   LocateInMap(pose);
   const BodyMotion body = {.valid = moved == Status::kOk,

@@ -18,12 +18,14 @@
 #include "core/odometry/odometry.h"
 #include "core/safety/command_gate.h"
 #include "core/safety/corridor.h"
+#include "core/safety/motion_sweep.h"
 #include "core/safety/motion_watch.h"
 #include "core/safety/supervisor.h"
 #include "core/scan/mount_watch.h"
 #include "core/scan/sight_watch.h"
 #include "core/segmentation/label_table.h"
 #include "core/timebase/timebase.h"
+#include "core/tracking/stop_motion.h"
 #include "core/tracking/tracking.h"
 #include "hal/can_batch.h"
 #include "hal/can_bus.h"
@@ -140,6 +142,7 @@ class VehicleLoop {
   const Mapper& mapper() const { return mapper_; }
   const Replanner& replanner() const { return replanner_; }
   const Corridor& corridor() const { return corridor_; }
+  const MotionSweep& sweep() const { return sweep_; }
   const CommandGate& gate() const { return gate_; }
   const MotionWatch& motion() const { return motion_; }
   const ReactionMeter& reaction() const { return reaction_; }
@@ -227,6 +230,7 @@ class VehicleLoop {
   void NoteNoWay();
   StopReason HeldBy() const;
   float ReactionTime() const;
+  bool IsOnLeadOut() const;
   void NoteRound(bool was_busy, bool is_judged);
   WheelCommand PassGate();
 
@@ -237,6 +241,14 @@ class VehicleLoop {
   void AdvanceMount();
   void LookAt(const Pose2& place, SightLook& oldest) const;
   StopReason BlindBy(const SightLook& look) const;
+
+  // Where the vehicle goes until it is at rest (sweep.cpp).
+  void ConfigureSweep();
+  WayAhead JudgeSweep();
+  WayAhead JudgeStop();
+  WayAhead JudgeSettingOut();
+  void LayFirstWay();
+  void FillUnseenStart(VehicleState& state) const;
 
   bool configured_ = false;
   uint64_t index_ = 0;
@@ -283,6 +295,13 @@ class VehicleLoop {
   Mapper mapper_;
   Replanner replanner_;
   Corridor corridor_;
+  MotionSweep sweep_;
+  SweptMotion swept_;  // scratch of JudgeSweep
+  WayAhead sweep_advice_ = WayAhead::kClear;
+  uint32_t swept_plan_ = 0;     // whose way it stopped on last
+  uint64_t held_since_ns_ = 0;  // that it stands for it; 0: it does not
+  bool has_start_ = false;      // the map began ...
+  Pose2 start_odom_;            // ... at this pose
   CommandGate gate_;
   MotionWatch motion_;
   ReactionMeter reaction_;

@@ -174,6 +174,24 @@ TEST(Supervisor, BrakesForAReturnInTheWayAndGoesOnWhenAPlanIsClearOfIt) {
   EXPECT_EQ(vehicle.permission.reason, StopReason::kNone);
 }
 
+// SR-MOV02 what would be touched before rest is braked for
+TEST(Supervisor, BrakesWhereTheMotionItselfWouldTouch) {
+  Vehicle vehicle;
+  vehicle.Drive();
+  vehicle.input.sweep = WayAhead::kObstacle;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kStopAlong);
+  EXPECT_EQ(vehicle.permission.mode, Mode::kDriving);
+  EXPECT_EQ(vehicle.permission.reason, StopReason::kObstacle);
+  vehicle.input.sweep = WayAhead::kClear;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kFollow);
+  vehicle.input.sweep = WayAhead::kTooNear;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kZero);
+  vehicle.input.sweep = WayAhead::kClear;
+  EXPECT_EQ(vehicle.Ticks(10).motion, Motion::kZero) << "until it is at rest";
+  vehicle.input.at_rest = true;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kFollow);
+}
+
 TEST(Supervisor, ZeroAtOnceForAReturnTooNearAndStandsBeforeItFollowsAgain) {
   for (const bool is_person : {true, false}) {
     const StopReason reason = is_person ? StopReason::kPerson : StopReason::kObstacle;

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/tracking/stop_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "core/tracking/tracking.h"
+
+namespace hardpack {
+namespace {
+
+// A drive model that has followed commands for a while, and what it does when zero follows.
+struct Bench {
+  DriveModel model;
+  uint64_t now_ns = 1'000'000'000;
+
+  Bench() { EXPECT_EQ(model.Configure({}, {}, {}), Status::kOk); }
+  void Tick(const WheelParts& command) {
+    now_ns += DriveModel::kStep_ns;
+    static_cast<void>(model.Advance(now_ns, {}, {}));
+    model.SetCommand(command);
+  }
+  void Drive(const WheelParts& command, int ticks = 400) {
+    for (int i = 0; i < ticks; ++i) Tick(command);
+  }
+  SweptMotion Stop(StopKind kind, const StopWay& way = {}) const {
+    SweptMotion motion;
+    RollOutStop(model, {1.0f, 2.0f, 0.5f}, way, kind, motion);
+    return motion;
+  }
+};
+
+float Way(const SweptMotion& motion) {
+  float way_m = 0.0f;
+  for (int k = 1; k < motion.size(); ++k) {
+    way_m += std::hypot(motion[k].pose.x_m - motion[k - 1].pose.x_m,
+                        motion[k].pose.y_m - motion[k - 1].pose.y_m);
+  }
+  return way_m;
+}
+
+TEST(StopMotion, AtRestItStaysWhereItIs) {
+  Bench bench;
+  const SweptMotion motion = bench.Stop(StopKind::kZero);
+  EXPECT_EQ(motion[0].pose.x_m, 1.0f);
+  EXPECT_LT(Way(motion), 1e-3f);
+}
+
+// The same as the model itself does in steps of a tick when zero is told.
+TEST(StopMotion, ZeroEndsWhereTheModelComesToRest) {
+  for (const float turn_radps : {0.0f, 2.5f, -2.5f}) {
+    Bench bench;
+    bench.Drive({8.0f, turn_radps});
+    const SweptMotion motion = bench.Stop(StopKind::kZero);
+    DriveState state = bench.model.StateAt({1.0f, 2.0f, 0.5f});
+    bench.Tick({8.0f, turn_radps});  // the command under way in this tick
+    for (int i = 1; i <= 600; ++i) {
+      const WheelParts told =
+          i <= bench.model.dead_steps() + 1 ? WheelParts{8.0f, turn_radps} : WheelParts{};
+      bench.model.Roll(told, 0.01f, state);
+    }
+    EXPECT_NEAR(motion.back().pose.x_m, state.pose.x_m, 0.05f) << turn_radps;
+    EXPECT_NEAR(motion.back().pose.y_m, state.pose.y_m, 0.05f) << turn_radps;
+    EXPECT_NEAR(motion.back().pose.theta_rad, state.pose.theta_rad, 0.04f) << turn_radps;
+    EXPECT_LT(std::fabs(motion.back().speed_mps), 0.05f);
+  }
+}
+
+TEST(StopMotion, AlongThePathItTakesTheRampAndTheLags) {
+  Bench bench;
+  bench.Drive({8.0f, 0.0f});
+  StopWay way;
+  way.reference_mps = bench.model.speed_mps();
+  way.deceleration_mps2 = 2.0f;
+  const float v = way.reference_mps;
+  const SweptMotion along = bench.Stop(StopKind::kAlong, way);
+  // Dead time, the tick before, the ramp of the body; it rolls out through its lags at the end.
+  EXPECT_NEAR(Way(along), v * 0.15f + v * v / 4.0f, 0.25f);
+  EXPECT_GT(Way(along), Way(bench.Stop(StopKind::kZero)));
+}
+
+// It keeps to the path's curvature while it brakes; at zero at once the turn dies away.
+TEST(StopMotion, AlongAPathThatBendsItTurns) {
+  Bench bench;
+  StopWay way;
+  for (float& curvature : way.curvature_per_m) curvature = 0.3f;
+  bench.Drive({6.0f, 0.3f * 6.0f * bench.model.RimWay_m() * bench.model.PerTurn() + 1.5f});
+  way.reference_mps = bench.model.speed_mps();
+  way.deceleration_mps2 = 2.0f;
+  const SweptMotion motion = bench.Stop(StopKind::kAlong, way);
+  const float turned_rad = motion.back().pose.theta_rad - 0.5f;
+  EXPECT_NEAR(turned_rad, 0.3f * Way(motion), 0.2f);
+  EXPECT_GT(turned_rad, 0.1f);
+}
+
+TEST(StopMotion, PosesLieCloseEnoughAndNeverTooMany) {
+  for (const float common_radps : {0.5f, 4.0f, 17.5f}) {
+    Bench bench;
+    bench.Drive({common_radps, 1.0f});
+    StopWay way;
+    way.reference_mps = bench.model.speed_mps();
+    way.deceleration_mps2 = 2.0f;
+    for (const StopKind kind : {StopKind::kAlong, StopKind::kZero}) {
+      const SweptMotion motion = bench.Stop(kind, way);
+      EXPECT_LE(motion.size(), kMaxSweptPoses);
+      for (int k = 1; k + 1 < motion.size(); ++k) {
+        EXPECT_LT(std::hypot(motion[k].pose.x_m - motion[k - 1].pose.x_m,
+                             motion[k].pose.y_m - motion[k - 1].pose.y_m),
+                  0.5f);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hardpack
