@@ -8,7 +8,7 @@
 namespace hardpack {
 
 void LeadOut::Begin(const VehicleParams& vehicle, const PathParams& params, const Pose2& start,
-                    float least_m, float longest_m, bool straight_only) {
+                    float least_m, float longest_m, int first_bend, int end_bend) {
   *this = LeadOut{};
   footprint_ = FootprintOf(vehicle);
   vehicle_ = vehicle;
@@ -16,7 +16,8 @@ void LeadOut::Begin(const VehicleParams& vehicle, const PathParams& params, cons
   start_ = start;
   least_m_ = least_m;
   longest_m_ = Min(longest_m, kMaxLength_m);
-  bends_ = straight_only ? 1 : kBends;
+  bend_ = first_bend;
+  bends_ = end_bend;
   const float reach_m = footprint_.pivot_radius_m + kCellDiagonal_m;
   reach_cells_ = FloorToInt(Min(reach_m * kCellsPerMeter, 1.0e6f)) + 1;
   if (2 * reach_cells_ >= kMaxSide_cells) bends_ = 0;  // further than it looks

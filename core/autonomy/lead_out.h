@@ -40,10 +40,10 @@ class LeadOut {
   static constexpr float kCellTolerance_m = 0.06f;
   static constexpr int kMaxSide_cells = 64;
 
-  // A way of least_m at least and longest_m at most. straight_only: no bends. Preconditions:
-  // finite.
+  // A way of least_m at least and longest_m at most, by bends first_bend .. end_bend - 1 of
+  // kBends_per_m. Preconditions: finite, 0 <= first_bend <= end_bend <= kBends.
   void Begin(const VehicleParams& vehicle, const PathParams& params, const Pose2& start,
-             float least_m, float longest_m, bool straight_only);
+             float least_m, float longest_m, int first_bend, int end_bend);
 
   // A unit is one pose of one of the ways. At most kMaxUnits.
   Progress Step(const Costmap& map, int units);

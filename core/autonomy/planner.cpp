@@ -204,6 +204,7 @@ void Planner::Stay() {
 
 void Planner::BeginSearch() {
   if (IsHere()) return Stay();
+  if (request_.lead_out > 0 && BeginLeadOut(Status::kOk)) return;
   stage_ = PlanStage::kSearch;
   plan_.base_status =
       search_.Begin(costmap(), params_.astar, PlaceOf(request_.start.pose), request_.goal_odom);

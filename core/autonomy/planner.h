@@ -57,7 +57,11 @@ struct PlanRequest {
   float goal_heading_rad = 0.0f;  // where the path ends at the goal; else it has no effect
   // The map began while the vehicle was at unseen_start, and it is near that place still.
   bool has_unseen_start = false;
-  Pose2 unseen_start;
+  Pose2 unseen_start = {};
+  // The last plans from here began with a motion that would have touched: the path leads out of it,
+  // at least kLeastLead_m, by the one of LeadOut's ways with this number, from 1 on, if that is
+  // free. 0: as it comes.
+  int32_t lead_out = 0;
 };
 
 // What is planned: everything that plan.json, the tracker and the decision hash need.
@@ -149,6 +153,7 @@ class Planner {
   static constexpr int kSearchUnits = 8;
   static constexpr float kMaxShort_m = 1.0f;
   static constexpr float kHere_m = 0.3f;  // a cell's diagonal
+  static constexpr float kLeastLead_m = 0.6f;
   static constexpr int kMaxTransitions = 32;
   // From one start on the map that there is.
   static constexpr int kMaxRouteUnits = kMaxTransitions + AstarSearch::kMaxUnits / kSearchUnits +

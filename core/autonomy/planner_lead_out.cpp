@@ -2,6 +2,7 @@
 #include "core/autonomy/planner.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
+#include "core/base/saturate.h"
 
 // Planner: the way out of where there is no room to turn, or of where nobody has seen what there
 // is.
@@ -10,7 +11,10 @@ namespace hardpack {
 namespace {
 
 // Of the flank: what a straight way may sweep by its own errors.
-constexpr float kBesideFlank_m = 0.05f;
+constexpr float kBesideFlank_m = 0.02f;
+// A vehicle that turns at speed swings its tail out further than its path says: it turns about a
+// point ahead of its middle (odometry.turning_point_m).
+constexpr float kTailLever_m = 0.6f;
 // Behind and ahead of the outline nothing low is seen from the start either.
 constexpr float kBehindRear_m = 1.0f;
 constexpr float kAheadOfFront_m = 0.7f;
@@ -50,21 +54,28 @@ void Planner::LookForLeadOut(bool straight_only) {
   }
   const Pose2 goal = {request_.goal_odom.x_m, request_.goal_odom.y_m, 0.0f};
   const float goal_ahead_m = AlongHeading(request_.start.pose, goal);
-  const bool is_for_unseen = lead_failure_ == Status::kOk;
+  const bool is_tried = request_.lead_out > 0;
+  if (is_tried) least_m = Max(least_m, kLeastLead_m);
+  const bool is_for_unseen = lead_failure_ == Status::kOk && !is_tried;
   const bool is_beside = is_for_unseen && Abs(goal_ahead_m) < least_m + kGoalBehind_m &&
                          Abs(LeftOfHeading(request_.start.pose, goal)) < least_m + kGoalBehind_m;
   const float longest_m = is_beside ? 0.0f : Max(params_.path.lead_out_m, least_m);
-  lead_out_.Begin(params_.vehicle, params_.path, request_.start.pose, least_m, longest_m,
-                  straight_only);
+  const int first = is_tried ? ClampInt(request_.lead_out - 1, 0, LeadOut::kBends - 1) : 0;
+  const int end = is_tried ? first + 1 : (straight_only ? 1 : LeadOut::kBends);
+  lead_out_.Begin(params_.vehicle, params_.path, request_.start.pose, least_m, longest_m, first,
+                  end);
 }
 
 void Planner::StepLeadOut(int units) {
   if (lead_out_.Step(costmap(), units) == Progress::kBusy) return;
-  if (!lead_out_.found() && !looks_bent_ && lead_failure_ != Status::kOk) {
+  const bool may_bend = lead_failure_ != Status::kOk && request_.lead_out == 0;
+  if (!lead_out_.found() && !looks_bent_ && may_bend) {
     looks_bent_ = true;
     return LookForLeadOut(false);
   }
   if (!lead_out_.found()) {
+    // Looked for before anything else, or behind a path that is free.
+    if (plan_.path.empty() && lead_failure_ == Status::kOk) return BeginSearch();
     if (lead_failure_ == Status::kOk) return BeginSpeed();
     return End(lead_failure_);
   }
@@ -87,7 +98,7 @@ bool Planner::SweepsUnseen() const {
     const SinCosPair turn = SinCos(WrapAngle(pose.theta_rad - request_.unseen_start.theta_rad));
     HP_LOOP_BOUND(4)
     for (int corner = 0; corner < 4; ++corner) {
-      const float x_m = corner < 2 ? footprint.front_m : footprint.rear_m;
+      const float x_m = corner < 2 ? footprint.front_m : footprint.rear_m - kTailLever_m;
       const float y_m = corner % 2 == 0 ? footprint.half_width_m : -footprint.half_width_m;
       const float corner_x_m = ahead_m + turn.cos * x_m - turn.sin * y_m;
       const float corner_y_m = left_m + turn.sin * x_m + turn.cos * y_m;

@@ -222,6 +222,7 @@ PlanRequest Replanner::RequestFrom(const PathStart& start) const {
   request.goal_heading_rad = round_goal_.heading_rad;
   request.has_unseen_start = state_.has_unseen_start;
   request.unseen_start = state_.unseen_start;
+  request.lead_out = state_.lead_out;
   return request;
 }
 

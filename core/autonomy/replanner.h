@@ -80,7 +80,8 @@ struct VehicleState {
   // is more than SpeedParams::reaction_time_s it is what speeds are made for.
   float reaction_s = 0.0f;
   bool has_unseen_start = false;  // see PlanRequest
-  Pose2 unseen_start;
+  Pose2 unseen_start = {};
+  int32_t lead_out = 0;
 };
 
 // For an owner without a history of commands: the state after ahead_s at constant speed and

@@ -32,6 +32,7 @@ void VehicleLoop::ConfigureSweep() {
   sweep_advice_ = WayAhead::kClear;
   swept_plan_ = 0;
   held_since_ns_ = 0;
+  lead_out_ = 0;
   has_start_ = false;
 }
 
@@ -47,6 +48,7 @@ WayAhead VehicleLoop::JudgeSweep() {
                       Abs(model.yaw_rate_radps()) < kMoves_radps;
   if (stands) return JudgeSettingOut();
   held_since_ns_ = 0;
+  lead_out_ = 0;
   const WayAhead advice = JudgeStop();
   if (advice != WayAhead::kClear) swept_plan_ = replanner_.committed().number;
   return advice;
@@ -92,6 +94,7 @@ WayAhead VehicleLoop::JudgeSettingOut() {
   if (SecondsBetween(held_since_ns_, now_ns_) > kHeld_s) {
     replanner_.Forget();
     held_since_ns_ = 0;
+    lead_out_ = (lead_out_ + 1) % (LeadOut::kBends + 1);  // one of them may not touch
   }
   return WayAhead::kObstacle;
 }
@@ -130,6 +133,7 @@ void VehicleLoop::FillUnseenStart(VehicleState& state) const {
   const float reach_m = config_.planner.path.unseen_start_m;
   state.has_unseen_start = has_start_ && dx_m * dx_m + dy_m * dy_m < reach_m * reach_m;
   state.unseen_start = start_odom_;
+  state.lead_out = lead_out_;
 }
 
 bool VehicleLoop::IsOnLeadOut() const {

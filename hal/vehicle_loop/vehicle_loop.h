@@ -299,6 +299,7 @@ class VehicleLoop {
   SweptMotion swept_;  // scratch of JudgeSweep
   WayAhead sweep_advice_ = WayAhead::kClear;
   uint32_t swept_plan_ = 0;     // whose way it stopped on last
+  int32_t lead_out_ = 0;        // that is tried next where it stands for that
   uint64_t held_since_ns_ = 0;  // that it stands for it; 0: it does not
   bool has_start_ = false;      // the map began ...
   Pose2 start_odom_;            // ... at this pose

@@ -95,6 +95,22 @@ TEST(LeadOut, WithoutAWayAheadItTurnsWhereItIs) {
   EXPECT_EQ(plan.lead_points, 0);
 }
 
+// A plan from here has just begun with what would have touched: along the heading, free or not.
+TEST(LeadOut, WhereTheLastPlanWouldHaveTouchedItLeadsOutFirst) {
+  Scene scene = SceneTo({10.1f, 10.1f});
+  EXPECT_EQ(PlanIn(scene).lead_points, 0);
+  scene.request.lead_out = 1;
+  const Plan& plan = PlanIn(scene);
+  ASSERT_TRUE(IsUsable(plan.status)) << StatusName(plan.status);
+  ASSERT_GT(plan.lead_points, 0);
+  EXPECT_NEAR(plan.path[plan.lead_points].x_m, 0.1f + Planner::kLeastLead_m, 0.11f);
+  scene.request.lead_out = 6;  // the bend of 0.4 / m to the left
+  EXPECT_GT(PlanIn(scene).path[2].y_m, 0.1f);
+  scene.request.lead_out = 1;
+  scene.Add(5, -10, 6, 10);  // right ahead
+  EXPECT_EQ(PlanIn(scene).lead_points, 0) << "there is none";
+}
+
 // The same for any split of the units.
 TEST(LeadOut, UnitsDoNotMatter) {
   const Scene scene = WallBeside();

@@ -106,7 +106,10 @@ TEST(SpeedCaps, DrivesSlowlyWhereThereIsLittleRoom) {
     ground.Caps();
     const bool is_narrow = cells_aside <= 5;
     EXPECT_EQ(ground.caps->narrow(), is_narrow) << cells_aside;
-    const float expected = is_narrow ? ground.speed.min_speed_mps : ground.speed.max_speed_mps;
+    // Nearer than the discs reach there is no room at all.
+    const float little_mps =
+        cells_aside <= 4 ? ground.speed.least_room_mps : ground.speed.min_speed_mps;
+    const float expected = is_narrow ? little_mps : ground.speed.max_speed_mps;
     // The discs are 0.38 m ahead of and behind the vehicle's middle.
     EXPECT_EQ(ground.CapAt(11.55f), expected) << cells_aside;
     EXPECT_EQ(ground.CapAt(12.375f), expected) << cells_aside;
