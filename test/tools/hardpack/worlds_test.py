@@ -32,6 +32,7 @@ LIMITS = {
     "ditch": (5, 0),
     "thicket": (4, 0),
     "tight_start": (5, 0),
+    "low": (5, 0),
 }
 
 # Who is a person is told by a segmentation computer, and by nobody else.

@@ -67,6 +67,15 @@ TEST(Contact, MeetsFencesButNotLeaves) {
   EXPECT_TRUE(ContactOf(world, 2.4, 1.25, 0.0, 0.0).touches()) << "the mesh";
 }
 
+// A rock of 0.2 m beside the lower wheels lies 0.1 m lower than the ground under the middle.
+TEST(Contact, MeetsWhatIsLowOnASlope) {
+  constexpr Bounds kAround = {-10.0, -10.0, 10.0, 10.0};
+  World world(kAround, Terrain(kAround, [](double, double y_m) { return 0.3 * y_m; }));
+  AddBoxOnGround(world, {0.0, -0.9}, 0.0, 0.6, 0.6, 0.2, kRock);
+  EXPECT_TRUE(ContactOf(world, 0.0, 0.0, 0.0, 0.0).touches());
+  EXPECT_NEAR(Hard(world, 0.0, 0.5), 0.9 - 0.3 + 0.5 - 0.69, 1.0e-6);
+}
+
 TEST(Contact, MeetsPeopleAtTheirTime) {
   World world;
   Person person;
