@@ -38,8 +38,14 @@ constexpr void ForEachConflict(const PlannerParams& planner, Take&& take) {
                            "within the outline: at most half the length, to either side"});
   }
   const CostmapParams& costmap = planner.costmap;
-  if (!(costmap.clearance_height_m > costmap.obstacle_height_m)) {
-    take(ParameterConflict{"costmap.clearance_height_m", "costmap.obstacle_height_m", "above it"});
+  if (!(costmap.clearance_height_m > costmap.growth_height_m)) {
+    take(ParameterConflict{"costmap.clearance_height_m", "costmap.growth_height_m", "above it"});
+  }
+  const bool is_belly = vehicle.ground_clearance_m < vehicle.max_step_m;
+  if (!(costmap.obstacle_height_m <= LeastObstacle_m(vehicle))) {
+    take(ParameterConflict{"costmap.obstacle_height_m",
+                           is_belly ? "vehicle.ground_clearance_m" : "vehicle.max_step_m",
+                           "no more: the vehicle does not pass over what is higher"});
   }
   // Half a cell's diagonal beyond the outline and its margin (PlanningRadius, core/path/path.h).
   const float for_width_m = 0.5f * vehicle.width_m + planner.path.margin_m + 0.14142136f;
@@ -52,6 +58,16 @@ constexpr void ForEachConflict(const PlannerParams& planner, Take&& take) {
         "costmap.hard_slope_per_m", is_for_width ? "vehicle.width_m" : "costmap.planning_radius_m",
         "so low that both layers' costs at the depth that obstacles are dilated by, and "
         "costmap.unknown_cost, are at most 39 together"});
+  }
+}
+
+// The segmentation's and the map's: what is ground to the one is no obstacle to the other.
+template <typename Take>
+constexpr void ForEachConflict(const CostmapParams& costmap, const SegmentationParams& segmentation,
+                               Take&& take) {
+  if (!(segmentation.ground_band_m < costmap.obstacle_height_m)) {
+    take(ParameterConflict{"segmentation.ground_band_m", "costmap.obstacle_height_m",
+                           "below it: what is no higher is ground"});
   }
 }
 

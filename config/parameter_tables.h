@@ -79,7 +79,12 @@ inline constexpr std::array kVehicleTable = {
     HP_VEHICLE(skid_baseline_m, 0.2f, 5.0f,
                "Effective distance of the left from the right wheels in a skid-steer turn: more "
                "than the track, because the wheels slip."),
-    HP_VEHICLE(max_wheel_speed_radps, 0.5f, 200.0f, "Largest wheel speed that the drives reach.")};
+    HP_VEHICLE(max_wheel_speed_radps, 0.5f, 200.0f, "Largest wheel speed that the drives reach."),
+    HP_VEHICLE(ground_clearance_m, 0.02f, 2.0f,
+               "Height of the lowest part between the wheels above the ground; the lesser of it "
+               "and max_step_m is the least height that the vehicle cannot pass over."),
+    HP_VEHICLE(max_step_m, 0.02f, 2.0f,
+               "Height of a step that the wheels climb: two thirds of their radius (ours).")};
 #undef HP_VEHICLE
 
 #define HP_COSTMAP(...) HP_ENTRY("costmap", CostmapParams, __VA_ARGS__)
@@ -87,7 +92,13 @@ inline constexpr std::array kCostmapTable = {
     HP_COSTMAP(obstacle_rule, 0.0f, 1.0f,
                "What the height of a return is measured from: 0 the lowest return of its cell (the "
                "paper), 1 the local ground around it (ours)."),
-    HP_COSTMAP(obstacle_height_m, 0.05f, 2.0f, "A return higher than this is an obstacle.",
+    HP_COSTMAP(obstacle_height_m, 0.05f, 2.0f,
+               "What is firm and stands as high as this above the ground is an obstacle: at most "
+               "the lesser of vehicle.ground_clearance_m and vehicle.max_step_m (ours).",
+               &CostmapParams::growth_height_m),
+    HP_COSTMAP(growth_height_m, 0.05f, 2.0f,
+               "What scatters the beams, as grass does, and is no higher than this is passed "
+               "through; what is higher is an obstacle, firm or not (ours).",
                &CostmapParams::clearance_height_m),
     HP_COSTMAP(clearance_height_m, 0.1f, 4.0f,
                "Returns higher than this do not count: the vehicle passes below (ours)."),
@@ -235,7 +246,17 @@ inline constexpr std::array kSpeedTable = {
     HP_SPEED(track_error_s, 0.0f, 1.0f, "... so much for each m/s, ..."),
     HP_SPEED(track_error_s2, 0.0f, 1.0f,
              "... and so much for each m/s^2 of lateral acceleration there and shortly before."),
-    HP_SPEED(least_room_mps, 0.1f, 5.0f, "However little room there is, this speed is allowed.")};
+    HP_SPEED(least_room_mps, 0.1f, 5.0f, "However little room there is, this speed is allowed."),
+    HP_SPEED(growth_speed_mps, 0.05f, 20.0f,
+             "Limit of the speed through growth, where a thing that is lower than it cannot be "
+             "seen (ours)."),
+    HP_SPEED(assured_height_m, 0.05f, 2.0f,
+             "What stands as high as this is met by a beam, above segmentation.ground_band_m, "
+             "before the vehicle is nearer than it needs to stop: the speed is limited so. More "
+             "is faster, and what is lower may be seen too late (docs/assured_sight.md; ours)."),
+    HP_SPEED(refuse_unassured, 0.0f, 1.0f,
+             "1: with a lidar that meets nothing of assured_height_m so far ahead that the vehicle "
+             "can stop, it does not drive; 0: it creeps at person_creep_mps (ours).")};
 #undef HP_SPEED
 
 #define HP_REPLAN(...) HP_ENTRY("replan", ReplanParams, __VA_ARGS__)
@@ -293,8 +314,9 @@ inline constexpr std::array kSegmentationTable = {
                     "Rise over level distance up to which a surface can be ground; 25 degrees are "
                     "0.47 (ours)."),
     HP_SEGMENTATION(ground_band_m, 0.0f, 0.5f,
-                    "A return no higher above the local ground, and no lower below it, than this "
-                    "is ground (ours)."),
+                    "A return no higher above the local ground than this is ground, as is one no "
+                    "more than 0.2 m below it; below costmap.obstacle_height_m, of which the part "
+                    "above it is what a beam has to meet (ours)."),
     HP_SEGMENTATION(carry_m, 0.0f, 50.0f,
                     "Beyond the last ground return of a direction the ground is carried on and "
                     "taken as known so far (ours)."),

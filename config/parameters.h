@@ -21,7 +21,15 @@ struct VehicleParams {
   float wheel_radius_m = 0.30f;
   float skid_baseline_m = 1.87f;  // effective distance of the wheels of a skid-steer turn
   float max_wheel_speed_radps = 17.5f;
+  float ground_clearance_m = 0.254f;  // under its belly, from the maker's manual
+  float max_step_m = 0.2f;            // that its wheels climb: two thirds of their radius
 };
+
+// The least height of what the vehicle cannot pass over: obstacles are told from there on.
+constexpr float LeastObstacle_m(const VehicleParams& vehicle) {
+  return vehicle.ground_clearance_m < vehicle.max_step_m ? vehicle.ground_clearance_m
+                                                         : vehicle.max_step_m;
+}
 
 // Which returns become obstacles ([OS] Cost Map Creation).
 enum class ObstacleRule : int32_t {
@@ -31,7 +39,8 @@ enum class ObstacleRule : int32_t {
 
 struct CostmapParams {
   ObstacleRule obstacle_rule = ObstacleRule::kLocalGround;
-  float obstacle_height_m = 0.5f;    // higher than this is an obstacle
+  float obstacle_height_m = 0.2f;    // what stands as high as this is an obstacle if it is firm
+  float growth_height_m = 0.5f;      // what scatters the beams and is no higher is passed through
   float clearance_height_m = 2.0f;   // returns above this do not count
   int32_t ground_window_cells = 15;  // side of the neighbourhood whose lowest return is the ground
   float planning_radius_m = 0.94f;   // dilation, at least (PlanningRadius in core/path/path.h)
@@ -102,10 +111,15 @@ struct SpeedParams {
   float unseen_margin_m = 0.6f;   // between the vehicle at rest and ground that was not observed
   float narrow_room_m = 0.15f;    // with less beside the footprint's discs: at min_speed_mps
   // What the vehicle is beside its path by, the odometry's drift included, at a speed: its sum of
-  float track_error_m = 0.03f;   // so much at rest,
-  float track_error_s = 0.03f;   // so much for each m/s,
-  float track_error_s2 = 0.12f;  // and so much for each m/s^2 of lateral acceleration lately.
-  float least_room_mps = 0.7f;   // with less room than any of that: at most this
+  float track_error_m = 0.03f;    // so much at rest,
+  float track_error_s = 0.03f;    // so much for each m/s,
+  float track_error_s2 = 0.12f;   // and so much for each m/s^2 of lateral acceleration lately.
+  float least_room_mps = 0.7f;    // with less room than any of that: at most this
+  float growth_speed_mps = 3.0f;  // through growth, which may hide what is lower than itself
+  // What has to be seen before the vehicle is nearer than it needs to stop, and whether a lidar
+  // that never sees it so is refused.
+  float assured_height_m = 0.2f;
+  int32_t refuse_unassured = 1;
 };
 
 // When the plan that is driven gives way to a new one, and where the new one joins it
@@ -141,7 +155,7 @@ struct LidarMountParams {
 // What a return is by geometry alone (core/segmentation), and where ground counts as observed.
 struct SegmentationParams {
   float max_ground_slope = 0.55f;  // rise over level distance of drivable ground
-  float ground_band_m = 0.2f;      // what is no higher above the ground is ground
+  float ground_band_m = 0.08f;     // what is no higher above the ground is ground
   float carry_m = 5.0f;            // beyond its last return the ground is known so far
   float isolation_m = 0.4f;        // a return with no neighbour so near in range is rain or dust
   float roughness_m = 0.08f;       // returns of one surface lie so near to it

@@ -360,6 +360,7 @@ void Intake::CheckConflicts() {
   }
   ForEachConflict(read.planner, take);
   ForEachConflict(read.planner.vehicle, read.perception, take);
+  ForEachConflict(read.planner.costmap, read.perception.segmentation, take);
   ForEachConflict(read.planner, read.onboard, take);
   ForEachConflict(read.onboard.drive, take);
 }

@@ -43,6 +43,10 @@ float SelfReach(const LidarMountParams& mount) {
          mount.z_m;
 }
 
+// What is taken for ground tells that nothing low stands there when ground was seen so far before
+// it: the first rings may meet the top of a thing whose foot is in the blind cone.
+constexpr float kFootAhead_m = 1.0f;
+constexpr float kNoGround_m = 1.0e9f;
 // Steeper than any beam.
 constexpr float kSteepest = 1.0e6f;
 
@@ -61,7 +65,8 @@ Status Mapper::Configure(const PerceptionParams& params, const CostmapParams& ru
                          const LabelTable& table, const BeamModel& model, int window_first,
                          int window_last) {
   configured_ = false;
-  if (FirstInvalidParameter(params) != nullptr || CheckCostmapParams(rule) != Status::kOk) {
+  if (FirstInvalidParameter(params) != nullptr || CheckCostmapParams(rule) != Status::kOk ||
+      !(params.segmentation.ground_band_m < rule.obstacle_height_m)) {
     return Status::kParameterOutOfRange;
   }
   Status status = CheckLabelTable(table);
@@ -77,7 +82,10 @@ Status Mapper::Configure(const PerceptionParams& params, const CostmapParams& ru
   body_origin_sensor_ = BodyOriginInSensor(body_from_sensor_);
   self_reach_m_ = SelfReach(params.mount);
   obstacle_height_m_ = rule.obstacle_height_m;
-  obstacle_cm_ = InCentimeters(rule.obstacle_height_m);
+  growth_cm_ = InCentimeters(rule.growth_height_m);
+  band_m_ = params.segmentation.ground_band_m;
+  growth_height_m_ = rule.growth_height_m;
+  knows_low_ = rule.obstacle_rule != ObstacleRule::kInCell;
   const int32_t deadline_ms = RoundToInt(params.mapping.label_deadline_s * kMillisecondsPerSecond);
   deadline_ns_ = static_cast<uint64_t>(deadline_ms) * 1'000'000u;
   // The paper's rule knows no overhead.
@@ -387,14 +395,32 @@ void Mapper::LookWithBeam(int beam, int own_id, const Transform3& pose, Directio
   const DirectionClasses& classes = segmenter_.result();
   const auto revolution = RevolutionOf(direction.sequence);
   crossed_before_ = heights_.crossed_cells();
+  float ground_from_m = kNoGround_m;
   HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int beam = 0; beam < model_.beams; ++beam) {
     if (direction.fan.level_m[beam] > 0.0f) ClassReturn(direction, beam, classes);
-    if (classes.what[beam] == ReturnClass::kGround) FileGround(direction, beam, classes);
+    if (classes.what[beam] == ReturnClass::kGround) {
+      FileGround(direction, beam, classes);
+      const float level_m = direction.fan.level_m[beam];
+      ground_from_m = Min(ground_from_m, level_m);
+      const bool tells = classes.observed_from[beam] >= 0 && level_m > ground_from_m + kFootAhead_m;
+      if (tells) heights_.DoubtLow(direction.point_odom[beam]);
+    }
+    const bool firm = segmenter_.IsFirm(beam);
+    if (IsLow(classes, beam) && (firm || segmenter_.IsLoose(beam))) {
+      heights_.CountLow(direction.point_odom[beam], firm);
+    }
   }
   // A fan off the map, or one that is not finite, ages nothing.
   static_cast<void>(heights_.Age(direction.fan, revolution, params_.mapping.ageing_revolutions));
   if (ring_.Holds(direction.sequence)) FinishColumn(ring_.SlotOf(direction.sequence));
+}
+
+// What stands up, but no higher than growth does: its label has no part in what it is, and grass
+// that is taken for ground speaks against it.
+bool Mapper::IsLow(const DirectionClasses& classes, int beam) const {
+  return classes.what[beam] != ReturnClass::kIgnored && classes.ground_known[beam] &&
+         classes.above_ground_m[beam] > band_m_ && classes.above_ground_m[beam] <= growth_height_m_;
 }
 
 // Differences, because the counter wraps.
@@ -441,7 +467,12 @@ void Mapper::ClassReturn(const Direction& direction, int beam, const DirectionCl
   const float height_m = classes.above_ground_m[beam];
   if (known) packed.SetHeight(InCentimeters(height_m));
   if (packed.labelled()) {
-    packed.SetClass(CheckedLabel(packed.return_class(), height_m, known, obstacle_height_m_), true);
+    const SeenReturn seen = {classes.what[beam], height_m, known};
+    const ReturnClass said = packed.return_class();
+    packed.SetClass(CheckedLabel(said, seen, obstacle_height_m_), true);
+    if (said == ReturnClass::kHard && IsLow(classes, beam)) {
+      heights_.CountLow(direction.point_odom[beam], true);
+    }
   } else {
     packed.SetClass(classes.what[beam], false);
   }

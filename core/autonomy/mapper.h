@@ -208,6 +208,7 @@ class Mapper {
   void ClassReturn(const Direction& direction, int beam, const DirectionClasses& classes);
   ReturnClass FiledClass(PackedReturn packed) const;
   bool IsOverhead(PackedReturn packed) const;
+  bool IsLow(const DirectionClasses& classes, int beam) const;
   uint32_t RevolutionOf(int64_t sequence) const;
   Vec3 PointOdom(const ScanColumn& column, int row, PackedReturn packed) const;
   void Fold(int slot);
@@ -230,7 +231,10 @@ class Mapper {
   uint64_t newest_time_ns_ = 0;          // of all columns
   float self_reach_m_ = 0.0f;
   float obstacle_height_m_ = 0.0f;
-  int32_t obstacle_cm_ = 0;
+  float band_m_ = 0.0f;  // what is no higher above the ground is ground
+  float growth_height_m_ = 0.0f;
+  int32_t growth_cm_ = 0;
+  bool knows_low_ = true;
   int32_t clearance_cm_ = 0;
   uint64_t deadline_ns_ = 0;
   Transform3 body_from_sensor_;

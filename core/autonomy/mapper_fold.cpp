@@ -23,7 +23,12 @@ Status Mapper::AddLabels(const ColumnLabels& labels) {
     const bool known = packed.height_known();
     const float height_m = known ? FromCentimeters(packed.height_cm()) : 0.0f;
     const ReturnClass said = table_.class_of[labels.label[row]];
-    packed.SetClass(CheckedLabel(said, height_m, known, obstacle_height_m_), true);
+    const SeenReturn seen = {packed.return_class(), height_m, known};
+    // One that is not classed yet is held against its label again when it is.
+    packed.SetClass(CheckedLabel(said, seen, obstacle_height_m_), true);
+    if (said == ReturnClass::kHard && known && height_m > band_m_ && height_m <= growth_height_m_) {
+      heights_.CountLow(PointOdom(ring_.column(slot), row, packed), true);
+    }
     ring_.Set(slot, row, packed);
   }
   ring_.MarkLabelled(slot);
@@ -227,7 +232,11 @@ uint8_t Mapper::PendingFlags(PackedReturn packed, int32_t height_cm,
   if (cell.ground || packed.height_known()) {
     const int32_t above_cm = cell.ground ? height_cm - cell.lowest_cm : packed.height_cm();
     const bool overhead = above_cm > clearance_cm_ && !cell.guessed;
-    if (above_cm <= obstacle_cm_ || overhead) return 0;
+    if (overhead) return 0;
+    if (above_cm <= growth_cm_) {
+      const bool low = cell.firm && knows_low_ && packed.return_class() == ReturnClass::kHard;
+      return low ? uint8_t{Costmap::kHard} : uint8_t{0};
+    }
   }
   constexpr int32_t kSameBush_cm = 30;
   const bool known_soft = !packed.labelled() && cell.highest_hard_cm == HeightGrid::kNone &&

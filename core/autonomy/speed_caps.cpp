@@ -80,6 +80,7 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
   chord_ = 0;
   observed_m_ = kFar_m;
   max_unseen_m_ = params.max_unseen_m;
+  growth_speed_mps_ = params.growth_speed_mps;
   ahead_m_ = footprint_.front_m + params.unseen_margin_m;
   const float room_m = footprint_.disc_radius_m + kHalfCellDiagonal_m + params.narrow_room_m;
   room2_cells2_ = Squared(room_m * kCellsPerMeter);
@@ -154,27 +155,45 @@ void SpeedCaps::LookAlong(const Costmap& map, const VehicleParams& vehicle, cons
   const Vec2 aside = {-vehicle.width_m * direction.y_m, vehicle.width_m * direction.x_m};
   const int samples = ClampInt(FloorToInt(Min(length_m / kSample_m, 1.0e6f)) + 1, 1, kMaxSamples);
   const float step_m = length_m / static_cast<float>(samples);
+  bool grows = false;
   HP_LOOP_BOUND(kMaxSamples)
   for (int i = 1; i <= samples; ++i) {
     const float on_m = step_m * static_cast<float>(i);
-    LookAt(map, {from.x_m + on_m * direction.x_m, from.y_m + on_m * direction.y_m}, aside,
-           along_m_[point] + on_m);
+    const Vec2 place = {from.x_m + on_m * direction.x_m, from.y_m + on_m * direction.y_m};
+    grows = LookAt(map, place, aside, along_m_[point] + on_m) || grows;
+  }
+  if (grows) SlowDownIn(point);
+}
+
+// The vehicle's front is in it before its middle is.
+void SpeedCaps::SlowDownIn(int point) {
+  const int next = point + 1 < points_ ? point + 1 : point;
+  Lower(point, growth_speed_mps_, CapCause::kGrowth);
+  Lower(next, growth_speed_mps_, CapCause::kGrowth);
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = point - 1; k >= 0 && along_m_[point] - along_m_[k] < footprint_.front_m; --k) {
+    Lower(k, growth_speed_mps_, CapCause::kGrowth);
   }
 }
 
-void SpeedCaps::LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m) {
+// Whether there is growth on one of the tracks.
+bool SpeedCaps::LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m) {
+  bool grows = false;
   HP_LOOP_BOUND(kTracks)
   for (int track = 0; track < kTracks; ++track) {
     const float side = kAside[track];
     const Cell cell = CellAt({place.x_m + side * aside.x_m, place.y_m + side * aside.y_m});
-    const bool is_seen =
-        map.window.Contains(cell) && (map.flags[map.window.Index(cell)] & Costmap::kObserved) != 0;
+    const uint8_t flags =
+        map.window.Contains(cell) ? map.flags[map.window.Index(cell)] : uint8_t{0};
+    const bool is_seen = (flags & Costmap::kObserved) != 0;
+    grows = grows || (flags & Costmap::kGrowth) != 0;
     if (is_seen) {
       seen_m_[track] = along_m;
     } else if (along_m - seen_m_[track] > max_unseen_m_) {
       observed_m_ = Min(observed_m_, seen_m_[track]);
     }
   }
+  return grows;
 }
 
 // Distances are those of the cells' centres, which is what half a cell's diagonal is for. One that

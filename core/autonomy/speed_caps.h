@@ -28,6 +28,9 @@
 // path's end as is kept free before it: what lies before the axle and unseen_margin_m. A path
 // begins where the vehicle is, so that its first point counts as observed.
 //
+// Growth on one of the tracks (Costmap::kGrowth) may hide what is lower than itself:
+// growth_speed_mps at most along the chord that it lies under.
+//
 // There is little room where a hard cell's centre is nearer to the centre of one of the discs
 // that cover the outline (core/base/footprint.h) than its radius, half a cell's diagonal and
 // narrow_room_m: min_speed_mps at most there.
@@ -46,6 +49,7 @@ enum class CapCause : uint8_t {
   kUnseenGround,  // the observed ground ends before it
   kPerson,
   kLittleRoom,
+  kGrowth,
 };
 
 class SpeedCaps {
@@ -96,7 +100,8 @@ class SpeedCaps {
 
   void LookAlong(const Costmap& map, const VehicleParams& vehicle, const WorldPath& path,
                  int point);
-  void LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m);
+  void SlowDownIn(int point);
+  bool LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m);
   void Lower(int point, float cap_mps, CapCause cause);
   bool HasLittleRoom(const Costmap& map, const Pose2& pose) const;
   float RoomAt(const Costmap& map, const Pose2& pose) const;
@@ -123,6 +128,7 @@ class SpeedCaps {
   int32_t chord_ = 0;        // next to be looked along; the one behind the last is beyond
   float observed_m_ = 0.0f;  // way to the end of the observed ground
   float max_unseen_m_ = 0.0f;
+  float growth_speed_mps_ = 0.0f;
   float ahead_m_ = 0.0f;       // of the vehicle's middle, that must be observed
   float room2_cells2_ = 0.0f;  // squared distance of a hard cell that leaves little room
   bool narrow_ = false;

@@ -10,14 +10,16 @@ namespace {
 
 // What a cell holds, as opposed to what its surroundings make of it.
 constexpr uint8_t kCellFlags =
-    Costmap::kHard | Costmap::kSoft | Costmap::kPerson | Costmap::kObserved;
+    Costmap::kHard | Costmap::kSoft | Costmap::kPerson | Costmap::kObserved | Costmap::kGrowth;
 
 // What of a cell's flags is given, made to agree: a person is hard, a hard cell is not soft, and an
 // obstacle was observed.
 uint8_t Consistent(uint8_t flags) {
   uint8_t kept = flags & kCellFlags;
   if ((kept & Costmap::kPerson) != 0) kept |= Costmap::kHard;
-  if ((kept & Costmap::kHard) != 0) kept &= static_cast<uint8_t>(~Costmap::kSoft);
+  if ((kept & Costmap::kHard) != 0) {
+    kept &= static_cast<uint8_t>(~(Costmap::kSoft | Costmap::kGrowth));
+  }
   if ((kept & (Costmap::kHard | Costmap::kSoft)) != 0) kept |= Costmap::kObserved;
   return kept;
 }
@@ -50,8 +52,10 @@ Status CheckCostmapParams(const CostmapParams& params) {
   const bool rule_known = params.obstacle_rule == ObstacleRule::kInCell ||
                           params.obstacle_rule == ObstacleRule::kLocalGround;
   const bool heights_fit = Within(params.obstacle_height_m, 0.0f, kMaxHeight_m) &&
+                           Within(params.growth_height_m, 0.0f, kMaxHeight_m) &&
                            Within(params.clearance_height_m, 0.0f, kMaxHeight_m) &&
-                           params.clearance_height_m > params.obstacle_height_m;
+                           params.growth_height_m >= params.obstacle_height_m &&
+                           params.clearance_height_m > params.growth_height_m;
   const bool window_fits = params.ground_window_cells >= 1 &&
                            params.ground_window_cells <= kMaxGroundWindow_cells &&
                            params.ground_window_cells % 2 == 1;
@@ -110,7 +114,7 @@ void CostmapBuilder::Start(const GridWindow& window, const CostmapParams& params
 void CostmapBuilder::SetCell(int index, uint8_t flags) {
   HP_ASSERT(index >= 0 && index < kMapCells);
   HP_ASSERT(!from_heights_ && pass_ == Pass::kObstacles && row_ == 0);
-  map_.flags[index] = Consistent(flags);
+  map_.flags[index] = Consistent(static_cast<uint8_t>(flags & ~Costmap::kGrowth));
 }
 
 void CostmapBuilder::Mark(int index, uint8_t flags) {

@@ -26,16 +26,19 @@
 //   no hard return                                          not hard
 //   near ground known and the own one not guessed,
 //   lowest hard - near ground > clearance_height            not hard: overhead only
-//   highest hard - ground > obstacle_height                 hard; a trunk under its crown too, and
+//   highest hard - ground > growth_height                   hard; a trunk under its crown too, and
 //                                                           whatever may lie between low and high
+//   what is low here is firm (HeightGrid)                   hard: a rock, a log, a kerb, a wire
 //   a person among the hard returns                         hard, standing or lying
 //   no observed ground in the square                        hard: nothing tells how high it is
-//   else                                                    not hard: a kerb, a root
-// A cell that is not hard is soft where highest soft - ground > obstacle_height, and free
-// otherwise. On a slope the ground of the square lies below the ground under the cell by up to
-// slope x half the square, so what is held against it is rather seen than missed; near ground is
-// off by two cells at most. A cell is observed where its ground was, or where it is hard or soft;
-// any other cell is unknown, and unknown_cost is added to its cost.
+//   else                                                    not hard: grass, a root
+// What is low was held against the ground line of its own direction, so that a slope is none. A
+// cell that is not hard is soft where highest soft - ground > growth_height, and free otherwise;
+// free or soft it is growth where most of what is low is not firm. On a slope the ground of the
+// square lies below the ground under the cell by up to slope x half the square, so what is held
+// against it is rather seen than missed; near ground is off by two cells at most. A cell is
+// observed where its ground was, or where it is hard or soft; any other cell is unknown, and
+// unknown_cost is added to its cost.
 //
 // The rule kInCell ([OS]): `ground` is the lowest return of the same cell, and nothing is overhead;
 // a person is hard there too (ours).
@@ -63,6 +66,7 @@ struct Costmap {
     kObserved = 8,     // the ground was observed, or it holds an obstacle; else it is unknown
     kLethal = 16,      // inside the dilated hard region: never driven through
     kSoftRegion = 32,  // inside the dilated soft region
+    kGrowth = 64,      // low growth, not hard: what is lower than it may lie in it unseen
   };
 
   GridWindow window;
@@ -183,6 +187,7 @@ class CostmapBuilder {
   void FindReturns();
   void FindLimits(int row);
   void FindLimitsInCell();
+  void ReadLow(const HeightGrid& heights, Cell first);
   void FlagRow(int row);
   void CellUnit();
   Blocks NearObstacles(int row, int reach_cells) const;
@@ -233,6 +238,7 @@ class CostmapBuilder {
   alignas(16) int16_t lowest_hard_[kMapSize_cells] = {};
   alignas(16) int16_t highest_hard_[kMapSize_cells] = {};
   alignas(16) int16_t highest_soft_[kMapSize_cells] = {};
+  alignas(16) uint8_t low_[kMapSize_cells] = {};
 
   // Scratch of one row, of the sweeps: vertical distances by layer, and rows that are looked at to
   // both sides.

@@ -120,6 +120,45 @@ Status HeightGrid::Insert(const Vec3& point_odom, ReturnClass return_class, uint
   return Status::kOk;
 }
 
+void HeightGrid::Count(int block, bool firm) {
+  int firm_count = low_[block] / kCountOne;
+  int against = low_[block] % kCountOne;
+  if (firm_count == kMostCount || against == kMostCount) {
+    firm_count /= 2;
+    against /= 2;
+  }
+  firm_count += firm ? 1 : 0;
+  against += firm ? 0 : 1;
+  low_[block] = static_cast<uint8_t>(firm_count * kCountOne + against);
+}
+
+void HeightGrid::CountLow(const Vec3& point_odom, bool firm) {
+  if (!IsFinitePoint(point_odom)) return;
+  const Cell cell = CellAt({point_odom.x_m, point_odom.y_m});
+  if (window_.Contains(cell)) Count(BlockSlot(cell), firm);
+}
+
+void HeightGrid::DoubtLow(const Vec3& point_odom) {
+  if (!IsFinitePoint(point_odom)) return;
+  const Cell cell = CellAt({point_odom.x_m, point_odom.y_m});
+  if (!window_.Contains(cell)) return;
+  const int block = BlockSlot(cell);
+  if (low_[block] < kCountOne) return;
+  const int slot = Slot(cell);
+  if (highest_hard_cm_[slot] == kNone) return;
+  const int32_t middle2_cm = lowest_hard_cm_[slot] + highest_hard_cm_[slot];
+  if (2 * Stored(point_odom.z_m) >= middle2_cm) Count(block, false);
+}
+
+void HeightGrid::ReadLow(Cell first, int cells, uint8_t* low) const {
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = 0; x < cells; ++x) {
+    const int counts = low_[BlockSlot({first.x + x, first.y})];
+    const uint8_t growth = IsGrowth(counts) ? kGrowth : uint8_t{0};
+    low[x] = IsFirm(counts) ? kFirmLow : growth;
+  }
+}
+
 // True when the last return that was noted was of another revolution; notes this one's.
 bool HeightGrid::IsNewlyFiled(int slot, bool odd) {
   const bool was_odd = (seen_[slot] & kFiledOdd) != 0;
@@ -299,7 +338,9 @@ HeightGrid::CellHeights HeightGrid::At(Cell cell) const {
           (seen_[slot] & kGroundHeightKnown) != 0,
           (seen_[slot] & kPersonMask) != 0,
           (seen_[slot] & (kGroundHeightKnown | kGroundFromBeside)) != 0,
-          (seen_[slot] & kGroundHeightKnown) != 0 && (seen_[slot] & kGroundFromBeside) != 0};
+          (seen_[slot] & kGroundHeightKnown) != 0 && (seen_[slot] & kGroundFromBeside) != 0,
+          IsFirm(low_[BlockSlot(cell)]),
+          IsGrowth(low_[BlockSlot(cell)])};
 }
 
 template <typename T>
@@ -346,6 +387,8 @@ void HeightGrid::ClearRows(int dy, int rows) {
     FillRow(highest_hard_cm_ + first, kNone);
     FillRow(highest_soft_cm_ + first, kNone);
     FillRow(seen_ + first, uint8_t{0});
+    // A block that lies half in the window is emptied with either half: at its far edge.
+    FillCells(low_ + BlockSlot({0, window_.origin.y + dy + row}), kBlocks, uint8_t{0});
   }
 }
 
@@ -361,6 +404,7 @@ void HeightGrid::ClearColumns(int dx, int columns, int dy, int rows) {
       highest_hard_cm_[slot] = kNone;
       highest_soft_cm_[slot] = kNone;
       seen_[slot] = 0;
+      low_[BlockSlot({window_.origin.x + dx + column, window_.origin.y + dy + row})] = 0;
     }
   }
 }

@@ -61,6 +61,12 @@
 // Whether a revolution is a new one is told by its parity against that of the last miss or hit:
 // what is seen through in every second revolution only does not age.
 //
+// Low things (ours). What stands no higher than growth does is an obstacle only when most of its
+// returns are firm (core/segmentation): of each block of 2 x 2 cells it is counted how many were,
+// and how many spoke against it: loose ones, and what turned out to be ground from nearby. Counts
+// go up to 15; then both are halved, so that new looks count more than old ones. The counts make no
+// obstacle by themselves: the obstacle rule wants hard returns in the cell too, which age as above.
+//
 // A person's flag lasts while returns of a person come: each sets a memory of kPersonMemory, and
 // each new revolution (by parity too) whose first hard or ground return is not a person's takes one
 // off.
@@ -113,6 +119,8 @@ class HeightGrid {
     bool person = false;
     bool observed = false;  // the ground was observed, whether its height is known or not
     bool guessed = false;   // its height is bridged or assumed: no ground return came from here
+    bool firm = false;      // what is low around it is firm,
+    bool growth = false;    // or growth
   };
 
   // What a cell's byte tells of its ground and its hard returns; its other bits are for ageing.
@@ -138,6 +146,13 @@ class HeightGrid {
   // would join the one below it in the cell). kNotFinite; or kInvalidArgument when the point is off
   // the window or the class is none of ReturnClass: nothing is filed. Cost: constant.
   Status Insert(const Vec3& point_odom, ReturnClass return_class, uint32_t revolution = 0);
+
+  // Counts one return of something low, in its block: that it is firm, or that it is not. Off the
+  // window, or not finite: nothing. Constant cost.
+  void CountLow(const Vec3& point_odom, bool firm);
+  // A ground return came from where low things were filed: it speaks against them if it is as high.
+  // Constant cost.
+  void DoubtLow(const Vec3& point_odom);
 
   // Ground observed along the straight line between two points of it, both ends included: every
   // cell that the line crosses and that has no ground yet gets ground at the height of the line's
@@ -208,6 +223,11 @@ class HeightGrid {
   void ReadGround(Cell first, HeightRow lowest_cm, SeenRow seen) const;
   void ReadObstacles(Cell first, HeightRow lowest_hard_cm, HeightRow highest_hard_cm,
                      HeightRow highest_soft_cm) const;
+  // What is low in so many cells of a row, at most kMapSize_cells: kFirmLow, kGrowth or 0 each;
+  // what has left the window may be told as it was.
+  static constexpr uint8_t kFirmLow = 1;
+  static constexpr uint8_t kGrowth = 2;
+  void ReadLow(Cell first, int cells, uint8_t* low) const;
 
  private:
   // The rest of a cell's byte: the memory of a person in units, misses, and the parity of two
@@ -252,6 +272,28 @@ class HeightGrid {
   }
 
   // Of a row of a plane of stored cells, the part that lies in the window, see ReadGround.
+  // The counts of a cell's block: firm in the high half of the byte, against it in the low one.
+  static constexpr int kBlocks = kMapSize_cells / 2;
+  static constexpr int BlockSlot(Cell cell) {
+    constexpr uint32_t kMask = kBlocks - 1;
+    return static_cast<int>(((static_cast<uint32_t>(cell.y) >> 1) & kMask) * kBlocks +
+                            ((static_cast<uint32_t>(cell.x) >> 1) & kMask));
+  }
+  static constexpr int kCountOne = 16;  // of what is firm
+  static constexpr int kMostCount = 15;
+  // So many firm returns, and twice as many as spoke against them, are a low thing. So many against
+  // it are growth.
+  static constexpr int kLeastFirm = 6;
+  static constexpr int kLeastGrowth = 3;
+  static constexpr bool IsFirm(int counts) {
+    const int firm = counts / kCountOne;
+    return (firm >= kLeastFirm) & (firm >= 2 * (counts % kCountOne));
+  }
+  static constexpr bool IsGrowth(int counts) {
+    return !IsFirm(counts) && counts % kCountOne >= kLeastGrowth;
+  }
+  void Count(int block, bool firm);
+
   template <typename T>
   void CopyRow(const T* plane, Cell first, T empty, std::span<T, kMapSize_cells> row) const;
 
@@ -299,9 +341,10 @@ class HeightGrid {
   int16_t highest_hard_cm_[kMapCells];
   int16_t highest_soft_cm_[kMapCells];
   uint8_t seen_[kMapCells];
+  uint8_t low_[kBlocks * kBlocks];  // by BlockSlot
 };
 static_assert((kMapSize_cells & (kMapSize_cells - 1)) == 0);
-static_assert(sizeof(HeightGrid) <= 9 * kMapCells + 64);
+static_assert(sizeof(HeightGrid) <= 9 * kMapCells + kMapCells / 4 + 64);
 static_assert(std::is_trivially_copyable_v<HeightGrid>);
 
 }  // namespace hardpack

@@ -186,6 +186,7 @@ void CostmapBuilder::ClassifyRow(const HeightGrid& heights, int row) {
   heights.ReadGround(first, HeightGrid::HeightRow(lowest_.cells(), kMapSize_cells), seen_);
   heights.ReadObstacles(first, lowest_hard_, highest_hard_, highest_soft_);
   FindReturns();
+  ReadLow(heights, first);
   if (params_.obstacle_rule == ObstacleRule::kInCell) {
     FindLimitsInCell();
   } else {
@@ -208,10 +209,26 @@ void CostmapBuilder::FindReturns() {
   }
 }
 
+// The paper's rule knows no low things.
+void CostmapBuilder::ReadLow(const HeightGrid& heights, Cell first) {
+  const bool is_told = params_.obstacle_rule != ObstacleRule::kInCell;
+  HP_LOOP_BOUND(kBlocks)
+  for (int block = 0; block < kBlocks; ++block) {
+    if (!any_returns_[block]) continue;
+    const int begin = block * kBlock_cells;
+    if (is_told) {
+      heights.ReadLow({first.x + begin, first.y}, kBlock_cells, low_ + begin);
+      continue;
+    }
+    HP_LOOP_BOUND(kBlock_cells)
+    for (int x = begin; x < begin + kBlock_cells; ++x) low_[x] = 0;
+  }
+}
+
 // What a row's returns are held against: an obstacle is higher than high_, and begins lower than
 // overhead_, which is below no return at all.
 void CostmapBuilder::FindLimits(int row) {
-  const int16_t obstacle_cm = RoundedCm(params_.obstacle_height_m);
+  const int16_t obstacle_cm = RoundedCm(params_.growth_height_m);
   const int16_t overhead_cm = static_cast<int16_t>(RoundedCm(params_.clearance_height_m) + 1);
   constexpr uint8_t kKnown = HeightGrid::kGroundHeightKnown;
   constexpr uint8_t kGuessed = HeightGrid::kGroundHeightKnown | HeightGrid::kGroundFromBeside;
@@ -252,7 +269,7 @@ void CostmapBuilder::FindLimits(int row) {
 }
 
 void CostmapBuilder::FindLimitsInCell() {
-  const int16_t obstacle_cm = RoundedCm(params_.obstacle_height_m);
+  const int16_t obstacle_cm = RoundedCm(params_.growth_height_m);
   const int16_t* __restrict lowest = lowest_.cells();
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = 0; x < kMapSize_cells; ++x) high_[x] = Raised(lowest[x], obstacle_cm);
@@ -271,6 +288,7 @@ void CostmapBuilder::FlagRow(int row) {
   const int16_t* __restrict overhead = overhead_;
   const uint8_t* __restrict seen = seen_;
   const uint8_t* __restrict no_ground = no_ground_row();
+  const uint8_t* __restrict low = low_;
   uint8_t* __restrict flags = map_.flags + row * kMapSize_cells;
   constexpr uint8_t kSeen = HeightGrid::kGroundHeightKnown | HeightGrid::kGroundFromBeside;
   HP_LOOP_BOUND(kBlocks)
@@ -290,13 +308,16 @@ void CostmapBuilder::FlagRow(int row) {
     for (int x = begin; x < begin + kBlock_cells; ++x) {
       const uint8_t person_seen = seen[x] & HeightGrid::kPersonMask;
       const bool hard = (lowest_hard[x] < overhead[x]) &
-                        ((highest_hard[x] > high[x]) | ((person_seen | no_ground[x]) != 0));
+                        ((highest_hard[x] > high[x]) | ((person_seen | no_ground[x]) != 0) |
+                         ((low[x] == HeightGrid::kFirmLow) & (highest_hard[x] != kNone)));
       const bool soft = (highest_soft[x] > high[x]) & (highest_soft[x] != kNone) & !hard;
-      const bool observed = hard | soft | ((seen[x] & kSeen) != 0);
-      made[x - begin] =
-          static_cast<uint8_t>((hard ? Costmap::kHard : 0) | (soft ? Costmap::kSoft : 0) |
-                               ((hard & (person_seen != 0)) ? Costmap::kPerson : 0) |
-                               (observed ? Costmap::kObserved : 0));
+      const bool returned = (highest_hard[x] != kNone) | (highest_soft[x] != kNone);
+      const bool growth = (low[x] == HeightGrid::kGrowth) & returned & !hard;
+      const bool observed = hard | soft | growth | ((seen[x] & kSeen) != 0);
+      made[x - begin] = static_cast<uint8_t>(
+          (hard ? Costmap::kHard : 0) | (soft ? Costmap::kSoft : 0) |
+          ((hard & (person_seen != 0)) ? Costmap::kPerson : 0) | (growth ? Costmap::kGrowth : 0) |
+          (observed ? Costmap::kObserved : 0));
     }
     HP_LOOP_BOUND(kBlock_cells)
     for (int x = 0; x < kBlock_cells; ++x) flags[begin + x] = made[x];

@@ -24,6 +24,10 @@ constexpr int kMaxLook = 16;
 constexpr float kSlopeBase_m = 1.0f;
 // What stands higher above the line than this is on the way of the line.
 constexpr float kObstacle_m = 0.1f;
+// Ground does not rise by more than this above the straight line from what lies before it to what
+// the next beams above meet behind it.
+constexpr float kPeak_m = 0.08f;
+constexpr int kPeakOrder = 2;
 // An obstacle so far behind a return does not stand on the way to it.
 constexpr float kSeenPast_m = 0.5f;
 // Beyond an obstacle the ground may turn up by no more than this share of the steepest slope.
@@ -128,11 +132,22 @@ bool GroundLine::IsOpen(const GroundCandidates& all, int candidate, int point) c
   const float run_m = level_m - level_m_[point];
   const float rise_m = height_m - height_m_[point];
   const int top = candidate + kMaxOrder < all.count ? candidate + kMaxOrder : all.count - 1;
+  // Seen from the line's end and from further back: what comes out of a dip is none.
+  const auto is_peak = [&](int from, int beyond) {
+    const float peak_m = height_m - height_m_[from] - kPeak_m;
+    const float ground_m = all.height_m[beyond] - height_m_[from];
+    return peak_m * (all.level_m[beyond] - level_m_[from]) > ground_m * (level_m - level_m_[from]);
+  };
   HP_LOOP_BOUND(kMaxOrder)
   for (int i = candidate + 1; i <= top; ++i) {
     const float before_m = all.level_m[i] - level_m_[point];
-    if (before_m >= run_m) continue;
     const float stands_m = all.height_m[i] - height_m_[point];
+    if (before_m >= run_m) {
+      // From where the vehicle stands the line to the first ring says nothing of the ground.
+      const bool is_next = point > 0 && i <= candidate + kPeakOrder;
+      if (is_next && is_peak(point, i) && is_peak(base_[point], i)) return false;
+      continue;
+    }
     if ((stands_m - kObstacle_m) * run_m > rise_m * before_m) return false;
   }
   const int bottom = candidate > kMaxOrder ? candidate - kMaxOrder : 0;

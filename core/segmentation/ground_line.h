@@ -16,8 +16,10 @@
 //                        further back, and from the last obstacle on the way is within the slope,
 //   and it lies on a surface that could be driven: the returns of the beams above and below it
 //                        advance outward as they would on ground; on a face they do not,
-//   and it is open:      no return of the next beams above stands up in front of it, and none of
-//                        the next below lies behind and shows that it stands up itself.
+//   and it is open:      no return of the next beams above stands up in front of it, none of the
+//                        next below lies behind and shows that it stands up itself, and neither do
+//                        the next above that lie behind: a low rock far away has one beam on it,
+//                        and the next one meets the ground behind it.
 // One that is no higher than the line carried on may be the edge of a surface and need not be open:
 // the line keeps to the lower side.
 // A return that is nearer than the line's end but passes the same tests from further back takes the

@@ -13,9 +13,10 @@ Status CheckLabelTable(const LabelTable& table) {
   return Status::kOk;
 }
 
-ReturnClass CheckedLabel(ReturnClass said, float height_m, bool ground_known,
-                         float obstacle_height_m) {
-  const bool stands_up = ground_known && height_m > obstacle_height_m;
+ReturnClass CheckedLabel(ReturnClass said, const SeenReturn& seen, float obstacle_height_m) {
+  if (said == ReturnClass::kIgnored) return seen.what;
+  const bool stands_up =
+      seen.ground_known && seen.height_m > obstacle_height_m && seen.what != ReturnClass::kIgnored;
   return said == ReturnClass::kGround && stands_up ? ReturnClass::kHard : said;
 }
 

@@ -42,10 +42,17 @@ constexpr LabelTable RellisLabelTable() {
 // kInvalidArgument: an entry that is no ReturnClass. Cost: kLabelCodes.
 Status CheckLabelTable(const LabelTable& table);
 
-// The class that a labelled return is filed with: what its label says, except that what is said to
-// be ground although it stands more than obstacle_height_m above the local ground (height_m) is
-// hard. Where the ground is not known the label stands.
-ReturnClass CheckedLabel(ReturnClass said, float height_m, bool ground_known,
-                         float obstacle_height_m);
+// A return as geometry sees it.
+struct SeenReturn {
+  ReturnClass what = ReturnClass::kIgnored;
+  float height_m = 0.0f;  // above the local ground, where it is known
+  bool ground_known = false;
+};
+
+// The class that a labelled return is filed with: what its label says, but no label lowers what
+// geometry saw. What is said to be ground although it stands more than obstacle_height_m above the
+// local ground is hard, unless geometry takes it for rain or dust; where the ground is not known
+// such a label stands. What is said to be nothing (void, sky) stays what geometry took it for.
+ReturnClass CheckedLabel(ReturnClass said, const SeenReturn& seen, float obstacle_height_m);
 
 }  // namespace hardpack

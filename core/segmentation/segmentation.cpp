@@ -15,6 +15,8 @@ constexpr float kGapShare = 2.0f;
 constexpr float kLeastGap_m = 1.0f;
 // Between rings that lie close together the noise of their heights must not look like a slope.
 constexpr float kHeightNoise_m = 0.05f;
+// What is firm and stands no higher is not vegetation.
+constexpr float kLeastSoft_m = 0.2f;
 constexpr float kTallStep_m = 1.0f;
 // What was tall stays so for as many directions: a crown has gaps.
 constexpr uint8_t kTallMemory = 8;
@@ -155,7 +157,11 @@ void Segmenter::FileHeights(const Direction& direction) {
     result_.ground_known[beam] = ground.known;
     if (ground.known) result_.above_ground_m[beam] = above_m;
     if (direction.texture.Is(Texture::kAlone, beam)) continue;
-    const bool is_ground = ground.known && Abs(above_m) <= params_.ground_band_m;
+    // What is firm is none as high as grass may be.
+    const float band_m = direction.texture.Is(Texture::kFirm, beam)
+                             ? params_.ground_band_m
+                             : Max(params_.ground_band_m, kBelow_m);
+    const bool is_ground = ground.known && above_m <= band_m && above_m >= -kBelow_m;
     result_.what[beam] = is_ground ? ReturnClass::kGround : ReturnClass::kHard;
   }
 }
@@ -237,7 +243,7 @@ bool Segmenter::IsLong(const Direction& direction, int point, float factor) cons
   HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int between = near_beam + 1; between < beam; ++between) {
     const bool seen = result_.what[between] != ReturnClass::kIgnored;
-    stands = stands || (seen && !(above_m_[between] < -params_.ground_band_m));
+    stands = stands || (seen && !(above_m_[between] < -kBelow_m));
   }
   return stands;
 }
@@ -266,7 +272,7 @@ bool Segmenter::IsTallAt(float level_m) const {
 // is no part of a post, and nothing tall is where it is.
 bool Segmenter::MayBeSoft(const Direction& direction, int beam) const {
   const bool stands = result_.what[beam] == ReturnClass::kHard && result_.ground_known[beam] &&
-                      result_.above_ground_m[beam] > 0.0f;
+                      result_.above_ground_m[beam] > kLeastSoft_m;
   return stands && !direction.texture.Is(Texture::kUpright, beam) &&
          !IsTallAt(direction.level_m[beam]);
 }

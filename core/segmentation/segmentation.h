@@ -20,15 +20,17 @@
 // One direction is a column of the range image with the beams' azimuth offsets taken out: all beams
 // that looked the same way, from the lowest to the highest.
 //
-// Ground: the line of GroundLine (ground_line.h), and what is no more than ground_band_m from it.
-// Ignored: what stands alone in the range image (texture.h): rain, dust, multipath.
-// Soft: what most of the returns around it, itself among them, say is vegetation (one alone is a
-// guess from 24 numbers; among leaves some look even by chance, and at the rim of a crown or a box
-// some look rough), that is not part of an upright line, with no sure surface beside it, and
-// nothing at the same distance reaches above max_soft_height_m. Hard: everything else, so all of
-// unknown ground.
-// Observed ground: the stretch between two consecutive ground returns of one direction, if their
-// level distance is at most
+// Ground: the line of GroundLine (ground_line.h), and what is no more than ground_band_m, or
+// kBelow_m where it is not firm, above it or kBelow_m below it. Ignored: what stands alone in the
+// range image (texture.h): rain, dust, multipath. Soft: what most of the returns around it, itself
+// among them, say is vegetation (one alone is a guess from 24 numbers; among leaves some look even
+// by chance, and at the rim of a crown or a box some look rough), that is not part of an upright
+// line, with no sure surface beside it, and nothing at the same distance reaches above
+// max_soft_height_m. Hard: everything else, so all of unknown ground. Firm, whatever its class: it
+// lies on one surface with its neighbours of the same beam, or on an upright line; what is low is
+// an obstacle when most of its returns are firm. Loose: it is not even at the rim of such a
+// surface. Observed ground: the stretch between two consecutive ground returns of one direction, if
+// their level distance is at most
 //   bridge_factor R^2 da / (h + R s)
 // (R level distance of the nearer, da the angle between the nearer's beam and the next higher one,
 // h the sensor's height above the nearer, s the rise over level distance between the two, 0 where
@@ -68,6 +70,8 @@ struct DirectionClasses {
 
 class Segmenter {
  public:
+  // So far below the ground a return is still ground: a rut, a dip.
+  static constexpr float kBelow_m = 0.2f;
   // Directions and beams on either side that have a say in whether a return is soft.
   static constexpr int kSpread = 2;
   // Directions after one that must have come before it can be classed, and as many before it that
@@ -95,6 +99,10 @@ class Segmenter {
 
   // The classes of the direction pushed kLag before the last one. Precondition: ready().
   const DirectionClasses& result() const { return result_; }
+  // Whether a return of that direction is firm, or loose, or neither: then it is at a rim, and says
+  // nothing. Preconditions: ready(), 0 <= beam < beams.
+  bool IsFirm(int beam) const { return Classed().texture.Is(Texture::kFirm, beam); }
+  bool IsLoose(int beam) const { return Classed().texture.Is(Texture::kLoose, beam); }
 
  private:
   static constexpr int kSlots = 2 * kLag + 1;
@@ -114,6 +122,7 @@ class Segmenter {
     Texture texture;
   };
 
+  const Direction& Classed() const { return directions_[(newest_ + kSlots - kLag) % kSlots]; }
   // The direction pushed `back` before the last one.
   Direction& Back(int back) { return directions_[(newest_ + kSlots - back) % kSlots]; }
   bool Take(const DirectionView& view, Direction& direction) const;

@@ -16,13 +16,28 @@ constexpr uint32_t kRoughNeighbours = 4;
 constexpr uint32_t kRoughShare_percent = 50;
 // On level surfaces only neighbours of the same beam are near: of the four at most so many.
 constexpr uint32_t kRoughRow = 2;
+// Firm: so many of the four of the same beam are on its surface, however it slants.
+constexpr uint32_t kFirmRow = 3;
+// What stands on the ground is not passed by a lower beam of its direction, by more than this; what
+// has all four neighbours on its surface may be a wire, and hang.
+constexpr float kPast_m = 0.1f;
+constexpr uint32_t kWholeRow = 4;
+// At the rim of a surface two are, as at the ends of an upright line two of the same direction;
+// loose is what has fewer of both.
+constexpr uint32_t kLooseRow = 1;
+// And so near to it: in dense grass, of 0.3 m of depth on average, one in nine looks so by chance.
+constexpr float kFirm2_m2 = 0.05f * 0.05f;
 // An upright line: more than so many of the four neighbours of the same direction are on it.
 constexpr uint32_t kUprightLine = 2;
 
 constexpr float kSameThing2_m2 = kSameThing_m * kSameThing_m;
 
-// Counts of neighbours in one word: those on the same surface singly, of the same thing by this.
+// Counts of neighbours in one word: those on the same surface singly, of the same thing by kAround,
+// those of the same beam on the same surface by kEven, and that one of the next two beams below got
+// past it.
 constexpr uint32_t kAround = 256;
+constexpr uint32_t kEven = kAround * kAround;
+constexpr uint32_t kSeenPast = 16 * kEven;
 
 // What two neighbours that lie opposite each other add to the counts. Both are on the return's
 // surface when the range changes evenly from one to the other, however the surface slants.
@@ -89,6 +104,12 @@ void TextureFinder::Find(const RangeColumn* const (&columns)[kColumns], int beam
   }
   HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int i = 0; i < beams; ++i) {
+    const uint32_t row = Pair(c[i], b[i], d[i], kFirm2_m2) + Pair(c[i], a[i], e[i], kFirm2_m2);
+    const uint32_t past = Max(c[i - 1], c[i - 2]) - c[i] > kPast_m ? 1u : 0u;
+    counts_[i] += row % kAround * kEven + past * kSeenPast;
+  }
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
+  for (int i = 0; i < beams; ++i) {
     const float x = c[i];
     const float beside = Min(Nearest(x, b[i], d[i]), Nearest(x, a[i], e[i]));
     const float above = Min(Nearest(x, b[i + 1], d[i + 1]), Nearest(x, a[i + 1], e[i + 1]));
@@ -117,15 +138,20 @@ void TextureFinder::Judge(int beams, float alone2, Texture& texture) {
   HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int i = 0; i < beams; ++i) {
     const uint32_t tight = counts_[i] % kAround;
-    const uint32_t around = counts_[i] / kAround;
+    const uint32_t around = counts_[i] / kAround % kAround;
+    const uint32_t even = counts_[i] / kEven % 16u;
+    const bool stands = (even == kWholeRow) | (counts_[i] < kSeenPast);
     const bool smooth =
         (tight >= kSmoothNeighbours) & (100 * tight >= kSmoothShare_percent * around);
     const bool rough = (around >= kRoughNeighbours) & (through_[i] != 0) & (row_[i] <= kRoughRow) &
                        (100 * tight < kRoughShare_percent * around);
+    const bool firm = ((even >= kFirmRow) & stands) | (line_[i] > kUprightLine);
+    const bool loose = (((even <= kLooseRow) & (line_[i] <= kLooseRow)) | !stands) & !firm;
     texture.look[i + kReach] = Texture::kReturn | (rough ? Texture::kRough : 0u) |
                                (smooth ? Texture::kSmooth : 0u) |
                                (nearest_m2_[i] > alone2 ? Texture::kAlone : 0u) |
-                               (line_[i] > kUprightLine ? Texture::kUpright : 0u);
+                               (line_[i] > kUprightLine ? Texture::kUpright : 0u) |
+                               (firm ? Texture::kFirm : 0u) | (loose ? Texture::kLoose : 0u);
   }
 }
 

@@ -34,6 +34,10 @@ struct Texture {
   static constexpr uint32_t kSmooth = 1u << 16;   // surely a surface
   static constexpr uint32_t kAlone = 1u << 24;    // rain or dust; not counted
   static constexpr uint32_t kUpright = 1u << 25;  // part of an upright line, as a post; not counted
+  // On one surface with its neighbours of the same beam, or part of an upright line: what has few
+  // beams on it, a rock far away, a wire; not counted.
+  static constexpr uint32_t kFirm = 1u << 26;
+  static constexpr uint32_t kLoose = 1u << 27;  // neither on a surface nor at the rim of one
 
   static constexpr uint32_t Count(uint32_t sum, uint32_t of) { return sum / of % kRough; }
   bool Is(uint32_t kind, int at) const {
@@ -58,7 +62,7 @@ class TextureFinder {
   // What the counts of all beams amount to.
   void Judge(int beams, float alone2, Texture& texture);
 
-  uint32_t counts_[kMaxBeams] = {};   // neighbours by kind, packed
+  uint32_t counts_[kMaxBeams] = {};   // neighbours by kind, packed (texture.cpp)
   uint32_t row_[kMaxBeams] = {};      // neighbours of the same beam on the same surface
   uint32_t line_[kMaxBeams] = {};     // neighbours of the same direction on it
   uint32_t through_[kMaxBeams] = {};  // 1: a neighbour was seen past it

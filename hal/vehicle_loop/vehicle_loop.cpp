@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/vehicle_loop/vehicle_loop.h"
 
+#include "config/validate.h"
+#include "core/autonomy/assured_sight.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/units.h"
@@ -40,23 +42,18 @@ Status VehicleLoop::Configure(const VehicleConfig& config) {
   Status status = Graver(ins_time_.Configure(onboard.clock), lidar_time_.Configure(onboard.clock));
   if (IsUsable(status)) status = drives_.Configure(onboard.drive);
   if (IsUsable(status)) status = lidar_packets_.Configure(lidar);
-  if (IsUsable(status)) status = replanner_.Configure(config.planner);
+  if (IsUsable(status)) status = LimitSpeed();
+  if (IsUsable(status)) status = replanner_.Configure(config_.planner);
   if (IsUsable(status)) {
     status = odometry_.Configure(config.planner.vehicle, onboard.odometry, onboard.ins);
   }
   if (IsUsable(status)) status = map_from_odom_.Configure(onboard.map_from_odom, onboard.ins);
   if (IsUsable(status)) {
-    status = tracker_.Configure(config.planner.vehicle, config.planner.speed, onboard.odometry,
+    status = tracker_.Configure(config.planner.vehicle, config_.planner.speed, onboard.odometry,
                                 onboard.dynamics, onboard.tracking);
   }
   if (IsUsable(status)) status = supervisor_.Configure(onboard.safety);
   if (IsUsable(status)) status = ConfigureSafety();
-  if (IsUsable(status)) {
-    const auto beams = static_cast<size_t>(lidar.beams);
-    status = MakeBeamModel({lidar.beam_altitude_deg, beams}, {lidar.beam_azimuth_deg, beams},
-                           lidar.columns_per_frame, lidar.lidar_origin_to_beam_origin_m,
-                           lidar.sensor_from_lidar, beam_model_);
-  }
   if (IsUsable(status) && ConflictOf(config).name != nullptr) status = Status::kParameterOutOfRange;
   if (IsUsable(status)) status = ConfigureSight();
   configured_ = IsUsable(status);
@@ -86,6 +83,19 @@ ParameterConflict VehicleLoop::ConflictOf(const VehicleConfig& config) {
             "so short that a tick takes all packets that the lidar sends in it"};
   }
   return {};
+}
+
+// No faster than it sees what is low.
+Status VehicleLoop::LimitSpeed() {
+  if (FirstInvalidParameter(config_.planner) != nullptr) return Status::kParameterOutOfRange;
+  const ouster::Metadata& lidar = config_.lidar;
+  const auto beams = static_cast<size_t>(lidar.beams);
+  const Status status = MakeBeamModel(
+      {lidar.beam_altitude_deg, beams}, {lidar.beam_azimuth_deg, beams}, lidar.columns_per_frame,
+      lidar.lidar_origin_to_beam_origin_m, lidar.sensor_from_lidar, beam_model_);
+  if (!IsUsable(status)) return status;
+  return LimitToAssuredSight(beam_model_, config_.perception, config_.planner.vehicle,
+                             config_.planner.speed);
 }
 
 // With an empty map.

@@ -192,6 +192,7 @@ class VehicleLoop {
   void NoteIns(uint64_t measured_ns);
   void AddPose();
   void LocateInMap(const StampedPose& pose);
+  Status LimitSpeed();
   Status ConfigureMapper();
   void AddToHash(const TickOutput& output);
 

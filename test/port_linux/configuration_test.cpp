@@ -278,6 +278,19 @@ TEST(Configuration, TellsWhatDoesNotGoTogether) {
       Message("drive.heartbeat_timeout_ms = 100\n"),
       "f:7: drive.heartbeat_timeout_ms: 100 does not go with drive.heartbeat_period_ms, which "
       "is 100: it has to be above it");
+  // SR-LOW01 what counts as an obstacle is what the vehicle cannot pass over.
+  EXPECT_EQ(
+      Message("costmap.obstacle_height_m = 0.3\n"),
+      "f:7: costmap.obstacle_height_m: 0.3 does not go with vehicle.max_step_m, which is 0.2: "
+      "it has to be no more: the vehicle does not pass over what is higher");
+  EXPECT_EQ(
+      Message("vehicle.ground_clearance_m = 0.15\n"),
+      "f:7: costmap.obstacle_height_m: 0.2 does not go with vehicle.ground_clearance_m, which "
+      "is 0.15: it has to be no more: the vehicle does not pass over what is higher");
+  EXPECT_EQ(
+      Message("segmentation.ground_band_m = 0.2\n"),
+      "f:7: segmentation.ground_band_m: 0.2 does not go with costmap.obstacle_height_m, which "
+      "is 0.2: it has to be below it: what is no higher is ground");
   EXPECT_EQ(
       Message("drive.max_bus_load_percent = 1\n"),
       "f:7: drive.max_bus_load_percent: is 1, but what is sent and asked for in these periods "

@@ -38,7 +38,7 @@ class CostmapReference {
   void Mark(int index, int flags) {
     int& cell = flags_[Place(index)];
     if ((flags & (Costmap::kHard | Costmap::kPerson)) != 0) {
-      cell = (cell & ~Costmap::kSoft) | Costmap::kHard | Costmap::kObserved;
+      cell = (cell & ~(Costmap::kSoft | Costmap::kGrowth)) | Costmap::kHard | Costmap::kObserved;
       cell |= flags & Costmap::kPerson;
     } else if ((flags & Costmap::kSoft) != 0 && (cell & Costmap::kHard) == 0) {
       cell |= Costmap::kSoft | Costmap::kObserved;
@@ -119,6 +119,7 @@ class CostmapReference {
     if (!any_hard && !any_soft) return free;
 
     const bool in_cell = params_.obstacle_rule == ObstacleRule::kInCell;
+    const int growth = !in_cell && own.growth ? Costmap::kGrowth | Costmap::kObserved : 0;
     int ground_cm = own.lowest_cm;
     bool overhead = false;
     bool ground_observed = true;
@@ -135,14 +136,15 @@ class CostmapReference {
       overhead = near_cm != kNone && !own.guessed &&
                  own.lowest_hard_cm - near_cm > Rounded(params_.clearance_height_m * 100.0f);
     }
-    const int obstacle_cm = Rounded(params_.obstacle_height_m * 100.0f);
+    const int obstacle_cm = Rounded(params_.growth_height_m * 100.0f);
     if (any_hard && !overhead) {
       if (own.person) return Costmap::kHard | Costmap::kPerson | Costmap::kObserved;
       const bool high = own.highest_hard_cm - ground_cm > obstacle_cm;
-      if (high || !ground_observed) return Costmap::kHard | Costmap::kObserved;
+      const bool low = !in_cell && own.firm;
+      if (high || low || !ground_observed) return Costmap::kHard | Costmap::kObserved;
     }
     const bool high_soft = any_soft && own.highest_soft_cm - ground_cm > obstacle_cm;
-    return high_soft ? Costmap::kSoft | Costmap::kObserved : free;
+    return growth | (high_soft ? Costmap::kSoft | Costmap::kObserved : free);
   }
 
   void DilateCell(int index, int region) {

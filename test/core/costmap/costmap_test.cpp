@@ -67,7 +67,9 @@ TEST(CostmapParams, RefusesWhatTheBuildCannotDo) {
       [](CostmapParams& p) { p.obstacle_rule = static_cast<ObstacleRule>(2); },
       [](CostmapParams& p) { p.obstacle_rule = static_cast<ObstacleRule>(-1); },
       [](CostmapParams& p) { p.obstacle_height_m = -0.1f; },
-      [](CostmapParams& p) { p.obstacle_height_m = 2.0f; },  // not below the clearance
+      [](CostmapParams& p) { p.obstacle_height_m = 0.6f; },  // above growth
+      [](CostmapParams& p) { p.growth_height_m = 2.0f; },    // not below the clearance
+      [](CostmapParams& p) { p.growth_height_m = 0.1f; },
       [](CostmapParams& p) { p.clearance_height_m = 0.5f; },
       [](CostmapParams& p) { p.clearance_height_m = 400.0f; },
       [](CostmapParams& p) { p.ground_window_cells = 14; },
@@ -99,12 +101,16 @@ TEST(CostmapParams, RefusesWhatTheBuildCannotDo) {
 }
 
 TEST(CostmapParams, RefusesNumbersThatAreNotFinite) {
-  constexpr float CostmapParams::*kNumbers[] = {
-      &CostmapParams::obstacle_height_m, &CostmapParams::clearance_height_m,
-      &CostmapParams::planning_radius_m, &CostmapParams::halo_m,
-      &CostmapParams::hard_edge_cost,    &CostmapParams::hard_slope_per_m,
-      &CostmapParams::soft_edge_cost,    &CostmapParams::soft_slope_per_m,
-      &CostmapParams::unknown_cost};
+  constexpr float CostmapParams::*kNumbers[] = {&CostmapParams::obstacle_height_m,
+                                                &CostmapParams::clearance_height_m,
+                                                &CostmapParams::growth_height_m,
+                                                &CostmapParams::planning_radius_m,
+                                                &CostmapParams::halo_m,
+                                                &CostmapParams::hard_edge_cost,
+                                                &CostmapParams::hard_slope_per_m,
+                                                &CostmapParams::soft_edge_cost,
+                                                &CostmapParams::soft_slope_per_m,
+                                                &CostmapParams::unknown_cost};
   for (float CostmapParams::*number : kNumbers) {
     for (const float bad : {kNaN, kInfinity, -kInfinity}) {
       CostmapParams params;

@@ -35,7 +35,8 @@ CostmapParams RandomParams(Dice& dice) {
   for (;;) {
     CostmapParams params;
     params.obstacle_rule = dice.OneIn(3) ? ObstacleRule::kInCell : ObstacleRule::kLocalGround;
-    params.obstacle_height_m = dice.UpTo(1.0f, 0.01f);
+    params.growth_height_m = dice.UpTo(1.0f, 0.01f);
+    params.obstacle_height_m = std::min(params.growth_height_m, 0.2f);
     params.clearance_height_m = dice.UpTo(3.0f, 0.01f);
     params.ground_window_cells = 1 + 2 * dice.Below(16);
     params.planning_radius_m = dice.UpTo(dice.OneIn(4) ? 3.0f : 1.4f, 0.01f);
@@ -108,6 +109,7 @@ class RandomMap {
     const Vec2 center = CellCenter(cell);
     const Vec3 point = {center.x_m, center.y_m, 0.01f * static_cast<float>(height_cm)};
     EXPECT_EQ(heights_.Insert(point, return_class), Status::kOk);
+    if (dice_.OneIn(2)) heights_.CountLow(point, dice_.OneIn(3));
   }
 
   Dice& dice_;

@@ -129,7 +129,7 @@ TEST(LocalGroundRule, HoldsItsThresholds) {
          {{{kHard, 2.00f}}, 1, Costmap::kHard},
          {{{kHard, 2.01f}}, 1, 0}});
   CostmapParams params;
-  params.obstacle_height_m = 0.2f;
+  params.growth_height_m = 0.2f;
   params.clearance_height_m = 1.0f;
   params.ground_window_cells = 3;
   Judge({{{{kHard, 0.3f}}, 1, Costmap::kHard},
@@ -288,7 +288,7 @@ class ReturnList {
     bool any_hard = false, overhead = near_m < kNone_m;
     bool high = false, high_soft = false, person = false;
     for (const Return& item : At(column, row)) {
-      const bool above = item.z_m - ground_m > params.obstacle_height_m + 0.005f;
+      const bool above = item.z_m - ground_m > params.growth_height_m + 0.005f;
       if (item.return_class == kSoft) high_soft = high_soft || above;
       if (item.return_class != kHard && item.return_class != kPerson) continue;
       any_hard = true;

@@ -38,17 +38,32 @@ TEST(LabelTable, RefusesAnEntryThatIsNoClass) {
 //   ____,,,,____ 0.2 m: ground       |  0.6 m above the ground: something stands there
 TEST(CheckedLabel, GroundThatStandsUpIsHard) {
   const ReturnClass ground = ReturnClass::kGround;
-  EXPECT_EQ(CheckedLabel(ground, 0.2f, true, kObstacle_m), ReturnClass::kGround);
-  EXPECT_EQ(CheckedLabel(ground, 0.5f, true, kObstacle_m), ReturnClass::kGround);
-  EXPECT_EQ(CheckedLabel(ground, 0.6f, true, kObstacle_m), ReturnClass::kHard);
-  EXPECT_EQ(CheckedLabel(ground, 0.6f, false, kObstacle_m), ReturnClass::kGround);
+  const ReturnClass hard = ReturnClass::kHard;
+  EXPECT_EQ(CheckedLabel(ground, {hard, 0.2f, true}, kObstacle_m), ground);
+  EXPECT_EQ(CheckedLabel(ground, {hard, 0.5f, true}, kObstacle_m), ground);
+  EXPECT_EQ(CheckedLabel(ground, {hard, 0.6f, true}, kObstacle_m), hard);
+  EXPECT_EQ(CheckedLabel(ground, {ReturnClass::kSoft, 0.6f, true}, kObstacle_m), hard);
+  EXPECT_EQ(CheckedLabel(ground, {hard, 0.6f, false}, kObstacle_m), ground);
+  // Rain and dust do not stand.
+  EXPECT_EQ(CheckedLabel(ground, {ReturnClass::kIgnored, 0.6f, true}, kObstacle_m), ground);
+}
+
+// SR-LOW04 labels do not lower what geometry saw.
+TEST(CheckedLabel, VoidAndSkyChangeNothing) {
+  for (const float height_m : {-1.0f, 0.0f, 0.3f, 0.6f, 3.0f}) {
+    for (const ReturnClass what : {ReturnClass::kIgnored, ReturnClass::kGround, ReturnClass::kSoft,
+                                   ReturnClass::kHard, ReturnClass::kPerson}) {
+      EXPECT_EQ(CheckedLabel(ReturnClass::kIgnored, {what, height_m, true}, kObstacle_m), what);
+      EXPECT_EQ(CheckedLabel(ReturnClass::kIgnored, {what, height_m, false}, kObstacle_m), what);
+    }
+  }
 }
 
 TEST(CheckedLabel, HeightChangesNoOtherClass) {
   for (const float height_m : {-1.0f, 0.0f, 0.6f, 3.0f}) {
     for (const ReturnClass said :
-         {ReturnClass::kIgnored, ReturnClass::kSoft, ReturnClass::kHard, ReturnClass::kPerson}) {
-      EXPECT_EQ(CheckedLabel(said, height_m, true, kObstacle_m), said);
+         {ReturnClass::kSoft, ReturnClass::kHard, ReturnClass::kPerson}) {
+      EXPECT_EQ(CheckedLabel(said, {ReturnClass::kHard, height_m, true}, kObstacle_m), said);
     }
   }
 }

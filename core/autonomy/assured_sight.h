@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "config/parameters.h"
+#include "core/base/status.h"
+#include "core/measurements/measurements.h"
+
+// How far a lidar sees what is low, from its beams alone, and what speed that carries
+// (docs/assured_sight.md; ours). Knows nothing of what it has seen.
+//
+// A thing of a height h that stands on level ground is met when a beam ends on the part of it that
+// is higher than what the ground test tolerates, segmentation.ground_band_m: one such beam in a
+// direction is what the segmenter needs to class its return as standing (tested on the segmenter).
+// Two beams next to each other, of slopes t and t' (rise over level distance), are (t' - t) d apart
+// at the distance d: as far as that is no more than the height less the band, one of them meets the
+// thing, however the vehicle is pitched. Nearer than where the lowest beam is as low as the thing
+// nothing is met.
+//
+//   H o----__
+//          -----___-----____              t'
+//               -----____   -----___
+//                    t    -----____ |h ---    |
+//   ____________________________|__-|_________|____
+//            nearest                d         sight
+
+namespace hardpack {
+
+// The level distance from the sensor up to which every thing of height_m is met above band_m, from
+// where the lowest beam is as low as height_m on; at most kMostSight_m. 0: there is none; an
+// empty model, or heights that are not 0 <= band_m < height_m < sensor_height_m.
+// Cost: kMaxBeams.
+inline constexpr float kMostSight_m = 100.0f;
+float AssuredSight_m(const BeamModel& model, float sensor_height_m, float band_m, float height_m);
+
+// The height of the lidar's centre above level ground.
+float SensorHeight_m(const BeamModel& model, const LidarMountParams& mount);
+
+// The least height that is met as far as a stop from speed_mps needs, in steps of 1 cm up to 2 m;
+// 0: none. Cost: 200 times AssuredSight_m.
+float LeastAssuredHeight_m(const BeamModel& model, const PerceptionParams& perception,
+                           const VehicleParams& vehicle, const SpeedParams& speed, float speed_mps);
+
+// The speed from which the vehicle stops, its front unseen_margin_m before the thing, within what
+// it sees of things of speed.assured_height_m: at most max_speed_mps, 0 where it sees nothing far
+// enough.
+float AssuredSpeed_mps(const BeamModel& model, const PerceptionParams& perception,
+                       const VehicleParams& vehicle, const SpeedParams& speed);
+
+// Lowers the limits of `speed` to that speed. Where it is below person_creep_mps the vehicle
+// creeps, or is not to drive: kParameterOutOfRange with refuse_unassured.
+Status LimitToAssuredSight(const BeamModel& model, const PerceptionParams& perception,
+                           const VehicleParams& vehicle, SpeedParams& speed);
+
+}  // namespace hardpack

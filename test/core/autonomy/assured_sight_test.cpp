@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far a lidar is sure to meet what is low: by its beams one by one, and on the segmenter.
+#include "core/autonomy/assured_sight.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "core/scan/scan.h"
+#include "core/segmentation/segmentation.h"
+#include "core/speed/speed.h"
+
+namespace hardpack {
+namespace {
+
+constexpr float kSensor_m = 1.32f;
+
+BeamModel EvenBeams(int beams) {
+  std::vector<float> altitude_deg;
+  for (int i = 0; i < beams; ++i) {
+    altitude_deg.push_back(16.6f - 33.2f * static_cast<float>(i) / static_cast<float>(beams - 1));
+  }
+  const std::vector<float> azimuth_deg(static_cast<size_t>(beams), 0.0f);
+  BeamModel model;
+  EXPECT_EQ(MakeBeamModel(altitude_deg, azimuth_deg, 1024, 0.012f, Transform3{}, model),
+            Status::kOk);
+  return model;
+}
+
+// By definition: whether some beam ends on the part from band to height.
+bool IsMet(int beams, double pitch_rad, double distance_m, double band_m, double height_m) {
+  for (int i = 0; i < beams; ++i) {
+    const double slope = std::tan((-16.6 + 33.2 * i / (beams - 1)) * M_PI / 180.0 + pitch_rad);
+    const double z_m = double{kSensor_m} + slope * distance_m;
+    if (z_m > band_m && z_m <= height_m) return true;
+  }
+  return false;
+}
+
+// SR-LOW02 the speed keeps within the sight that the beams assure.
+TEST(AssuredSight, EveryThingNearerIsMetAndNotEveryOneBeyond) {
+  for (const int beams : {32, 64, 128}) {
+    const BeamModel model = EvenBeams(beams);
+    for (const double height_m : {0.15, 0.2, 0.3}) {
+      for (const double band_m : {0.0, 0.08, 0.1}) {
+        const double sight_m = double{AssuredSight_m(model, kSensor_m, static_cast<float>(band_m),
+                                                     static_cast<float>(height_m))};
+        if (sight_m == 0.0) continue;
+        SCOPED_TRACE(testing::Message() << beams << " beams, " << band_m << " to " << height_m
+                                        << " m: " << sight_m << " m");
+        bool is_missed_beyond = false;
+        for (double pitch_rad = -0.02; pitch_rad <= 0.02; pitch_rad += 0.0005) {
+          // The lowest beam comes down to the height here. The beams' spacing differs by a little.
+          const double near_m =
+              (double{kSensor_m} - height_m) / std::tan(16.6 * M_PI / 180.0 - pitch_rad);
+          for (double d_m = near_m + 0.01; d_m < 0.98 * sight_m; d_m += 0.02) {
+            ASSERT_TRUE(IsMet(beams, pitch_rad, d_m, band_m, height_m)) << d_m;
+          }
+          is_missed_beyond =
+              is_missed_beyond || !IsMet(beams, pitch_rad, 1.1 * sight_m, band_m, height_m);
+        }
+        EXPECT_TRUE(is_missed_beyond);
+      }
+    }
+  }
+}
+
+TEST(AssuredSight, NothingComesOfHeightsOrBeamsThatMakeNoSense) {
+  const BeamModel model = EvenBeams(64);
+  EXPECT_EQ(AssuredSight_m(BeamModel{}, kSensor_m, 0.08f, 0.2f), 0.0f);
+  EXPECT_EQ(AssuredSight_m(model, kSensor_m, 0.2f, 0.2f), 0.0f);
+  EXPECT_EQ(AssuredSight_m(model, 0.1f, 0.08f, 0.2f), 0.0f);
+  EXPECT_EQ(AssuredSight_m(model, kSensor_m, -0.1f, 0.2f), 0.0f);
+}
+
+// The vehicle stops before what it meets; with 64 beams at 5 m/s, with 32 more slowly.
+TEST(AssuredSight, TheSpeedStopsWithinIt) {
+  const VehicleParams vehicle;
+  const SpeedParams speed;
+  const PerceptionParams perception;
+  float before_mps = 0.0f;
+  for (const int beams : {16, 32, 64, 128}) {
+    const BeamModel model = EvenBeams(beams);
+    const float assured_mps = AssuredSpeed_mps(model, perception, vehicle, speed);
+    const float sight_m = AssuredSight_m(model, SensorHeight_m(model, perception.mount),
+                                         perception.segmentation.ground_band_m, 0.2f);
+    EXPECT_LE(StoppingDistance(speed, assured_mps) + 0.5f * vehicle.length_m +
+                  (assured_mps > 0.0f ? speed.unseen_margin_m : 0.0f),
+              Max(sight_m, 0.5f * vehicle.length_m));
+    EXPECT_GE(assured_mps, before_mps);
+    before_mps = assured_mps;
+  }
+  EXPECT_GT(AssuredSpeed_mps(EvenBeams(64), perception, vehicle, speed), 4.9f);
+  EXPECT_LT(AssuredSpeed_mps(EvenBeams(32), perception, vehicle, speed), 3.0f);
+}
+
+TEST(AssuredSight, LowersTheLimitsOrRefuses) {
+  SpeedParams speed;
+  EXPECT_EQ(LimitToAssuredSight(EvenBeams(32), {}, {}, speed), Status::kOk);
+  EXPECT_LT(speed.max_speed_mps, 3.0f);
+  EXPECT_LE(speed.min_speed_mps, speed.max_speed_mps);
+  EXPECT_LE(speed.person_creep_mps, speed.min_speed_mps);
+  // Of 16 beams the two lowest are further apart than the thing is high before they come down to
+  // it.
+  SpeedParams refused;
+  EXPECT_EQ(LimitToAssuredSight(EvenBeams(16), {}, {}, refused), Status::kParameterOutOfRange);
+  refused.refuse_unassured = 0;
+  EXPECT_EQ(LimitToAssuredSight(EvenBeams(16), {}, {}, refused), Status::kOk);
+  EXPECT_EQ(refused.max_speed_mps, SpeedParams{}.person_creep_mps);
+}
+
+// One beam on what is above the tolerated part is enough for the segmenter itself: a thing of 0.2 m
+// and as wide as it is high, everywhere from where the lowest beam meets it to the end of the
+// sight.
+TEST(AssuredSight, WhatIsMetIsClassedAsStanding) {
+  constexpr int kBeams = 64;
+  constexpr int kDirections = 41;
+  constexpr double kSpacing_rad = 2.0 * M_PI / 1024.0;
+  const SegmentationParams params;
+  const double sight_m =
+      double{AssuredSight_m(EvenBeams(kBeams), kSensor_m, params.ground_band_m, 0.2f)};
+  for (double d_m = 5.0; d_m < sight_m; d_m += 0.05) {
+    auto segmenter = std::make_unique<Segmenter>();
+    ASSERT_EQ(segmenter->Configure(params, kBeams), Status::kOk);
+    int standing = 0;
+    for (int direction = 0; direction < kDirections + Segmenter::kLag; ++direction) {
+      const double side = std::tan((direction - kDirections / 2) * kSpacing_rad);
+      DirectionView view;
+      view.beams = kBeams;
+      view.sensor_height_m = kSensor_m;
+      for (int beam = 0; beam < kBeams; ++beam) {
+        const double slope = std::tan((-16.6 + 33.2 * beam / (kBeams - 1)) * M_PI / 180.0);
+        view.slope[beam] = static_cast<float>(slope);
+        const double ground_m = slope < 0.0 ? double{kSensor_m} / -slope : 1.0e9;
+        const double z_m = double{kSensor_m} + slope * d_m;
+        const bool on_it = std::abs(side * d_m) < 0.2 && z_m > 0.0 && z_m <= 0.2;
+        const double level_m = on_it ? d_m : ground_m;
+        if (level_m > 100.0) continue;
+        view.seen[beam] = true;
+        view.level_m[beam] = static_cast<float>(level_m);
+        view.height_m[beam] = static_cast<float>(double{kSensor_m} + slope * level_m);
+        view.range_m[beam] = static_cast<float>(level_m * std::sqrt(1.0 + slope * slope));
+      }
+      ASSERT_EQ(segmenter->Push(view), Status::kOk);
+      if (!segmenter->ready()) continue;
+      const DirectionClasses& classes = segmenter->result();
+      for (int beam = 0; beam < kBeams; ++beam) {
+        const bool stands = classes.what[beam] == ReturnClass::kHard &&
+                            classes.ground_known[beam] && segmenter->IsFirm(beam);
+        standing += stands ? 1 : 0;
+      }
+    }
+    EXPECT_GE(standing, 2) << "at " << d_m << " m";
+  }
+}
+
+}  // namespace
+}  // namespace hardpack
