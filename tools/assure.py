@@ -140,6 +140,12 @@ def measurements(options):
             Promise("every rule of the sources and the objects is kept, and every check finds a planted "
                     "violation", PASSED, "all"),
         ]),
+        Measurement("requirements", "Hazards, requirements and tests", "tools/check_requirements.py", [
+            Promise("every safety requirement has a test, every hazard a requirement or an assumption "
+                    "that it puts on the user",
+                    r"^check_requirements: \d+ hazards, (\d+) requirements, .*, 0 findings$", "all",
+                    form="{} requirements"),
+        ]),
         Measurement("memory", "Memory", in_release + "build/release/test/docs/memory_doc", [
             Promise("memory of everything on board, fixed at compile time",
                     r"\| `VehicleLoop` \| (\d+) \|", form="{} bytes", at_most=8650752),

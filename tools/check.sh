@@ -209,6 +209,7 @@ tests() {
   step "$preset tests" ctest --preset "$preset" -j "$jobs" "$@" || true
 }
 
+step "requirements" tools/check_requirements.py || true
 if build release; then
   # Tests with a vcan run one at a time and wait most of the time.
   beside "clang-tidy" nice -n 19 tools/check_tidy.sh build/release

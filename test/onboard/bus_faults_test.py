@@ -25,6 +25,7 @@ class WhileDriving(OnboardCase):
         """Zero to both drives once it is noticed; then by their dead time and lag."""
         self.assert_rest_within(event_s, noticed_s + TICKS_S + self.coasting_s(event_s))
 
+    # SR-DRV01
     def test_a_drive_falls_silent(self):
         event_s = self.vehicle.do("drive-silent left on")
         self.status("vehicle", mode="fault", stop_reason="drives")
@@ -36,6 +37,7 @@ class WhileDriving(OnboardCase):
         self.recover_and_drive()
         self.end_hardpackd()
 
+    # SR-DRV02
     def test_a_drive_reboots(self):
         event_s = self.vehicle.do("reboot right")
         self.status("vehicle", mode="fault", stop_reason="drives")
@@ -45,6 +47,7 @@ class WhileDriving(OnboardCase):
         self.recover_and_drive()
         self.end_hardpackd()
 
+    # SR-DRV02
     def test_a_drive_reports_an_emergency(self):
         event_s = self.vehicle.do("emcy left 0x3210 0x05 0x4581")
         self.status("vehicle", mode="fault", stop_reason="drives")
@@ -54,6 +57,7 @@ class WhileDriving(OnboardCase):
         self.recover_and_drive()
         self.end_hardpackd()
 
+    # SR-DRV02
     def test_a_drive_has_a_fault(self):
         event_s = self.vehicle.do("fault right 0x2310 0x03")
         self.status("vehicle", mode="fault", stop_reason="drives")
@@ -62,6 +66,7 @@ class WhileDriving(OnboardCase):
         self.recover_and_drive()
         self.end_hardpackd()
 
+    # SR-DRV07
     def test_the_controller_goes_bus_off(self):
         event_s = self.vehicle.do("bus-error bus-off")
         report = self.status("can", bus_offs=1)
@@ -73,6 +78,7 @@ class WhileDriving(OnboardCase):
         self.recover_and_drive()
         self.end_hardpackd()
 
+    # SR-DRV04
     def test_another_node_sends_with_our_identifiers(self):
         # Full speed ahead, as the left drive's command: the drive obeys whoever speaks last.
         event_s = self.vehicle.do("can-frame 202#0F00E8030000E803 0.02 50")
@@ -91,6 +97,7 @@ class WhileDriving(OnboardCase):
         self.drive_off(self.vehicle.now["x"] + 10.0, 0.5)
         self.end_hardpackd()
 
+    # SR-DRV03, SR-DRV07
     def test_the_interface_goes_down_and_up(self):
         before_s = self.vehicle.now["t"]
         subprocess.run(["ip", "link", "set", CAN, "down"], check=True)
@@ -105,6 +112,7 @@ class WhileDriving(OnboardCase):
         self.recover_and_drive()
         self.end_hardpackd()
 
+    # SR-DRV03, SR-DRV08
     def test_the_queue_is_full(self):
         # A bus that takes nothing: the kernel's queue holds a few frames, and all later ones are
         # refused.
@@ -149,13 +157,16 @@ class BeforeDriving(OnboardCase):
         self.assertFalse([one for one in self.vehicle.events("state") if one["to"] == "enabled"])
         self.end_hardpackd()
 
+    # SR-DRV05
     def test_a_setting_is_aborted(self):
         self.expect_refused("sdo-abort left 0x5902 0x06010002", fault="sdo_abort",
                             sdo_abort_code="0x06010002", sdo_index="0x5902")
 
+    # SR-DRV05
     def test_the_identity_is_wrong(self):
         self.expect_refused("object left 0x1018 1 99", fault="wrong_identity")
 
+    # SR-DRV05
     def test_process_data_are_mapped_otherwise_and_cannot_be_changed(self):
         self.expect_refused("object left 0x1600 2 0x60710010", "sdo-keep left 0x1600 on",
                             fault=("wrong_mapping", "read_back"))

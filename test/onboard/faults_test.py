@@ -60,6 +60,7 @@ class AtSpeed(OnboardCase):
 
     # --- silence ----------------------------------------------------------------------------------
 
+    # SR-SUP05
     def test_lidar_silent(self):
         self.at_speed()
         event_s = self.vehicle.do("lidar off")
@@ -67,6 +68,7 @@ class AtSpeed(OnboardCase):
         self.said("lidar_old")
         self.end_hardpackd()
 
+    # SR-SUP05
     def test_ins_silent(self):
         self.at_speed()
         event_s = self.vehicle.do("ins off")
@@ -74,6 +76,7 @@ class AtSpeed(OnboardCase):
         self.said("ins_old")
         self.end_hardpackd()
 
+    # SR-SUP05
     def test_datagrams_delayed(self):
         # The first of them leave a gap that is as long as a silence that is not put up with.
         self.at_speed()
@@ -84,6 +87,7 @@ class AtSpeed(OnboardCase):
         self.said("ins_old")
         self.end_hardpackd()
 
+    # SR-OPR04
     def test_operator_gone(self):
         timeout_s = 1.0
         self.start("--world", "open", *wall(WALL_M), safety={"operator_timeout_s": timeout_s,
@@ -103,6 +107,7 @@ class AtSpeed(OnboardCase):
 
     # --- wrong measurements -----------------------------------------------------------------------
 
+    # SR-CMD04, SR-ODO02
     def test_wheel_feedback_frozen(self):
         # Of both sides: at the speed that is reported for ever nothing is in doubt but by what the
         # ground speed of the INS does, and the wall comes next.
@@ -126,6 +131,7 @@ class AtSpeed(OnboardCase):
 
     # --- the goal ---------------------------------------------------------------------------------
 
+    # SR-SUP11
     def test_goal_in_an_obstacle_that_appears(self):
         self.at_speed(astar={"move_goal_out_of_obstacle": 0})
         # So small that what is seen of it is all around the goal.
@@ -172,14 +178,17 @@ class AtSpeed(OnboardCase):
         self.end_hardpackd()
         return report
 
+    # SR-ODO04
     def test_ins_not_tracking(self):
         report = self.reaches_goal_with("ins-mode 1")
         self.assertNotEqual(report["ins"]["mode"], "tracking")
 
+    # SR-ODO04
     def test_gnss_jumps(self):
         report = self.reaches_goal_with("ins-jump 8 -5")
         self.assertGreater(report["odometry"]["map_rejected"], 0)
 
+    # SR-PER05
     def test_labels_gone(self):
         report = self.reaches_goal_with(
             "labels off", vehicle=["--labels-to", "127.0.0.1:7510"],
@@ -187,14 +196,17 @@ class AtSpeed(OnboardCase):
         self.assertGreater(report["mapper"]["folded_with_labels"], 0)
         self.assertGreater(report["mapper"]["folded_without_labels"], 0)
 
+    # SR-PER08
     def test_datagrams_lost(self):
         report = self.reaches_goal_with("lidar-loss 100", "ins-loss 100")
         self.assertGreater(report["lidar_packets"]["missing"], 50)
 
+    # SR-PER08
     def test_datagrams_reordered(self):
         report = self.reaches_goal_with("lidar-reorder 4", "ins-reorder 4")
         self.assertGreater(report["lidar_packets"]["out_of_order"], 50)
 
+    # SR-INP01, SR-PER08
     def test_datagrams_duplicated(self):
         report = self.reaches_goal_with("lidar-duplicate on", "ins-duplicate on")
         self.assertGreater(report["lidar_packets"]["duplicates"], 50)
@@ -220,6 +232,7 @@ class AtSpeed(OnboardCase):
         self.said("wheel_spin")
         self.end_hardpackd()
 
+    # SR-INP07
     def test_lidar_clock_jumps(self):
         report = self.reaches_goal_with("lidar-clock -2000", "lidar-clock 3000")
         self.assertEqual(report["lidar_clock"]["jumps"], 2)

@@ -103,6 +103,7 @@ class HardwareInTheLoop(OnboardCase):
         wait_until(lambda: CAN in pathlib.Path("/proc/net/can/rcvlist_all").read_text(), "candump")
         return candump
 
+    # SR-DET01, SR-DRV09
     def test_a_mission_from_end_to_end(self):
         candump = self.start_candump()
         self.start_simulation()

@@ -89,6 +89,7 @@ class Mission(OnboardCase):
         self.status("left_drive", state="ready")
         self.status("right_drive", state="ready")
 
+    # SR-LOG01, SR-STP07
     def test_drives_a_straight_line_and_everything_reads_what_it_left(self):
         candump = self.start_candump()
         tcpdump = self.start_tcpdump()

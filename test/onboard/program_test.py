@@ -23,6 +23,7 @@ class Ends(OnboardCase):
         self.start("--world", "open", *wall(25.0))
         self.drive_off(speed_mps=2.0)
 
+    # SR-PGM01
     def test_by_sigterm_in_order(self):
         since_s = self.vehicle.now["t"]
         self.assertEqual(self.hardpackd.end(signal.SIGTERM), 0)
@@ -65,6 +66,7 @@ class Ends(OnboardCase):
         self.rest_after(since_s)
         self.assertEqual(self.hardpackd.end(signal.SIGHUP), 0)
 
+    # SR-DRV03
     def test_by_sigkill_and_the_drives_stop_by_themselves(self):
         since_s = self.vehicle.now["t"]
         self.assertEqual(self.hardpackd.end(signal.SIGKILL), -signal.SIGKILL)
@@ -86,6 +88,7 @@ class Starts(OnboardCase):
         return subprocess.run([HARDPACKD, "--config", str(path)], capture_output=True, text=True,
                               timeout=60, check=False)
 
+    # SR-CFG01
     def test_not_with_a_bad_configuration(self):
         path = self.configuration(drive={"left_sing": 1, "gear_ratio": -1.0})
         result = self.run_hardpackd(path)
@@ -102,6 +105,7 @@ class Starts(OnboardCase):
         self.assertEqual(result.returncode, 1)
         self.assertIn("can7", result.stderr)
 
+    # SR-OPR06
     def test_not_a_second_time_and_the_first_goes_on(self):
         self.start("--world", "open")
         self.drive_off()
@@ -119,6 +123,7 @@ class Starts(OnboardCase):
 class Logs(OnboardCase):
     """When the medium is full."""
 
+    # SR-LOG02, SR-LOG03
     def test_drives_on_counts_and_says_what_is_missing(self):
         folder = self.folder / "small"
         folder.mkdir()
@@ -149,6 +154,7 @@ class Logs(OnboardCase):
 class Listens(OnboardCase):
     """To its sensors and to those who may command."""
 
+    # SR-INP05
     def test_not_to_datagrams_of_others(self):
         self.start("--world", "open")
         self.vehicle.do("lidar-foreign on")
@@ -171,6 +177,7 @@ class Listens(OnboardCase):
     def as_user(self, *arguments, groups=()):
         return self.ctl(*arguments, user=NOBODY, group=NOBODY, extra_groups=list(groups))
 
+    # SR-OPR01
     @unittest.skipUnless(os.geteuid() == 0, "only root can become another user")
     def test_to_the_owner_and_the_group_alone(self):
         group = next(one for one in grp.getgrall() if one.gr_gid not in (0, NOBODY))

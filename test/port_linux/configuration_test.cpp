@@ -105,6 +105,7 @@ TEST(Configuration, TakesLinesThatEndAsOnWindows) {
 }
 
 // Every key at both ends of its range, and just beyond them.
+// SR-CFG01
 TEST(Configuration, HoldsEveryKeyToItsRange) {
   Configuration configuration = Parsed(kRequiredLines);
   const std::string good = ToToml(configuration);
@@ -144,6 +145,7 @@ TEST(Configuration, HoldsEveryKeyToItsRange) {
 
 // Messages.
 
+// SR-CFG01
 TEST(Configuration, NamesTheNearestKeyForAnUnknownOne) {
   EXPECT_EQ(Message("costmap.halo = 2"),
             "f:7: costmap.halo: unknown key, did you mean costmap.halo_m?");
@@ -178,6 +180,7 @@ TEST(Configuration, TellsTheRangeWithItsUnit) {
   EXPECT_EQ(StatusOf("lidar.port = 65536"), Status::kParameterOutOfRange);
 }
 
+// SR-CFG01
 TEST(Configuration, RefusesWhatIsNoFiniteNumber) {
   for (const std::string value : {"nan", "inf", "-inf", "+nan", "1e999"}) {
     const std::string message = Message("costmap.halo_m = " + value);
@@ -190,6 +193,7 @@ TEST(Configuration, RefusesWhatIsNoFiniteNumber) {
             "f:7: costmap.ground_window_cells: nan is not a whole number from 1 to 31 cells");
 }
 
+// SR-CFG01
 TEST(Configuration, RefusesOtherTypes) {
   EXPECT_EQ(Message("costmap.halo_m = '2'"),
             "f:7: costmap.halo_m: \"2\" is not a number from 0 to 3 m");
@@ -215,12 +219,14 @@ TEST(Configuration, RefusesTextsThatNoPathOrNameIs) {
   EXPECT_NE(Message("can.interface = 'sixteen_letters_'"), "");
 }
 
+// SR-CFG01
 TEST(Configuration, TellsAKeyThatIsThereTwice) {
   const std::string message = Message("costmap.halo_m = 1\ncostmap.halo_m = 2\n");
   EXPECT_TRUE(message.starts_with("f:8: ")) << message;
   EXPECT_NE(message.find("halo_m"), std::string::npos) << message;
 }
 
+// SR-CFG01
 TEST(Configuration, TellsWhatHasToBeSetAndWhy) {
   Configuration configuration;
   EXPECT_EQ(ParseConfiguration("", "f", configuration).message,
@@ -267,6 +273,7 @@ TEST(Configuration, NeedsAnAddressWhereLabelsAreUsed) {
   EXPECT_EQ(Message("mapping.use_labels = 1\nlabels.address = '10.0.0.9'"), "");
 }
 
+// SR-CFG02, SR-LOW01
 TEST(Configuration, TellsWhatDoesNotGoTogether) {
   EXPECT_EQ(Message("speed.max_speed_mps = 1\n"),
             "f:7: speed.min_speed_mps: 2.0 is above speed.max_speed_mps, which is 1.0");
@@ -278,7 +285,7 @@ TEST(Configuration, TellsWhatDoesNotGoTogether) {
       Message("drive.heartbeat_timeout_ms = 100\n"),
       "f:7: drive.heartbeat_timeout_ms: 100 does not go with drive.heartbeat_period_ms, which "
       "is 100: it has to be above it");
-  // SR-LOW01 what counts as an obstacle is what the vehicle cannot pass over.
+  // What counts as an obstacle is what the vehicle cannot pass over.
   EXPECT_EQ(
       Message("costmap.obstacle_height_m = 0.3\n"),
       "f:7: costmap.obstacle_height_m: 0.3 does not go with vehicle.max_step_m, which is 0.2: "

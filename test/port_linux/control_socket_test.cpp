@@ -161,6 +161,7 @@ TEST_F(ControlSocketTest, GivesACommandAndAnswersWhoAsked) {
   EXPECT_EQ(counters().connected, 2u);
 }
 
+// SR-OPR03
 TEST_F(ControlSocketTest, GivesOneMessageACallAndTakesClientsInTurn) {
   Open();
   Operator busy(path_);
@@ -179,6 +180,7 @@ TEST_F(ControlSocketTest, GivesOneMessageACallAndTakesClientsInTurn) {
   EXPECT_EQ(ReceiveAll().size(), 4u);
 }
 
+// SR-OPR02
 TEST_F(ControlSocketTest, AnswersWhatIsNoMessageAndCountsIt) {
   Open();
   Operator client(path_);
@@ -288,6 +290,7 @@ TEST_F(ControlSocketTest, AClientThatDoesNotTakeItsAnswersIsDropped) {
   EXPECT_EQ(ReceiveAll(), std::vector<Kind>{Kind::kStop});
 }
 
+// SR-DET01
 TEST_F(ControlSocketTest, AllocatesNothingOnceItIsOpen) {
   Open();
   Operator client(path_);
@@ -309,6 +312,7 @@ TEST_F(ControlSocketTest, AllocatesNothingOnceItIsOpen) {
   if (!command::AllocationsAreCounted()) GTEST_SKIP() << "a sanitizer owns the allocator";
 }
 
+// SR-OPR03
 TEST_F(ControlSocketTest, ANinthWhoMayCommandGetsThePlaceOfTheMostSilent) {
   Open();
   std::vector<std::unique_ptr<Operator>> clients;
@@ -361,6 +365,7 @@ TEST_F(ControlSocketTest, WhatWasAcceptedIsNotLostToANewerClient) {
   EXPECT_EQ(counters().displaced, 2u);
 }
 
+// SR-OPR01
 TEST_F(ControlSocketTest, TheFileIsTheOwnersAndTheGroupsAlone) {
   Open();
   struct stat found {};
@@ -380,6 +385,7 @@ TEST_F(ControlSocketTest, TheFileIsTheOwnersAndTheGroupsAlone) {
   EXPECT_EQ(found.st_gid, id);
 }
 
+// SR-OPR06
 TEST_F(ControlSocketTest, ASecondInstanceIsToldSoAndDisturbsNothing) {
   Open();
   Operator client(path_);
@@ -520,12 +526,14 @@ class ForeignUser : public ControlSocketTest {
   gid_t group_ = 0;
 };
 
+// SR-OPR01
 TEST_F(ForeignUser, DoesNotGetIn) {
   Open(kGroup);
   EXPECT_EQ(CommandAs(kNogroup, {}), kNotConnected);
   EXPECT_EQ(counters().clients, 0u);
 }
 
+// SR-OPR01
 TEST_F(ForeignUser, MayCommandAsAMemberOfTheGroup) {
   Open(kGroup);
   EXPECT_EQ(CommandAs(kNogroup, {group_}), kCommandGiven);
@@ -535,6 +543,7 @@ TEST_F(ForeignUser, MayCommandAsAMemberOfTheGroup) {
 }
 
 // The second lock: somebody has opened the first.
+// SR-OPR01
 TEST_F(ForeignUser, MayAskButNotCommandWhereTheFileLetsThemIn) {
   Open(kGroup);
   ASSERT_EQ(chmod(path_.c_str(), 0666), 0);
@@ -543,6 +552,7 @@ TEST_F(ForeignUser, MayAskButNotCommandWhereTheFileLetsThemIn) {
   EXPECT_EQ(counters().messages, 1u) << "the question";
 }
 
+// SR-OPR01
 TEST_F(ForeignUser, MayNotCommandWhereThereIsNoGroup) {
   Open();
   EXPECT_EQ(CommandAs(kNogroup, {group_}), kNotConnected);

@@ -274,6 +274,7 @@ TEST(FileRecorder, GoesOnInAnotherFileWhereOneCannotGrow) {
   EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
+// SR-LOG02
 TEST(FileRecorder, TellsHowManyRecordsAreMissingWhereTheyAre) {
   LogDirectory directory;
   FileRecorder recorder;

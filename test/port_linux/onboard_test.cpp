@@ -98,6 +98,7 @@ void ExpectOff(ClosedLoop& drive) {
 }
 
 // It would be taken for having come just now.
+// SR-INP06
 TEST(Onboard, DropsWhatCameBeforeTheFirstTick) {
   ClosedLoop drive;
   SimulatedDevices simulated(drive);
@@ -151,6 +152,7 @@ struct Flood {
 };
 
 // More than a tick takes, tick for tick: what waits would come later and later, and look new.
+// SR-INP06
 TEST(Onboard, DropsWhatWaitsForLong) {
   Flood flood;
   constexpr int kTicks = 1000;
@@ -168,6 +170,7 @@ TEST(Onboard, DropsWhatWaitsForLong) {
 }
 
 // So does what others send, which is not given on.
+// SR-INP06
 TEST(Onboard, DropsWhatWaitsBehindForeignDatagrams) {
   Flood flood;
   const std::vector<uint8_t> bytes(100, 0xfa);
@@ -181,6 +184,7 @@ TEST(Onboard, DropsWhatWaitsBehindForeignDatagrams) {
 }
 
 // A burst, as after a late tick, is made up for and nothing of it dropped.
+// SR-INP06
 TEST(Onboard, MakesUpForABurst) {
   Flood flood;
   flood.Tick(flood.lidar, 150);
@@ -189,6 +193,7 @@ TEST(Onboard, MakesUpForABurst) {
   EXPECT_EQ(flood.Taken(InputSource::kLidar), 150u + 50u * 6u);
 }
 
+// SR-PGM01
 TEST(Onboard, EndsFromDrivingAtRestWithTheDrivesOff) {
   ClosedLoop drive;
   drive.DriveTo(60.0f, 0.0f);
@@ -197,6 +202,7 @@ TEST(Onboard, EndsFromDrivingAtRestWithTheDrivesOff) {
   ExpectOff(drive);
 }
 
+// SR-PGM01
 TEST(Onboard, EndsFromAnEmergencyStopThatStillRollsAtRestWithTheDrivesOff) {
   ClosedLoop drive;
   drive.DriveTo(60.0f, 0.0f);
@@ -288,6 +294,7 @@ TEST(Onboard, ObeysAnEmergencyStopWhileItEnds) {
   rmdir(name);
 }
 
+// SR-PGM01
 TEST(Onboard, EndsArmedWithTheDrivesOffAndStandbyAtOnce) {
   ClosedLoop drive;
   drive.BringUpAndArm();
@@ -297,6 +304,7 @@ TEST(Onboard, EndsArmedWithTheDrivesOffAndStandbyAtOnce) {
 }
 
 // Nobody to wait for: but not for ever either.
+// SR-PGM01
 TEST(Onboard, EndsThoughTheDrivesAreSilent) {
   ClosedLoop drive;
   drive.DriveTo(60.0f, 0.0f);

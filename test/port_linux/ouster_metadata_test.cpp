@@ -124,6 +124,7 @@ TEST(OusterMetadata, KnowsTheBeamOriginOfEachProductLine) {
   }
 }
 
+// SR-CFG03
 TEST(OusterMetadata, NamesFileAndFieldOfWhatIsWrong) {
   ExpectRefused("", "scan.json: not JSON (at byte 1)");
   ExpectRefused("{\"a\": NaN}", "scan.json: not JSON (at byte 7)");
@@ -184,6 +185,7 @@ TEST(OusterMetadata, NamesTheFieldOfABadFormat) {
                 Status::kUnsupported);
 }
 
+// SR-CFG03
 TEST(OusterMetadata, NamesTheFieldOfABadIdentityOrGeometry) {
   ExpectRefused(With(R"("initialization_id": 16777216)"),
                 "scan.json: initialization_id: must be in 0 .. 16777215");
@@ -293,6 +295,7 @@ TEST(OusterMetadata, SaysWhyAFileCannotBeRead) {
 }
 
 // Changed anywhere, a file is read or refused; what is read is within the stated limits.
+// SR-CFG03, SR-INP01
 TEST(OusterMetadata, WithstandsDamage) {
   const std::string original = "{" + Beams(16) + R"(, "lidar_mode": "2048x10", "prod_line": "OS-1",
       "prod_sn": "992210000957", "initialization_id": 5431293, "image_rev": "image-v3.2.0+1",

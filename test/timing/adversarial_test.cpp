@@ -41,6 +41,7 @@ PlanRequest RequestTo(Vec2 goal) {
   return request;
 }
 
+// SR-DET02
 TEST_F(Adversarial, MapsStayWithinEveryRecord) {
   for (const AdversarialMap& map : kAdversarialMaps) {
     for (int method = 0; method < 2; ++method) {

@@ -76,6 +76,7 @@ TEST(AssuredSight, NothingComesOfHeightsOrBeamsThatMakeNoSense) {
 }
 
 // The vehicle stops before what it meets; with 64 beams at 5 m/s, with 32 more slowly.
+// SR-LOW02
 TEST(AssuredSight, TheSpeedStopsWithinIt) {
   const VehicleParams vehicle;
   const SpeedParams speed;
@@ -96,6 +97,7 @@ TEST(AssuredSight, TheSpeedStopsWithinIt) {
   EXPECT_LT(AssuredSpeed_mps(EvenBeams(32), perception, vehicle, speed), 3.0f);
 }
 
+// SR-LOW02
 TEST(AssuredSight, LowersTheLimitsOrRefuses) {
   SpeedParams speed;
   EXPECT_EQ(LimitToAssuredSight(EvenBeams(32), {}, {}, speed), Status::kOk);
@@ -114,6 +116,7 @@ TEST(AssuredSight, LowersTheLimitsOrRefuses) {
 // One beam on what is above the tolerated part is enough for the segmenter itself: a thing of 0.2 m
 // and as wide as it is high, everywhere from where the lowest beam meets it to the end of the
 // sight.
+// SR-LOW02
 TEST(AssuredSight, WhatIsMetIsClassedAsStanding) {
   constexpr int kBeams = 64;
   constexpr int kDirections = 41;

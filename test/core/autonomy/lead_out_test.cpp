@@ -40,6 +40,7 @@ TEST(LeadOut, AStartBesideAWallWithoutRoomToTurnIsLeftAlongTheHeading) {
 }
 
 // Walls on both sides, nearer than the search keeps from them: from the middle no way falls.
+// SR-STA01
 TEST(LeadOut, AStartBetweenTwoWallsIsLeftStraightOn) {
   Scene scene = SceneTo({15.1f, 8.1f});
   scene.Add(-5, 4, 15, 6);

@@ -81,6 +81,7 @@ TEST(LowThings, AreHardFromWhereTheBeamsResolveThem) {
 
 // Up to where the lowest beam has long passed over it, and with a lidar that points half a degree
 // up or down.
+// SR-LOW01
 TEST(LowThings, StayHardInTheBlindCone) {
   for (const Thing& thing : LowThings()) {
     for (const double pitch_deg : {-0.5, 0.0, 0.5}) {
@@ -106,6 +107,7 @@ TEST(LowThings, NoLabelMakesThemGroundVoidOrSky) {
 
 // A fence of 1.2 m, a branch from 1.2 to 1.5 m and somebody who stands, all of it void, sky or
 // ground by their labels.
+// SR-LOW04
 TEST(LowThings, NoLabelTakesAwayWhatStands) {
   const std::vector<Body> bodies = {Box({24.98, -1.5, 0.0}, {25.02, -0.9, 1.2}),
                                     Box({24.92, -0.5, 1.2}, {25.08, 0.3, 1.5}),

@@ -18,6 +18,7 @@ void LookAtBox(MapperBench& bench) {
   bench.GiveAll(kFirst - kMargin, kLast + kMargin);
 }
 
+// SR-PER05
 TEST(MapperLabels, UntilTheyComeTheGeometricClassIsInEveryBuild) {
   MapperBench bench(true);
   LookAtBox(bench);
@@ -42,6 +43,7 @@ TEST(MapperLabels, ReplaceTheGeometricClass) {
   EXPECT_EQ(bench.mapper->counters().folded_with_labels, bench.mapper->ring().counters().columns);
 }
 
+// SR-PER06
 TEST(MapperLabels, GroundThatStandsTooHighIsHard) {
   MapperBench bench(true);
   LookAtBox(bench);
@@ -51,6 +53,7 @@ TEST(MapperLabels, GroundThatStandsTooHighIsHard) {
   EXPECT_EQ(bench.Count(MapperBench::kBox, Costmap::kHard), Chain::Cells(MapperBench::kBox));
 }
 
+// SR-PER10
 TEST(MapperLabels, PersonIsFlagged) {
   MapperBench bench(true);
   LookAtBox(bench);
@@ -72,6 +75,7 @@ TEST(MapperLabels, OfAColumnThatIsNotClassedYetWait) {
 }
 
 // The deadline counts from when the column was taken.
+// SR-PER05
 TEST(MapperLabels, ThatNeverComeAreWaitedForUntilTheDeadline) {
   MapperBench bench(true);
   LookAtBox(bench);
@@ -90,6 +94,7 @@ TEST(MapperLabels, ThatNeverComeAreWaitedForUntilTheDeadline) {
   EXPECT_EQ(bench.HardInGrid(MapperBench::kBox), Chain::Cells(MapperBench::kBox));
 }
 
+// SR-PER05
 TEST(MapperLabels, ThatComeLateChangeNothing) {
   MapperBench bench(true);
   LookAtBox(bench);

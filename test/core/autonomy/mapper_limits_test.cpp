@@ -11,6 +11,7 @@ namespace {
 // Columns that wait for those ahead of them before their directions are complete.
 const int kWaiting = TheModel().max_column_shift;
 
+// SR-DET03
 TEST(MapperLimits, ColumnsBeyondATicksDirectionsAreRefusedAndCounted) {
   MapperBench bench(true);
   bench.GiveAll(0, 99);
@@ -84,6 +85,7 @@ TEST(MapperLimits, AColumnThatIsFoldedUnclassedCountsAsADirection) {
   EXPECT_EQ(directions_left(true), free - (kWaiting + Segmenter::kLag) - 1);
 }
 
+// SR-DET03
 TEST(MapperLimits, ATickFoldsSoManyColumnsThatAreOverdue) {
   MapperBench bench(true);
   constexpr int kGiven = 900;
@@ -120,6 +122,7 @@ TEST(MapperLimits, WhatLabelsFoldCountsAmongATicksFolds) {
   EXPECT_EQ(bench.Folded(), static_cast<uint32_t>(Mapper::kMaxFolds));
 }
 
+// SR-DET03
 TEST(MapperLimits, ATickCrossesSoManyCells) {
   const auto crossed = [](bool limited) {
     MapperBench bench(true);

@@ -87,6 +87,7 @@ TEST(Mapper, TakesTheGroundAroundTheStartAsObserved) {
   EXPECT_EQ(bench.Count({5.2, -6.0, 8.0, 6.0}, Costmap::kObserved), 0);
 }
 
+// SR-PER08
 TEST(Mapper, CountsColumnsWithoutAPose) {
   MapperBench bench(false);
   EXPECT_EQ(bench.mapper->AddColumn(bench.Cast(0).first, TimeOf_ns(0)), Status::kNoPose);
@@ -131,6 +132,7 @@ TEST(Mapper, RefusesPosesThatAreNone) {
   EXPECT_EQ(bench.mapper->counters().position_jumps, 0u);
 }
 
+// SR-ODO01
 TEST(Mapper, JudgesAStepByItsLengthWhateverItsDirection) {
   for (int step = 0; step < 8; ++step) {
     const float angle_rad = 0.25f * kPi * static_cast<float>(step);
@@ -254,6 +256,7 @@ TEST(Mapper, EndsTheRevolutionOfASilentSensor) {
 }
 
 // Packets of 16 columns get lost.
+// SR-PER08
 TEST(Mapper, KeepsTheMapWithPacketsLost) {
   MapperBench bench(false);
   bench.GiveAll(0, kColumns - 1);
@@ -275,6 +278,7 @@ TEST(Mapper, KeepsTheMapWithPacketsLost) {
   EXPECT_EQ(bench.Count({-12.0, -12.0, 5.6, 12.0}, Costmap::kHard | Costmap::kSoft), 0);
 }
 
+// SR-PER08
 TEST(Mapper, TakesEachColumnOnce) {
   MapperBench once(false);
   MapperBench twice(false);
@@ -293,6 +297,7 @@ TEST(Mapper, TakesEachColumnOnce) {
 }
 
 // Packets overtake one another: each pair of them comes the wrong way round.
+// SR-PER08
 TEST(Mapper, KeepsTheMapWithPacketsOutOfOrder) {
   MapperBench bench(false);
   bench.GiveAll(0, kColumns - 1);

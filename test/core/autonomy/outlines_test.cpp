@@ -43,6 +43,7 @@ TEST(Outlines, OfALongVehicleGoThroughAGapThatItFits) {
 
 //    #       a goal that is where the vehicle stands
 //   [o] x
+// SR-GEO06
 TEST(Stay, IsWhatAGoalAtTheVehicleAsksFor) {
   for (const float away_m : {0.0f, 0.02f, 0.2f, -0.2f}) {
     const Scene scene = SceneTo({0.1f + away_m, 0.1f});
@@ -76,6 +77,7 @@ TEST(Stay, TurnsToTheGoalsHeading) {
 }
 
 // A goal of a vehicle that stands in something is arrival, and that it stands in it is told.
+// SR-GEO07
 TEST(Stay, SaysWhatItStandsIn) {
   Scene scene = SceneTo({0.1f, 0.1f});
   scene.Add(3, 0, 3, 0);

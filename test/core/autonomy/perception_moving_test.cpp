@@ -23,6 +23,7 @@ Area Around(double x, double y, double reach) {
 //              . 6.1 m
 class PersonWalking : public testing::TestWithParam<bool> {};
 
+// SR-PER10
 TEST_P(PersonWalking, LeavesNoTrail) {
   const bool with_labels = GetParam();
   constexpr double kX = 6.1;
@@ -55,6 +56,7 @@ INSTANTIATE_TEST_SUITE_P(PerceptionScenes, PersonWalking, testing::Bool(),
 //
 //   [====]   .    .  '   .   .
 //     .   '   .  .     .
+// SR-PER07
 TEST(PerceptionScenes, RainDoesNotBecomeWalls) {
   constexpr Area kOpen = {1.0, -12.0, 18.0, 12.0};
   constexpr int kHandful_cells = 8;
@@ -121,6 +123,7 @@ TEST_P(HeightJump, DoesNotTurnGroundIntoObstacles) {
 INSTANTIATE_TEST_SUITE_P(PerceptionScenes, HeightJump, testing::Bool(),
                          [](const auto& info) { return info.param ? "WithLabels" : "ByGeometry"; });
 
+// SR-ODO01
 TEST(PerceptionScenes, PositionJumpEmptiesTheMap) {
   Chain chain(false, Sector{30.0});
   chain.world.bodies = {Box({7.05, -0.35, 0.0}, {7.75, 0.35, 1.0})};
@@ -216,6 +219,7 @@ TEST(PerceptionScenes, PolesStaySharpWhileTheVehicleTurns) {
 //
 //   [==] ->        ______   ______
 //                        |_|   1 m wide, 1 m deep
+// SR-PER09
 TEST(PerceptionScenes, DitchThatIsDrivenAtBecomesUnknown) {
   for (const double width_m : {1.0, 1.5, 2.0}) {
     SCOPED_TRACE(width_m);

@@ -58,6 +58,7 @@ class BoxAhead {
   Chain chain;
 };
 
+// SR-PER04
 TEST(PerceptionScenes, BoxTwoMetersAheadIsKnownAfterHalfAMinute) {
   for (const bool with_labels : {false, true}) {
     SCOPED_TRACE(with_labels ? "with labels" : "by geometry");
@@ -75,6 +76,7 @@ TEST(PerceptionScenes, BoxTwoMetersAheadIsKnownAfterHalfAMinute) {
   }
 }
 
+// SR-PER04
 TEST(PerceptionScenes, BoxTakenAwayStaysUntilTheLidarSeesThroughIt) {
   const auto scene = std::make_unique<BoxAhead>(false);
   Chain& chain = scene->chain;
@@ -103,6 +105,7 @@ TEST(PerceptionScenes, BoxTakenAwayStaysUntilTheLidarSeesThroughIt) {
 //   ----------------------+   |------
 //                     6.5 |   | 8.0
 //                         +---+
+// SR-PER09
 TEST(PerceptionScenes, DitchIsUnknownGround) {
   World world;
   world.ground = Ground(
@@ -147,6 +150,7 @@ TEST(PerceptionScenes, FlatGroundIsObservedBetweenTheRings) {
 // Grass: beams end somewhere in it.
 //
 //   [====]  wWwwWWwwWw  0.4 m
+// SR-PER07
 TEST(PerceptionScenes, GrassIsFree) {
   World world;
   Body grass = Box({5.0, -3.0, 0.0}, {12.0, 3.0, 0.4}, kGrassCode);
@@ -201,6 +205,7 @@ TEST(PerceptionScenes, BushByGeometryIsSoftInMostOfItsCells) {
 //          .oO|Oo.
 //   [====] oOO|OOo
 //           oO|Oo
+// SR-PER02
 TEST(PerceptionScenes, TrunkInsideABushIsHard) {
   World world;
   world.bodies = {Bush(7.1, 0.1, 1.2, 0.6), Cylinder(7.1, 0.1, 0.09, 1.2, kTreeCode)};
@@ -225,6 +230,7 @@ World WithBranch(double from_z) {
 constexpr Area kBranch = {8.0, -0.8, 8.2, 0.8};
 constexpr Area kAroundBranch = {7.6, -1.6, 8.6, 1.6};
 
+// SR-PER03
 TEST(PerceptionScenes, BranchAtTwoAndAHalfMetersIsFree) {
   for (const bool with_labels : {false, true}) {
     SCOPED_TRACE(with_labels ? "with labels" : "by geometry");
@@ -235,6 +241,7 @@ TEST(PerceptionScenes, BranchAtTwoAndAHalfMetersIsFree) {
   }
 }
 
+// SR-PER03
 TEST(PerceptionScenes, BranchAtOneMeterSeventyIsHard) {
   for (const bool with_labels : {false, true}) {
     SCOPED_TRACE(with_labels ? "with labels" : "by geometry");
@@ -261,6 +268,7 @@ const double kSteep = std::tan(25.0 * kDegree_rad);
 //                ____          drives up it, over its top and down the other side
 //   [====]    .-'    '-.
 //   ------- -'  25 deg  '- ---
+// SR-PER07
 TEST(PerceptionScenes, SlopeUpAndDownIsFree) {
   World world;
   world.ground = Ground({{-1000.0, 0.0},
@@ -288,6 +296,7 @@ TEST(PerceptionScenes, SlopeUpAndDownIsFree) {
 
 // Along the slope, which falls away to the right:  \[==]
 //                                                   \---
+// SR-PER07
 TEST(PerceptionScenes, SlopeAcrossTheWayIsFree) {
   World world;
   world.ground = Ground({{-1000.0, -1000.0 * kSteep}, {1000.0, 1000.0 * kSteep}}, 0.5 * kPi_rad);
@@ -312,6 +321,7 @@ TEST(PerceptionScenes, SlopeAcrossTheWayIsFree) {
 //                 ________
 //   [====]       |  0.6 m
 //   -------------+
+// SR-PER01
 TEST(PerceptionScenes, KerbIsHard) {
   World world;
   world.ground = Ground({{-1000.0, 0.0}, {8.1, 0.0}, {8.1, 0.6}, {1000.0, 0.6}}, 0.0);

@@ -16,6 +16,7 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
+// SR-PLN03
 TEST(Planner, GivesTheSamePlanInAnyPortions) {
   Scene scene = SceneTo({12.1f, 0.1f});
   scene.Add(30, -256, 31, -5);  // a gap with little room
@@ -39,6 +40,7 @@ TEST(Planner, ForgetsThePlanBefore) {
   EXPECT_EQ(HashOf(PlanIn(blocked)), second);
 }
 
+// SR-PLN03
 TEST(Planner, RefusesARequestThatIsNotFinite) {
   Planner& planner = ThePlanner();
   const std::vector<std::function<void(PlanRequest&, float)>> fields = {
@@ -88,6 +90,7 @@ TEST(Planner, SurvivesExtremeRequests) {
   }
 }
 
+// SR-PLN03
 TEST(Planner, RefusesParametersOutOfRange) {
   Planner& planner = ThePlanner();
   const PlanRequest request = SceneTo({5.0f, 0.0f}).request;

@@ -46,6 +46,7 @@ TEST(Planner, PassesAGapInAWall) {
 
 // The gap is 2 m: enough for the footprint (1.58 m), but with little room beside it. The way around
 // is 25 m longer, and nothing is in its way.
+// SR-SPD05
 TEST(Planner, PassesAGapWithLittleRoomSlowly) {
   Scene scene = SceneTo({20.1f, 0.1f});
   scene.Add(50, -90, 51, -5);
@@ -65,6 +66,7 @@ TEST(Planner, PassesAGapWithLittleRoomSlowly) {
   EXPECT_GT(fastest_mps, scene.params.speed.min_speed_mps + 0.5f) << "where there is room";
 }
 
+// SR-PLN01
 TEST(Planner, RefusesAGapNarrowerThanTheFootprint) {
   Scene scene = SceneTo({20.1f, 0.1f});
   scene.Add(50, -256, 51, -4);
@@ -88,6 +90,7 @@ TEST(Planner, FindsNoPathOutOfAClosedRing) {
 }
 
 //  # o ------->        within the planning radius, not within the footprint
+// SR-SPD05
 TEST(Planner, LeavesAnObstacleAtItsStartSlowly) {
   Scene scene = SceneTo({15.1f, 0.1f});
   scene.params.costmap.planning_radius_m = 1.8f;
@@ -156,6 +159,7 @@ TEST(Planner, TurnsOnTheSpotTowardsAGoalBehind) {
   EXPECT_GT(plan.speed[3], 0.0f);
 }
 
+// SR-PLN01
 TEST(Planner, SaysWhenTheTurnOnTheSpotHasNoRoom) {
   Scene scene = SceneTo({-15.1f, 0.1f});
   scene.Add(-5, 5, 5, 5);    // 0.9 m to the left
@@ -250,6 +254,7 @@ TEST(Planner, IgnoresAPersonFarFromTheWay) {
   for (int k = 0; k < plan.speed.size(); ++k) EXPECT_EQ(plan.speed[k], alone.speed[k]);
 }
 
+// SR-SPD01
 TEST(Planner, CanStopWithinTheRestOfThePath) {
   const Scene scene = SceneTo({40.1f, 10.1f});
   const Plan& plan = PlanIn(scene);
@@ -381,6 +386,7 @@ Scene RandomForest(uint32_t seed) {
 // In parts, because an unoptimised build takes a quarter of a second for a costmap.
 class PlannerInForests : public testing::TestWithParam<uint32_t> {};
 
+// SR-PLN01
 TEST_P(PlannerInForests, KeepsClearOfEveryTrunk) {
   constexpr uint32_t kForests = 30;
   uint32_t usable = 0;

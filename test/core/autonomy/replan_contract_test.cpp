@@ -55,6 +55,7 @@ TEST(Replanner, SaysThatItHasNoStateOrParameters) {
   EXPECT_EQ(replanner.committed().number, 0u);
 }
 
+// SR-PLN03
 TEST(Replanner, RefusesUnusableStatesAndChangesNothing) {
   static_cast<void>(OnePlan());
   Replanner& replanner = TheReplanner();
@@ -114,6 +115,7 @@ TEST(Replanner, TakesStatesAndGoalsAtTheEdgeOfWhatItTakes) {
 }
 
 // Whatever the units of a Step, with the state at rest during a round.
+// SR-PLN03
 TEST(Replanner, DecidesTheSameInAnySplitOfUnits) {
   uint64_t expected = 0;
   for (const int units : {1 << 20, 64, 97, 7}) {
@@ -193,6 +195,7 @@ TEST(Replanner, PlansOnHeights) {
 }
 
 // The goal lies outside the world's walls: there is no plan, and none is made up.
+// SR-PLN02
 TEST(Replanner, CommitsNothingWithoutAWay) {
   Drive drive({30.1f, 0.1f});
   drive.world.Add(40, -600, 42, 600);

@@ -102,6 +102,7 @@ TEST(ReplanSequence, KeepsItsSideWhenSomethingFarAwayIsBlocked) {
 //            #               #             #
 //   o ->           then  o ->      then    #      a gap of 4 m, 2 m, none
 //            #               #             #
+// SR-PLN02
 TEST(ReplanSequence, DrivesSlowlyToANarrowingGapAndStopsShortOfAClosedOne) {
   Drive drive({35.1f, 0.1f});
   AddYard(drive.world);
@@ -172,6 +173,7 @@ TEST(ReplanSequence, CarriesOnAPathThatWasCut) {
 }
 
 //   o ->  - - [#] - - - x       it was not there when the path was planned
+// SR-PLN02
 TEST(ReplanSequence, ReplacesAPathThatIsBlockedWithinOnePlan) {
   Drive drive({40.1f, 0.1f});
   drive.Start();
@@ -191,6 +193,7 @@ TEST(ReplanSequence, ReplacesAPathThatIsBlockedWithinOnePlan) {
 }
 
 //   o ->  - - -#- - - - x       a wall, and no way around
+// SR-PLN02
 TEST(ReplanSequence, StopsShortOfAWallThatAppears) {
   Drive drive({37.1f, 0.1f});
   AddYard(drive.world);
@@ -212,6 +215,7 @@ TEST(ReplanSequence, StopsShortOfAWallThatAppears) {
 
 // A wall nearer than the vehicle can stop: what is free is kept to brake on, and the outcome says
 // so.
+// SR-PLN02
 TEST(ReplanSequence, SaysStopWhereItIsTooLateToStop) {
   Drive drive({37.1f, 0.1f});
   AddYard(drive.world);
@@ -400,6 +404,7 @@ TEST(ReplanSequence, SlowsOnAKeptPathForAPerson) {
 
 // So near that braking along the path leaves it too fast beside them, it is held; further away the
 // ramp is enough. They leave room to creep, so that standing is nowhere asked for.
+// SR-SPD03
 TEST(ReplanSequence, IsHeldForAPersonWhoComesUpTooNear) {
   for (const bool is_near : {false, true}) {
     Drive drive({60.1f, 0.1f});

@@ -57,6 +57,7 @@ TEST(SpeedCaps, ObservedGroundDoesNotCap) {
 }
 
 //  [>]=============?????????
+// SR-SPD02
 TEST(SpeedCaps, StopsBeforeTheEndOfTheObservedGround) {
   Ground ground;
   ground.Hide(12.0f, 40.0f);
@@ -74,6 +75,7 @@ TEST(SpeedCaps, StopsBeforeTheEndOfTheObservedGround) {
   EXPECT_EQ(ground.CauseAt(11.55f), CapCause::kUnseenGround);
 }
 
+// SR-SPD02
 TEST(SpeedCaps, GapsUpToTheParameterAreBridgedAndWiderOnesAreNot) {
   for (int cells = 1; cells <= 8; ++cells) {
     Ground ground;
@@ -92,6 +94,7 @@ TEST(SpeedCaps, GapsUpToTheParameterAreBridgedAndWiderOnesAreNot) {
 
 // A post beside the path: the discs' radius, half a cell's diagonal and the room together are
 // 1.08 m, between cell centres.
+// SR-SPD05
 TEST(SpeedCaps, DrivesSlowlyWhereThereIsLittleRoom) {
   for (int cells_aside = 0; cells_aside <= 8; ++cells_aside) {
     Ground ground;
@@ -122,6 +125,7 @@ TEST(SpeedCaps, DrivesSlowlyWhereThereIsLittleRoom) {
 }
 
 // A ditch under one wheel alone, one that it is beside, and one further off.
+// SR-SPD02
 TEST(SpeedCaps, LooksUnderBothWheels) {
   for (const float side : {-1.0f, 1.0f}) {
     Ground under;
@@ -157,6 +161,7 @@ TEST(SpeedCaps, KeepsTheMarginAtThePathsEnd) {
   EXPECT_EQ(ground.CapAt(9.9f), 0.0f);
 }
 
+// SR-SPD02
 TEST(SpeedCaps, TheMapsEdgeEndsTheObservedGround) {
   Ground ground(60.0f);
   ground.Caps();
@@ -261,6 +266,7 @@ TEST(SpeedCaps, AreFreeAgainOnceTheVehicleIsPastAPersonAtTheStart) {
   EXPECT_EQ(ground.CapAt(0.825f), ground.speed.max_speed_mps);
 }
 
+// SR-SPD03
 TEST(SpeedCaps, StandsForAPersonWhoCouldStepIntoTheWay) {
   for (const float beside_m : {0.0f, 0.9f, 1.5f, 1.9f}) {
     Ground ground;
@@ -307,6 +313,7 @@ TEST(SpeedCaps, LittleRoomBesideABendIsDrivenSlowly) {
   EXPECT_EQ(bent.CauseAt(5.5f), CapCause::kLittleRoom);
 }
 
+// SR-MOV03
 TEST(SpeedCaps, WithoutAnyRoomItIsDrivenAtTheLeast) {
   Ground ground;
   PutWall(ground, 4);

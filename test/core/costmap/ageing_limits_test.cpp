@@ -53,6 +53,7 @@ class AgeingLimits : public testing::Test {
   std::unique_ptr<HeightGrid> grid_ = std::make_unique<HeightGrid>();
 };
 
+// SR-DET03
 TEST_F(AgeingLimits, HoldNoMoreCellsAgainstFansThanATickMay) {
   const Cell near = {50, 0};
   const Cell middle = {60, 0};

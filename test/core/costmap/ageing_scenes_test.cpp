@@ -39,6 +39,7 @@ HeightsByCell HardCells(const HeightGrid& grid, float min_x_m, float max_x_m, fl
 //                +--+        ---___                           |
 //  ==============|  |==================================================
 //                0.6 m box
+// SR-PER04
 TEST(AgeingScene, ABoxInTheBlindConeStaysForever) {
   const auto grid = std::make_unique<HeightGrid>();
   LidarScene scene;
@@ -91,6 +92,7 @@ TEST(AgeingScene, APersonWhoWalkedOnVanishes) {
 }
 
 //   o - - - | lorry that stopped in between      box
+// SR-PER04
 TEST(AgeingScene, AnOccludedObstacleStays) {
   const auto grid = std::make_unique<HeightGrid>();
   LidarScene scene;
@@ -106,6 +108,7 @@ TEST(AgeingScene, AnOccludedObstacleStays) {
 }
 
 // With nothing behind it, no beam comes back that could tell of it.
+// SR-PER04
 TEST(AgeingScene, AnObstacleThatNoBeamComesBackFromBehindStays) {
   const auto grid = std::make_unique<HeightGrid>();
   LidarScene scene;
@@ -123,6 +126,7 @@ TEST(AgeingScene, AnObstacleThatNoBeamComesBackFromBehindStays) {
 //  before, from further away            now: the highest beam passes under it
 //                      =====  branch                 =====
 //  o--------------------             o---________----------
+// SR-PER04
 TEST(AgeingScene, ABranchAboveTheHighestBeamStays) {
   const auto grid = std::make_unique<HeightGrid>();
   LidarScene scene;
@@ -145,6 +149,7 @@ TEST(AgeingScene, ABranchAboveTheHighestBeamStays) {
 // A mesh fence 8 m away stops one beam in three, at random. Guaranteed is that it is an obstacle in
 // every revolution in which a beam stops in its upper half, from then on; each of its cells is
 // crossed by several fans of eight beams in the upper half, so that is nearly always so.
+// SR-PER02
 TEST(AgeingScene, AMeshFenceThatStopsOneBeamInThreeStays) {
   const auto grid = std::make_unique<HeightGrid>();
   LidarScene fence;
@@ -193,6 +198,7 @@ TEST(AgeingScene, AMeshFenceThatStopsOneBeamInThreeStays) {
 //    |  |    cell of 0.2 m, post of 0.05 m: beams left and right of it go on to the wall
 //    | #|
 //    |  |
+// SR-PER02
 TEST(AgeingScene, ThinPostsNeverVanishHoweverLateTheirReturnsAreFiled) {
   for (uint32_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);

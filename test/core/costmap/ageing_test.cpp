@@ -68,6 +68,7 @@ class Ageing : public testing::Test {
 
 constexpr int kNone = HeightGrid::kNone;
 
+// SR-PER04
 TEST_F(Ageing, TakesRevolutionsInWhichItIsSeenThrough) {
   for (int ageing = 1; ageing <= HeightGrid::kMaxAgeingRevolutions; ++ageing) {
     ASSERT_EQ(grid_->Reset({}), Status::kOk);

@@ -67,11 +67,13 @@ CostmapParams InCell() {
 
 //   z 1.0   x        one ring of the lidar on a post: one return, the ground beside it
 //   z 0.0 ....  ....
+// SR-PER01
 TEST(LocalGroundRule, SeesAnObstacleThatOneRingHits) {
   Judge({{{{kHard, 1.0f}}, 1, Costmap::kHard}});
   Judge({{{{kHard, 1.0f}}, 1, 0}}, InCell());
 }
 
+// SR-PER03
 TEST(LocalGroundRule, LetsPassWhatHangsAboveTheClearance) {
   Judge({{{{kHard, 2.5f}, {kHard, 4.0f}}, 1, 0},
          {{{kHard, 2.5f}, {kGround, 0.0f}}, 1, 0},
@@ -81,6 +83,7 @@ TEST(LocalGroundRule, LetsPassWhatHangsAboveTheClearance) {
 //   z 4    xxx
 //   z 3   xxxxx     low and high returns in one cell: what lies between is not known
 //   z 0.3   x
+// SR-PER02
 TEST(LocalGroundRule, TakesATrunkUnderItsCrownAsHard) {
   Judge({{{{kHard, 0.3f}, {kHard, 4.0f}}, 1, Costmap::kHard}});
 }
@@ -100,12 +103,14 @@ TEST(LocalGroundRule, TellsSoftFromHard) {
          {{{kSoft, 0.9f}, {kHard, 3.0f}}, 1, Costmap::kSoft}});  // a bush under a crown
 }
 
+// SR-PER10
 TEST(LocalGroundRule, TakesAPersonAsHardAtAnyHeightBelowTheClearance) {
   Judge({{{{kPerson, 1.6f}}, 1, Costmap::kHard | Costmap::kPerson},
          {{{kPerson, 0.2f}}, 1, Costmap::kHard | Costmap::kPerson},
          {{{kPerson, 0.2f}, {kHard, 0.1f}}, 1, Costmap::kHard | Costmap::kPerson}});
 }
 
+// SR-PER01
 TEST(LocalGroundRule, TakesAHardReturnAsAnObstacleWhereNoGroundIsNear) {
   Judge({{{{kHard, 0.2f}}, kNowhere, Costmap::kHard},
          {{{kHard, 0.2f}}, 7, 0},               // ground in the square's last column
@@ -120,6 +125,7 @@ TEST(LocalGroundRule, TakesAHardReturnAsAnObstacleWhereNoGroundIsNear) {
          {{{kHard, 4.0f}}, 3, Costmap::kHard}});
 }
 
+// SR-PER01
 TEST(LocalGroundRule, HoldsItsThresholds) {
   // Just at a threshold is not above it.
   Judge({{{{kHard, 0.50f}}, 1, 0},
@@ -326,6 +332,7 @@ class ReturnList {
   std::vector<Return> cells_[kSide * kSide];
 };
 
+// SR-PER01
 TEST(ObstacleRules, EqualAPlainReferenceOnRandomReturns) {
   for (uint32_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);

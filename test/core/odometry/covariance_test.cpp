@@ -163,6 +163,7 @@ TEST(Covariance, KnowsOfTheGainThatWasNotApplied) {
 }
 
 // 1e5 steps of any size that is allowed, and measurements from nearly exact to useless.
+// SR-ODO05
 TEST(Covariance, StaysSymmetricAndPositiveWhateverComes) {
   constexpr uint32_t kSeed = 20250209;
   SCOPED_TRACE(kSeed);

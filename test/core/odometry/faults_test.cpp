@@ -74,6 +74,7 @@ TEST(OdometryFaults, AGyroThatOnlyRepeatsItselfGrowsOld) {
 
 // Messages without a time since the device's start, as $VNINS: their GPS time tells. One of each
 // kind at the same instant are two messages.
+// SR-ODO03
 TEST(OdometryFaults, ARepetitionIsToldByGpsTimeToo) {
   KnownDrive drive = Driving();
   InsSample line = drive.Ins();
@@ -93,6 +94,7 @@ TEST(OdometryFaults, ARepetitionIsToldByGpsTimeToo) {
 }
 
 // New stamps, the same number, while the wheels begin to turn the other way.
+// SR-ODO02
 TEST(OdometryFaults, AFrozenGyroIsFoundByTheWheels) {
   KnownDrive drive = Driving();
   const Vec3 stuck = drive.Ins().angular_rate_radps;
@@ -113,6 +115,7 @@ TEST(OdometryFaults, AFrozenGyroIsFoundByTheWheels) {
 }
 
 // They say the same while the vehicle brakes: the odometry has no wheel speeds any more.
+// SR-ODO02
 TEST(OdometryFaults, FrozenWheelsAreFoundByTheSpeedOverGround) {
   KnownDrive drive = Driving();
   const WheelFeedback stuck = drive.Wheels();
@@ -146,6 +149,7 @@ TEST(OdometryFaults, AConstantSpeedIsNotFrozen) {
 }
 
 // It rolled on while nobody said how fast.
+// SR-ODO01
 TEST(OdometryFaults, ASilenceOfTheWheelsIsBridgedWhileShortAndAGapBeyond) {
   for (const int silent : {10, 50}) {
     KnownDrive drive = Driving();
@@ -172,6 +176,7 @@ TEST(OdometryFaults, ASilenceOfTheWheelsIsBridgedWhileShortAndAGapBeyond) {
   }
 }
 
+// SR-ODO01
 TEST(OdometryFaults, APauseOfEverythingIsAGapAndNotBridged) {
   KnownDrive drive = Driving();
   const StampedPose before = drive.odometry.pose();
@@ -182,6 +187,7 @@ TEST(OdometryFaults, APauseOfEverythingIsAGapAndNotBridged) {
   EXPECT_EQ(drive.odometry.pose().yaw_rad, before.yaw_rad);
 }
 
+// SR-ODO05
 TEST(OdometryFaults, RefusesWhatIsNoNumberAndWhatNoSensorSays) {
   KnownDrive drive = Driving();
   const StampedPose before = drive.odometry.pose();
@@ -218,6 +224,7 @@ TEST(OdometryFaults, RefusesWhatIsNoNumberAndWhatNoSensorSays) {
 }
 
 // One glitch is kept out; what lasts is taken.
+// SR-ODO02
 TEST(OdometryFaults, AGlitchOfTheWheelsIsRejectedAndAStepIsNot) {
   KnownDrive drive = Driving({.has_ground_speed = false});
   const double error_m = drive.PositionError();
@@ -240,6 +247,7 @@ TEST(OdometryFaults, AGlitchOfTheWheelsIsRejectedAndAStepIsNot) {
   EXPECT_NEAR(drive.odometry.speed_mps(), 6.0, 0.2);
 }
 
+// SR-ODO02
 TEST(OdometryFaults, AGlitchOfTheGyroIsRejected) {
   KnownDrive drive = Driving();
   const double error_rad = drive.YawError();
@@ -304,6 +312,7 @@ TEST(OdometryFaults, RefusesParametersOutOfRange) {
 }
 
 // Whatever comes, in any order and at any time: a number comes out, and the pose does not jump.
+// SR-ODO05
 TEST(OdometryFaults, NeverGivesAnythingButNumbers) {
   constexpr uint32_t kSeed = 20250210;
   SCOPED_TRACE(kSeed);

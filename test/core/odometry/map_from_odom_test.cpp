@@ -203,6 +203,7 @@ TEST(MapFromOdom, FollowsTheDriftOfOdom) {
   EXPECT_EQ(drive.map.counters().rejected, 0u);
 }
 
+// SR-ODO04
 TEST(MapFromOdom, RejectsAJumpThatGoesAway) {
   Drive drive;
   drive.Seconds(20.0, 2.0);
@@ -225,6 +226,7 @@ TEST(MapFromOdom, RejectsAJumpThatGoesAway) {
 }
 
 // Then it is right, and is gone to slowly: 0.2 m/s.
+// SR-ODO04
 TEST(MapFromOdom, TakesAJumpThatPersistsAndGoesThereSlowly) {
   Drive drive;
   drive.Seconds(20.0);
@@ -256,6 +258,7 @@ TEST(MapFromOdom, JumpsThatDoNotAgreeAreNotBelieved) {
   EXPECT_LT(drive.GoalError(50.0), 0.1);
 }
 
+// SR-ODO04
 TEST(MapFromOdom, KeepsTheTransformWhenTheInsIsLost) {
   for (const bool silent : {true, false}) {
     Drive drive;

@@ -39,6 +39,7 @@ TEST(CommandGate, LetsAPlannedCommandThroughAsItIs) {
   EXPECT_EQ(gate.counters().above_speed, 0u);
 }
 
+// SR-CMD02
 TEST(CommandGate, ClampsSpeedsAndChanges) {
   CommandGate gate = MakeGate();
   WheelCommand out = gate.Pass({100.0f, -100.0f}, true, kTick_s);
@@ -53,6 +54,7 @@ TEST(CommandGate, ClampsSpeedsAndChanges) {
   EXPECT_GT(gate.counters().above_change, 5u);
 }
 
+// SR-CMD02
 TEST(CommandGate, SendsZeroAtOnceHoweverFastItWas) {
   CommandGate gate = MakeGate();
   for (int tick = 0; tick < 20; ++tick) {
@@ -66,6 +68,7 @@ TEST(CommandGate, SendsZeroAtOnceHoweverFastItWas) {
   EXPECT_FLOAT_EQ(gate.Pass({17.0f, 17.0f}, true, kTick_s).left_radps, 2.0f);
 }
 
+// SR-CMD03
 TEST(CommandGate, MakesOfWhatIsNoNumberZeroAndAFault) {
   for (const WheelCommand& bad :
        {WheelCommand{kNan, 1.0f}, WheelCommand{1.0f, kNan}, WheelCommand{kInf, 1.0f},
@@ -83,6 +86,7 @@ TEST(CommandGate, MakesOfWhatIsNoNumberZeroAndAFault) {
   }
 }
 
+// SR-CMD01
 TEST(CommandGate, PassesNothingWithoutLimitsOrTime) {
   CommandGate never;
   ExpectZero(never.Pass({1.0f, 1.0f}, true, kTick_s));
@@ -97,6 +101,7 @@ TEST(CommandGate, PassesNothingWithoutLimitsOrTime) {
   }
 }
 
+// SR-CMD02
 TEST(CommandGate, HoldsItsLimitsForAnyCommands) {
   constexpr uint32_t kSeed = 11;
   SCOPED_TRACE(kSeed);

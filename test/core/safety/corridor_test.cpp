@@ -47,6 +47,7 @@ struct Rig {
 //   - - - - - - - + - - - -   0.74
 //   [>]================
 //   - - - - - - - + - - - -  -0.74
+// SR-COR01
 TEST(Corridor, ToldToTheCentimetreOnBothSides) {
   for (const float side : {-1.0f, 1.0f}) {
     for (float x_m = 0.5f; x_m < 10.0f; x_m += 0.173f) {
@@ -195,6 +196,7 @@ double DistanceTo(const WorldPath& path, double from_m, double to_m, Vec2 point)
 
 // Any path, any point: against the distance by brute force. Fine paths are taken together in
 // chords, which moves the edge by millimetres.
+// SR-COR01
 TEST(Corridor, AgreesWithBruteForceOnRandomPaths) {
   constexpr uint32_t kSeed = 7;
   SCOPED_TRACE(kSeed);
@@ -232,6 +234,7 @@ TEST(Corridor, AgreesWithBruteForceOnRandomPaths) {
 }
 
 // A plan that was made on an older map is held against what has come since, by its cell.
+// SR-COR02
 TEST(Corridor, HoldsANewPathAgainstWhatCameSinceItsMapWasBegun) {
   Rig test(Straight(11.0f, 0.275f, {0.0f, 5.0f}));
   Corridor& corridor = *test.corridor;
@@ -263,6 +266,7 @@ TEST(Corridor, HoldsANewPathAgainstTheNearerEdgeOfACell) {
   }
 }
 
+// SR-COR02
 TEST(Corridor, TakesNoCellForAnotherAndForgetsInTime) {
   Rig test(Straight(11.0f));
   Corridor& corridor = *test.corridor;
@@ -284,6 +288,7 @@ TEST(Corridor, TakesNoCellForAnotherAndForgetsInTime) {
 }
 
 // Each tick another row of the memory is gone through: none loses what is not too old.
+// SR-COR02
 TEST(Corridor, RemembersEveryRowAsLongAsItPromises) {
   Rig test(Straight(11.0f, 0.275f, {0.0f, 50.0f}));
   Corridor& corridor = *test.corridor;
@@ -335,6 +340,7 @@ TEST(Corridor, OfAPathThatFillsItsCoarseGridIsTheSame) {
 
 // Beside the corridor, but in a cell of the coarse grid that the only chord reaches into: each
 // return there is one test. The last test that is allowed is still made.
+// SR-COR03, SR-DET03
 TEST(Corridor, TakesReturnsForAnObstacleOnlyOnceAllTestsOfATickAreUsedUp) {
   Rig test(PathOf({{0, 0, 0}, {10, 0, 0}}));
   Corridor& corridor = *test.corridor;
@@ -383,6 +389,7 @@ TEST(Corridor, RemembersAcrossTheWrapOfTheTick) {
 }
 
 //   [>]------- gap ------|x|
+// SR-COR01
 TEST(Corridor, SaysWhenToBrakeAndWhenLimitsDoNotDo) {
   const SpeedParams speed;
   const VehicleParams vehicle;
@@ -410,6 +417,7 @@ TEST(Corridor, SaysWhenToBrakeAndWhenLimitsDoNotDo) {
 
 // A vehicle that brakes along the path when it is told to, with dead time and lag, is not told in
 // the middle of it that this does not do; and it stands before the return.
+// SR-COR01
 TEST(Corridor, BrakesOnceAndStandsBeforeIt) {
   const SpeedParams speed;
   const VehicleParams vehicle;

@@ -143,6 +143,7 @@ TEST(MotionSweep, NumbersThatAreNoneChangeNothing) {
 
 // Against the outline in double precision: no return within half a part of it goes unseen, none
 // further off than margin and half a part is made up.
+// SR-MOV01
 TEST(MotionSweep, AgreesWithTheOutlineItself) {
   std::mt19937 random(7);
   const auto uniform = [&random](float low, float high) {

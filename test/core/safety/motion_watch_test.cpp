@@ -40,6 +40,7 @@ struct Watched {
   }
 };
 
+// SR-CMD04
 TEST(MotionWatch, FindsAVehicleThatMovesWhenItShouldStand) {
   for (const float speed_mps : {1.3f, -1.3f, 5.0f}) {
     Watched vehicle;
@@ -54,6 +55,7 @@ TEST(MotionWatch, FindsAVehicleThatMovesWhenItShouldStand) {
   EXPECT_EQ(faster.watch.fault(), MotionFault::kRunaway);
 }
 
+// SR-CMD04
 TEST(MotionWatch, FindsAVehicleThatTurnsAgainstItsCommand) {
   Watched vehicle;
   vehicle.Command(0.0f, 0.8f);
@@ -67,6 +69,7 @@ TEST(MotionWatch, FindsAVehicleThatTurnsAgainstItsCommand) {
   EXPECT_EQ(straight.watch.fault(), MotionFault::kWrongTurn);
 }
 
+// SR-CMD04
 TEST(MotionWatch, FindsAVehicleThatDoesNotMove) {
   Watched vehicle;
   vehicle.Command(1.0f, 0.0f);
@@ -82,6 +85,7 @@ TEST(MotionWatch, FindsAVehicleThatDoesNotMove) {
 }
 
 // Dead time of 0.3 s, a lag of 1 s, wheels that slip and slopes: none of it is against a command.
+// SR-CMD04
 TEST(MotionWatch, LetsSlowDrivesBe) {
   Watched vehicle;
   std::deque<float> sent(30, 0.0f);
@@ -128,6 +132,7 @@ TEST(MotionWatch, JudgesNothingThatIsNotMeasured) {
   EXPECT_EQ(vehicle.Until(20.0), -1.0);
 }
 
+// SR-CMD04
 TEST(MotionWatch, IsNotFooledByWhatIsNoNumber) {
   Watched vehicle;
   vehicle.Measure(kNan, 0.0f);
@@ -184,6 +189,7 @@ TEST(MotionWatch, FindsWheelsThatSpinInATurnOnTheSpot) {
   EXPECT_EQ(vehicle.watch.fault(), MotionFault::kSpin);
 }
 
+// SR-STP05
 TEST(MotionWatch, TakesOrdinarySlipForNoSpin) {
   struct Slip {
     float wheels_mps;

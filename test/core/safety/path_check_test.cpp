@@ -175,6 +175,7 @@ TEST(PathCheck, MeasuresToTheSquareNotToItsMiddle) {
   EXPECT_NEAR(result.smallest_hard_distance_m, 1.1f, 0.002f);  // between two samples
 }
 
+// SR-PLN01
 TEST(PathCheck, TakesTouchingExactlyForACollision) {
   Ground touching;
   touching.SetHard({10, -5});  // y from -1.0 to -0.8 m: the disc's radius away
@@ -185,6 +186,7 @@ TEST(PathCheck, TakesTouchingExactlyForACollision) {
   EXPECT_EQ(Check(free, StraightPath({0.0f, 0.0f, 0.0f}, 20, 0.2f), Square()).status, Status::kOk);
 }
 
+// SR-PLN01
 TEST(PathCheck, FindsACellBetweenTwoFarPoints) {
   Ground ground;
   ground.SetHard({50, 0});
@@ -210,6 +212,7 @@ TEST(PathCheck, KnowsWhichWayTheVehicleIsTurned) {
 
 //     #        a turn on the spot sweeps past a cell that is clear before and after
 //   ==== -> ||
+// SR-PLN01
 TEST(PathCheck, SweepsATurnOnTheSpot) {
   Ground ground;
   // Ahead to the left, its nearest corner 1.0 m from the middle: within the corner's 1.03.
@@ -399,6 +402,7 @@ TEST(PathCheck, KeepsTheMarginThatIsAskedFor) {
 
 //   ====>      flank 0.06 m from the wall: along it, yes, towards it, no; and ahead the margin
 //   -----  #   holds all the same
+// SR-GEO02
 TEST(PathCheck, LeavesAStartWithinTheMargin) {
   Ground ground;
   for (int x = -40; x <= 60; ++x) ground.SetHard({x, -6});  // top at -1.0 m
@@ -472,6 +476,7 @@ Scene RandomScene(uint32_t seed) {
   return scene;
 }
 
+// SR-PLN01
 TEST(PathCheck, AgreesWithASlowCheckOverEveryHardCell) {
   int collisions = 0;
   int clear = 0;

@@ -73,6 +73,7 @@ struct Vehicle {
   }
 };
 
+// SR-SUP01
 TEST(Supervisor, BeginsInStandbyWithoutTorque) {
   Vehicle vehicle;
   EXPECT_EQ(vehicle.Tick().mode, Mode::kStandby);
@@ -89,6 +90,7 @@ TEST(Supervisor, ArmsWhenAllIsFreshAndHoldsStill) {
   EXPECT_EQ(vehicle.Ticks(100).motion, Motion::kHold);
 }
 
+// SR-SUP02
 TEST(Supervisor, SaysWhyItDoesNotArm) {
   struct Case {
     StopReason reason;
@@ -125,6 +127,7 @@ TEST(Supervisor, SaysWhyItDoesNotArm) {
   }
 }
 
+// SR-SUP01
 TEST(Supervisor, RefusesAGoalUnlessArmed) {
   Vehicle vehicle;
   EXPECT_EQ(vehicle.Tick({.go = true}).wish_status, Status::kNotPermitted);
@@ -132,6 +135,7 @@ TEST(Supervisor, RefusesAGoalUnlessArmed) {
   EXPECT_EQ(vehicle.permission.mode, Mode::kStandby);
 }
 
+// SR-SUP03
 TEST(Supervisor, DrivesOnlyWithAPlanAndEnabledDrives) {
   Vehicle vehicle;
   vehicle.Arm();
@@ -159,6 +163,7 @@ TEST(Supervisor, WaitsArmedAfterArriving) {
 }
 
 //   [>]------x
+// SR-COR01
 TEST(Supervisor, BrakesForAReturnInTheWayAndGoesOnWhenAPlanIsClearOfIt) {
   Vehicle vehicle;
   vehicle.Drive();
@@ -192,6 +197,7 @@ TEST(Supervisor, BrakesWhereTheMotionItselfWouldTouch) {
   EXPECT_EQ(vehicle.Tick().motion, Motion::kFollow);
 }
 
+// SR-SUP10
 TEST(Supervisor, ZeroAtOnceForAReturnTooNearAndStandsBeforeItFollowsAgain) {
   for (const bool is_person : {true, false}) {
     const StopReason reason = is_person ? StopReason::kPerson : StopReason::kObstacle;
@@ -215,6 +221,7 @@ TEST(Supervisor, ZeroAtOnceForAReturnTooNearAndStandsBeforeItFollowsAgain) {
   EXPECT_EQ(stopping.Tick().motion, Motion::kZero);
 }
 
+// SR-SPD03, SR-SUP10
 TEST(Supervisor, APlanThatHoldsForAPersonStopsAtOnceAndUntilAtRest) {
   Vehicle vehicle;
   vehicle.Drive();
@@ -232,6 +239,7 @@ TEST(Supervisor, APlanThatHoldsForAPersonStopsAtOnceAndUntilAtRest) {
 
 // A safe stop along the path would let the vehicle roll on further.
 //   driving, zero at once ---> safe stop, still zero ---> at rest
+// SR-SUP10
 TEST(Supervisor, ASafeStopDoesNotEndZeroAtOnce) {
   void (*const stops[])(Vehicle&) = {
       [](Vehicle& v) { v.Tick({.stop = true}); },    [](Vehicle& v) { v.Tick({.disarm = true}); },
@@ -261,6 +269,7 @@ TEST(Supervisor, ASafeStopDoesNotEndZeroAtOnce) {
   }
 }
 
+// SR-SUP10
 TEST(Supervisor, ZeroAtOnceForWhatComesInASafeStop) {
   Vehicle vehicle;
   vehicle.Drive();
@@ -276,6 +285,7 @@ TEST(Supervisor, ZeroAtOnceForWhatComesInASafeStop) {
   EXPECT_EQ(same_tick.Tick({.stop = true}).motion, Motion::kZero);
 }
 
+// SR-SUP11
 TEST(Supervisor, SaysWhyItWaitsAndSinceWhen) {
   Vehicle vehicle;
   vehicle.Drive();
@@ -297,6 +307,7 @@ TEST(Supervisor, SaysWhyItWaitsAndSinceWhen) {
   }
 }
 
+// SR-CMD03, SR-SUP09
 TEST(Supervisor, MotionAgainstCommandsIsAFaultInEveryModeWithTorque) {
   for (const StopReason reason : {StopReason::kRunaway, StopReason::kWrongTurn, StopReason::kStuck,
                                   StopReason::kBadCommand}) {
@@ -336,6 +347,7 @@ TEST(Supervisor, StopsAlongThePathAndGoesOnWhenBlocked) {
   EXPECT_EQ(vehicle.Tick().motion, Motion::kFollow);
 }
 
+// SR-SUP04, SR-SUP05
 TEST(Supervisor, StopsSafelyWhenAnInputGrowsOldAndForgetsTheGoal) {
   struct Case {
     StopReason reason;
@@ -370,6 +382,7 @@ TEST(Supervisor, StopsSafelyWhenAnInputGrowsOldAndForgetsTheGoal) {
   }
 }
 
+// SR-SUP06
 TEST(Supervisor, ZeroSpeedWhenAnInputIsFarTooOld) {
   Vehicle vehicle;
   vehicle.Drive();
@@ -409,6 +422,7 @@ TEST(Supervisor, ZeroSpeedWhereTheWayWasNeverLookedAlong) {
 }
 
 // After ticks that were missed: in the tick in which the stop begins.
+// SR-SUP06
 TEST(Supervisor, ZeroSpeedAtOnceWhenAnInputHasBecomeFarTooOldBetweenTwoTicks) {
   Vehicle vehicle;
   vehicle.Drive();
@@ -418,6 +432,7 @@ TEST(Supervisor, ZeroSpeedAtOnceWhenAnInputHasBecomeFarTooOldBetweenTwoTicks) {
   EXPECT_EQ(vehicle.permission.mode, Mode::kSafeStop);
 }
 
+// SR-SUP07
 TEST(Supervisor, ZeroSpeedWhenASafeStopTakesTooLong) {
   Vehicle vehicle;
   vehicle.Drive();
@@ -427,6 +442,7 @@ TEST(Supervisor, ZeroSpeedWhenASafeStopTakesTooLong) {
   EXPECT_EQ(vehicle.permission.reason, StopReason::kStopTooLong);
 }
 
+// SR-SUP04
 TEST(Supervisor, AStopDropsAGoalThatWaitsForItsPlan) {
   Vehicle vehicle;
   vehicle.Arm();
@@ -442,6 +458,7 @@ TEST(Supervisor, AStopDropsAGoalThatWaitsForItsPlan) {
   EXPECT_EQ(vehicle.Ticks(100).motion, Motion::kHold);
 }
 
+// SR-SUP10
 TEST(Supervisor, FollowsNoNewPathBeforeItStandsOnceItHadNone) {
   Vehicle vehicle;
   vehicle.Drive();
@@ -456,6 +473,7 @@ TEST(Supervisor, FollowsNoNewPathBeforeItStandsOnceItHadNone) {
   EXPECT_EQ(vehicle.Tick().motion, Motion::kFollow);
 }
 
+// SR-SUP03
 TEST(Supervisor, DoesNotSetOutOnAPlanThatNobodyHasCheckedLately) {
   Vehicle vehicle;
   vehicle.Arm();
@@ -471,6 +489,7 @@ TEST(Supervisor, DoesNotSetOutOnAPlanThatNobodyHasCheckedLately) {
   EXPECT_EQ(vehicle.Tick().mode, Mode::kDriving);
 }
 
+// SR-SUP11
 TEST(Supervisor, TellsTheLastStopUntilTheNextGoal) {
   Vehicle vehicle;
   vehicle.Drive();
@@ -482,6 +501,7 @@ TEST(Supervisor, TellsTheLastStopUntilTheNextGoal) {
   EXPECT_EQ(vehicle.supervisor.last_stop(), StopReason::kNone);
 }
 
+// SR-OPR04
 TEST(Supervisor, SilentOperatorStopsOnlyWhereItHasToSpeak) {
   Vehicle free;
   free.Drive();
@@ -495,6 +515,7 @@ TEST(Supervisor, SilentOperatorStopsOnlyWhereItHasToSpeak) {
   EXPECT_EQ(watched.permission.reason, StopReason::kOperatorSilent);
 }
 
+// SR-SUP04, SR-SUP09
 TEST(Supervisor, AFaultIsZeroInTheSameTickAndIsLeftByDisarmAlone) {
   struct Case {
     StopReason reason;
@@ -538,6 +559,7 @@ TEST(Supervisor, GivesDrivesTimeToResetTheirFaultsWhenArming) {
 }
 
 // Nobody resets faults then.
+// SR-SUP09
 TEST(Supervisor, ADriveThatFailsAfterArrivingOrStoppingIsAFaultAtOnce) {
   for (const bool arrives : {true, false}) {
     Vehicle vehicle;
@@ -553,6 +575,7 @@ TEST(Supervisor, ADriveThatFailsAfterArrivingOrStoppingIsAFaultAtOnce) {
   }
 }
 
+// SR-SUP08
 TEST(Supervisor, EmergencyStopWorksInEveryModeAndBeatsEveryOtherWish) {
   for (int mode = 0; mode < 4; ++mode) {
     Vehicle vehicle;
@@ -570,6 +593,7 @@ TEST(Supervisor, EmergencyStopWorksInEveryModeAndBeatsEveryOtherWish) {
   }
 }
 
+// SR-SUP08
 TEST(Supervisor, DisarmingWhileDrivingStopsFirst) {
   Vehicle vehicle;
   vehicle.Drive();
@@ -581,6 +605,7 @@ TEST(Supervisor, DisarmingWhileDrivingStopsFirst) {
 }
 
 // Whatever happens in whatever order: no motion but with everything that it needs.
+// SR-SUP01, SR-SUP03, SR-SUP10
 TEST(Supervisor, NeverLetsMoveWhatMayNot) {
   constexpr uint32_t kSeed = 20240611;
   SCOPED_TRACE(kSeed);

@@ -66,6 +66,7 @@ TEST(MountWatch, ATurnIsToldWithinHalfASecond) {
   }
 }
 
+// SR-SEE02
 TEST(MountWatch, ABumpIsNoTurn) {
   Ground ground;
   for (int bump = 0; bump < 20; ++bump) {

@@ -282,6 +282,7 @@ TEST(SightWatch, AFrozenImageIsNoLook) {
 }
 
 // An encoder or a buffer that stands still: one column for all.
+// SR-SEE04
 TEST(SightWatch, TheSameColumnAllAroundIsNoLook) {
   Lidar lidar;
   lidar.Revolutions(5);

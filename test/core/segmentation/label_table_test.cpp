@@ -19,6 +19,7 @@ TEST(LabelTable, NamesTheRellisOntology) {
   EXPECT_EQ(table.class_of[31], ReturnClass::kSoft);
 }
 
+// SR-PER01
 TEST(LabelTable, TakesACodeThatItDoesNotNameForHard) {
   const LabelTable table = RellisLabelTable();
   for (int code = 35; code < kLabelCodes; ++code)
@@ -36,6 +37,7 @@ TEST(LabelTable, RefusesAnEntryThatIsNoClass) {
 
 //   label: grass                     grass?
 //   ____,,,,____ 0.2 m: ground       |  0.6 m above the ground: something stands there
+// SR-PER06
 TEST(CheckedLabel, GroundThatStandsUpIsHard) {
   const ReturnClass ground = ReturnClass::kGround;
   const ReturnClass hard = ReturnClass::kHard;
@@ -61,8 +63,7 @@ TEST(CheckedLabel, VoidAndSkyChangeNothing) {
 
 TEST(CheckedLabel, HeightChangesNoOtherClass) {
   for (const float height_m : {-1.0f, 0.0f, 0.6f, 3.0f}) {
-    for (const ReturnClass said :
-         {ReturnClass::kSoft, ReturnClass::kHard, ReturnClass::kPerson}) {
+    for (const ReturnClass said : {ReturnClass::kSoft, ReturnClass::kHard, ReturnClass::kPerson}) {
       EXPECT_EQ(CheckedLabel(said, {ReturnClass::kHard, height_m, true}, kObstacle_m), said);
     }
   }

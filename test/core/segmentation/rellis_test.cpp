@@ -116,6 +116,7 @@ TEST_F(SegmenterOnRellis, FewHardReturnsThatStandComeOutSoft) {
   EXPECT_LE(soft / standing, 0.054);
 }
 
+// SR-PER10
 TEST_F(SegmenterOnRellis, EveryReturnOfAPersonAboveHalfAMetreIsHard) {
   // Both persons stand on ground within 0.15 m of the vehicle's.
   const auto body = [](const Classed& hit) {

@@ -37,6 +37,7 @@ TEST(SegmentationScenes, FlatGroundIsGroundAndObserved) {
 //                        __.-'
 //  o              __.-''
 //  |________.-'' 25 degrees
+// SR-PER07
 TEST(SegmentationScenes, SlopesOf25DegreesAreGround) {
   for (const double slope : {0.466, -0.25}) {
     World world;
@@ -121,6 +122,7 @@ TEST(SegmentationScenes, ABoxNearbyHasHardSidesAndAHardTop) {
 //  o
 //  |_________        ____________
 //            |______|
+// SR-PER09
 TEST(SegmentationScenes, ADitchIsNotObservedAndGroundGoesOnBeyond) {
   World world;
   world.ground = [](int) {
@@ -252,6 +254,7 @@ TEST(SegmentationScenes, GrassIsNoObstacle) {
 //  o  '  ,  '
 //  | '  '  ,  '  ,
 //  |__________________
+// SR-PER07
 TEST(SegmentationScenes, RainIsIgnored) {
   World world(3);
   world.rain_share = 0.01;
@@ -267,6 +270,7 @@ TEST(SegmentationScenes, RainIsIgnored) {
 //  o           O
 //  |          /|\      an upright cylinder of half a metre
 //  |__________/_\____
+// SR-PER10
 TEST(SegmentationScenes, EveryReturnOfAPersonAboveHalfAMetreIsHard) {
   for (const double level_m : {2.5, 4.0, 7.0, 10.0, 15.0, 25.0}) {
     World world(static_cast<uint32_t>(level_m * 10.0));
@@ -281,6 +285,7 @@ TEST(SegmentationScenes, EveryReturnOfAPersonAboveHalfAMetreIsHard) {
 
 //  o      |  |  |  |     posts of 6 cm, two metres apart, a wire between them
 //  |______|__|__|__|_
+// SR-PER02
 TEST(SegmentationScenes, AFenceIsHard) {
   World world;
   for (const double y_m : {-0.8, -0.2, 0.4}) {

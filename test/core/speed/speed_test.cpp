@@ -192,6 +192,7 @@ TEST(SpeedPlanner, DrivesInReverseAsFastAsForward) {
   for (int k = 0; k < a.size(); ++k) EXPECT_EQ(a[k], b[k]) << k;
 }
 
+// SR-SPD05
 TEST(SpeedPlanner, IsSlowWhileLeavingAnObstacle) {
   const SpeedParams params;
   SpeedProfile speed;
@@ -447,6 +448,7 @@ TEST(SpeedPlanner, AgreesWithThePassesPointByPointForEveryNumberOfPoints) {
   }
 }
 
+// SR-SPD01
 TEST(SpeedPlanner, KeepsEveryLimitAndWastesNoneOnRandomPaths) {
   for (uint32_t seed = 0; seed < 2000; ++seed) {
     Scene scene = RandomScene(seed);

@@ -16,6 +16,7 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
+// SR-SPD01
 TEST(StoppingDistance, IsTheWayOfASimulatedLaggedRamp) {
   const SpeedParams params;
   for (const double start : {0.5, 2.0, 5.0}) {
@@ -34,6 +35,7 @@ TEST(StoppingDistance, IsTheWayOfASimulatedLaggedRamp) {
   }
 }
 
+// SR-SPD01
 TEST(ReactionSpeedCap, IsTheLargestSpeedThatStopsAndNeverAboveIt) {
   std::mt19937 random(2);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
@@ -187,11 +189,13 @@ int CountMetWalkers(double told_speed_mps) {
   return touched_walkers;
 }
 
+// SR-SPD03
 TEST(PersonSpeedCap, MeetsNobodyWhoWalksTowardsTheVehicle) {
   EXPECT_EQ(CountMetWalkers(2.0), 0);
   EXPECT_GT(CountMetWalkers(0.0), 40) << "the walkers were no threat";
 }
 
+// SR-SPD03
 TEST(PersonSpeedCap, TouchesNoWalkerWhereBrakingForTheCorridorAloneTouchesMany) {
   const auto told = [](double lateral_m) { return lateral_m; };
   const auto corridor_alone = [](double lateral_m) { return lateral_m > 0.5 ? 1e6 : lateral_m; };

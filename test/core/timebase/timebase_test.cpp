@@ -45,6 +45,7 @@ INSTANTIATE_TEST_SUITE_P(Ppm, TimebaseDrift, testing::Values(-100, 0, 100));
 
 // The bound of the header with 0.1 ms for delay_min, 0.13 ms for delay_short (which a window of 640
 // datagrams a second has) and bursts of 20 ms.
+// SR-INP07
 TEST_P(TimebaseDrift, IsFollowedForTenMinutesWithinTheStatedBound) {
   ClockScene scene;
   scene.seed = 20240801u;
@@ -125,6 +126,7 @@ TEST(Timebase, TakesADelayThatGrowsForWhatItIs) {
 }
 
 // Nor where the late ones come in disorder: one that was overtaken is not a clock that went back.
+// SR-TIM01
 TEST(Timebase, TakesADelayThatGrowsInDisorderForNoJump) {
   for (unsigned seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(seed);
@@ -156,6 +158,7 @@ TEST(Timebase, TakesAConstantDelayForLateWhereTheTimesAreReliedUpon) {
 }
 
 // A silence of an hour, in which a clock of 400 ppm falls behind by 1.4 s: not late for good.
+// SR-TIM01
 TEST(Timebase, FollowsDriftThroughASilence) {
   Timebase timebase;
   const auto observe = [&timebase](int64_t since_ms) {
@@ -210,6 +213,7 @@ INSTANTIATE_TEST_SUITE_P(Steps, TimebaseStep,
                                          Step{3600 * kSecond_ns, false}, Step{0, true}));
 
 // A step forward by its first datagram, a step back by its eighth; right from then on.
+// SR-INP07
 TEST_P(TimebaseStep, IsToldOnceAndAtOnce) {
   const ClockScene scene = SceneOfStep();
   const std::vector<Datagram> datagrams = Play(scene);
@@ -283,6 +287,7 @@ TEST(Timebase, FollowsAStepTooSmallToBeTold) {
 }
 
 // A link that was down while the time server set the device's clock: no stamp goes back.
+// SR-INP07
 TEST(Timebase, TellsAStepBackThatASilenceHides) {
   ClockScene scene;
   scene.step_at_ns = 4 * kSecond_ns;
@@ -454,6 +459,7 @@ TEST(Timebase, RefusesWhatDoesNotFit) {
   EXPECT_EQ(timebase.offset_ns(), 0);
 }
 
+// SR-INP08
 TEST(Timebase, RefusesOurOwnTimeGoingBack) {
   Timebase timebase;
   EXPECT_EQ(timebase.Observe(1000, 5000), Status::kOk);

@@ -84,6 +84,7 @@ Figures DriveSpread(const NamedPath& named, const TrackingParams& tracking, int 
   return figures;
 }
 
+// SR-PLN04
 TEST(TrackerDriving, KeepsToThePathOverTheSpreadOfVehicles) {
   std::vector<double> all;
   for (const NamedPath& named : Paths()) {
@@ -121,6 +122,7 @@ TEST(TrackerDriving, StaysNearThePathWithDrivesOfAnotherKind) {
   }
 }
 
+// SR-PLN04
 TEST(TrackerDriving, DrivesPathsInReverse) {
   for (const NamedPath& named : Paths()) {
     const Figures figures = DriveSpread(named, {}, 5, true);
@@ -234,6 +236,7 @@ TEST(TrackerDriving, TurnsOnTheSpotWithoutTurningTooFar) {
 
 // What a plan's check takes as given: the way to rest from any speed, dead time and lag included,
 // is no longer than StoppingDistance says, which a safe stop along the path relies upon.
+// SR-SPD01
 TEST(TrackerDriving, StopsWithinTheStoppingDistanceOfThePlans) {
   const SpeedParams speed;
   double least_m = 1e9;

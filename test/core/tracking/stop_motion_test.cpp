@@ -49,6 +49,7 @@ TEST(StopMotion, AtRestItStaysWhereItIs) {
 }
 
 // The same as the model itself does in steps of a tick when zero is told.
+// SR-MOV02
 TEST(StopMotion, ZeroEndsWhereTheModelComesToRest) {
   for (const float turn_radps : {0.0f, 2.5f, -2.5f}) {
     Bench bench;
@@ -68,6 +69,7 @@ TEST(StopMotion, ZeroEndsWhereTheModelComesToRest) {
   }
 }
 
+// SR-MOV02
 TEST(StopMotion, AlongThePathItTakesTheRampAndTheLags) {
   Bench bench;
   bench.Drive({8.0f, 0.0f});

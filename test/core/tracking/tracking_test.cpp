@@ -119,6 +119,7 @@ TEST(PurePursuit, DoesNotAimBehindItself) {
   EXPECT_EQ(output.yaw_rate_radps, 0.0f);
 }
 
+// SR-CMD03
 TEST(PurePursuit, CommandsZeroForWhatIsNoNumber) {
   Tracker tracker = MakeTracker();
   TrackingOutput output;
@@ -204,6 +205,7 @@ TEST(Tracker, SpeedsUpWithinThePlansLimitsWhateverThePathSays) {
   }
 }
 
+// SR-PLN04
 TEST(Tracker, StopsWhereItIsTooFarFromItsPathAndSaysSo) {
   Tracker tracker = MakeLagAware();
   TrackingOutput output;
@@ -221,6 +223,7 @@ TEST(Tracker, StopsWhereItIsTooFarFromItsPathAndSaysSo) {
   EXPECT_LT(output.speed_mps, before_mps);
 }
 
+// SR-CMD03
 TEST(Tracker, CommandsZeroForWhatIsNoNumber) {
   const auto spoilt = [](float TrackingInput::*member, float value) {
     TrackingInput input = Along(0.1f, 2.0f);

@@ -216,6 +216,7 @@ TYPED_TEST_P(CanBusConformance, DoesNotGiveWhatNoBusCarries) {
   EXPECT_EQ(this->counters().malformed, uint64_t{TypeParam::kMalformedKinds});
 }
 
+// SR-DRV08
 TYPED_TEST_P(CanBusConformance, RefusesWhatIsTooLate) {
   this->Tick();
   EXPECT_EQ(this->bus().Send(NumberedFrame(1), this->now_ns_ - 1), Status::kExpired);
@@ -299,6 +300,7 @@ TYPED_TEST_P(CanBusConformance, SaysThatTheInterfaceIsDownAndComesBackWithIt) {
   EXPECT_EQ(this->counters().system_errors, 0u);
 }
 
+// SR-DRV07
 TYPED_TEST_P(CanBusConformance, RecoversFromBusOff) {
   this->Tick();
   this->harness_.InjectBusOff();
@@ -357,6 +359,7 @@ TYPED_TEST_P(CanBusConformance, HandsOverFewAndLetsTheRestWait) {
   EXPECT_EQ(this->counters().expired, 0u);
 }
 
+// SR-DRV08
 TYPED_TEST_P(CanBusConformance, DropsWhatWaitedPastItsDeadline) {
   if (!this->harness_.CanStall()) GTEST_SKIP() << "this bus cannot be made to stall";
   this->Tick();
@@ -380,6 +383,7 @@ TYPED_TEST_P(CanBusConformance, DropsWhatWaitedPastItsDeadline) {
   EXPECT_EQ(numbers, (std::vector<uint32_t>{101, 103, 105, 107, 109}));
 }
 
+// SR-DRV08
 TYPED_TEST_P(CanBusConformance, DropsWhatWasHandedOverAndHasGrownOld) {
   if (!this->harness_.CanStall()) GTEST_SKIP() << "this bus cannot be made to stall";
   this->Tick();
@@ -406,6 +410,7 @@ TYPED_TEST_P(CanBusConformance, DropsWhatWasHandedOverAndHasGrownOld) {
   EXPECT_EQ(numbers.back(), 59u);
 }
 
+// SR-DRV08
 TYPED_TEST_P(CanBusConformance, SendsNothingOldAfterTheInterfaceWasDown) {
   if (!this->harness_.CanStall()) GTEST_SKIP() << "this bus cannot be made to stall";
   this->Tick();
@@ -424,6 +429,7 @@ TYPED_TEST_P(CanBusConformance, SendsNothingOldAfterTheInterfaceWasDown) {
   EXPECT_EQ(this->NumbersOnTheBus(), std::vector<uint32_t>{99});
 }
 
+// SR-DRV08
 TYPED_TEST_P(CanBusConformance, SendsNothingOldAfterBusOff) {
   if (!this->harness_.CanStall()) GTEST_SKIP() << "this bus cannot be made to stall";
   this->Tick();

@@ -143,6 +143,7 @@ TEST_F(CanController, HasItsErrorStatesFollowed) {
   EXPECT_EQ(bus.counters().error_frames, 3u);
 }
 
+// SR-DRV07
 TEST_F(CanController, IsTakenOutOfBusOff) {
   SocketCanBus bus;
   ASSERT_TRUE(bus.Open(name_, {}).ok());

@@ -47,6 +47,7 @@ TEST(CanSendQueue, DoesNotCallAFrameWithoutDeadlineStale) {
   EXPECT_FALSE(queue.IsStale(UINT64_MAX - 1));
 }
 
+// SR-DRV08
 TEST(CanSendQueue, KeepsTheOrderOfWhatHasNotExpired) {
   CanSendQueue queue;
   for (uint8_t i = 0; i < 6; ++i) {

@@ -114,6 +114,7 @@ TYPED_TEST_P(DatagramSocketConformance, DropsAndCountsWhatIsTooLarge) {
   EXPECT_EQ(this->counters().received, 1u);
 }
 
+// SR-INP05
 TYPED_TEST_P(DatagramSocketConformance, DropsAndCountsWhatOthersSend) {
   this->harness_.SendForeign(Bytes(20, 1));
   this->harness_.Send(Bytes(21, 2));

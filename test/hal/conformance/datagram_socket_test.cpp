@@ -124,6 +124,7 @@ TEST(UdpSocket, StampsDatagramsByTheWallClock) {
   EXPECT_GT(got[0].kernel_time_ns, now_ns - int64_t{60} * 1'000'000'000);
 }
 
+// SR-INP05
 TEST(UdpSocket, HoldsTheSenderToItsPortWhereOneIsSet) {
   UdpSender right(kLoopback), wrong(kLoopback);
   UdpSocketOptions options = Loopback();
@@ -191,6 +192,7 @@ TEST(UdpSocket, SaysWhyItCannotBeOpened) {
                                                     ": cannot be bound (Address already in use)");
 }
 
+// SR-DET01
 TEST(UdpSocket, AllocatesNothingOnceItIsOpen) {
   if (!command::AllocationsAreCounted()) GTEST_SKIP() << "allocations are not counted here";
   UdpHarness harness;

@@ -322,6 +322,7 @@ TEST_F(SocketCanBusTest, IsNotIrritatedByOtherInterfaces) {
   EXPECT_EQ(counters().went_down, 0u);
 }
 
+// SR-DET01
 TEST_F(SocketCanBusTest, AllocatesNothingOnceItIsOpen) {
   if (!command::AllocationsAreCounted()) GTEST_SKIP() << "allocations are not counted here";
   Tick();

@@ -94,6 +94,7 @@ class WatchdogConformance : public testing::Test {
 using Harnesses = testing::Types<FakeHarness, ServiceHarness>;
 TYPED_TEST_SUITE(WatchdogConformance, Harnesses);
 
+// SR-PGM02
 TYPED_TEST(WatchdogConformance, IsFedOftenEnoughAndNoMoreThanNeeded) {
   Watchdog& watchdog = this->harness_.watchdog();
   watchdog.Ready();
@@ -129,6 +130,7 @@ TEST(CountingWatchdog, SaysWhenItWouldHaveEndedTheProgram) {
   EXPECT_TRUE(watchdog.expired());
 }
 
+// SR-PGM02
 TEST(ServiceWatchdog, SpeaksTheManagersProtocol) {
   const std::string path =
       std::filesystem::temp_directory_path() / ("hardpack-notify-" + std::to_string(getpid()));
@@ -198,6 +200,7 @@ TEST(ServiceWatchdog, SaysWhatMakesNoSense) {
 }
 
 // A manager that does not read fills its socket's queue: no call waits, and nothing counts as fed.
+// SR-PGM02
 TEST(ServiceWatchdog, DoesNotWaitForASlowManagerAndTriesAgain) {
   ServiceHarness harness;
   uint64_t now_ns = 1;

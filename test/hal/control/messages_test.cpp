@@ -187,6 +187,7 @@ TEST(ControlMessages, QuestionsAndAnswersComeBackAsTheyWere) {
 }
 
 // What a cut message says of its size is not what it has; and where it is, the body's.
+// SR-OPR02
 TEST(ControlMessages, EveryTruncationIsTold) {
   OperatorCommand two = GeodeticGoal();
   two.waypoints = 2;
@@ -355,6 +356,7 @@ const BadByte kBadBytes[] = {
     {"behind y", 59, {1}, Status::kInvalidArgument},
 };
 
+// SR-OPR02
 TEST(ControlMessages, EveryByteOfAGoalIsChecked) {
   const Bytes good = Encoded(TwoWaypoints());
   ASSERT_EQ(good.size(), 60u);
@@ -371,6 +373,7 @@ TEST(ControlMessages, EveryByteOfAGoalIsChecked) {
 }
 
 // Whatever the bytes: what is taken is encoded to the same ones again.
+// SR-OPR02
 TEST(ControlMessages, DamagedMessagesAreRefusedOrMeanWhatTheySay) {
   const uint32_t seed = 53;
   SCOPED_TRACE(seed);

@@ -151,6 +151,7 @@ TEST(FlightLog, RecordsNothingWithoutAStart) {
   EXPECT_EQ(recorder.counters().records, 0u);
 }
 
+// SR-LOG03
 TEST(FlightLog, GoesOnWhereTheRecorderHasNoRoom) {
   MemoryRecorder recorder(UINT64_MAX, 300'000);
   MadeUpRun run(recorder);

@@ -206,6 +206,7 @@ TEST(LabelDatagram, DecodesWhatWasEncoded) {
   }
 }
 
+// SR-INP03
 TEST(LabelDatagram, IsRefusedAtEveryOtherLength) {
   const std::vector<uint8_t> datagram = Plain();
   for (size_t size = 0; size < datagram.size(); ++size) {
@@ -221,6 +222,7 @@ TEST(LabelDatagram, IsRefusedAtEveryOtherLength) {
   }
 }
 
+// SR-INP03
 TEST(LabelDatagram, IsRefusedWithAnyBitChanged) {
   const std::vector<uint8_t> datagram = Plain();
   ASSERT_EQ(Check(datagram), Status::kOk);
@@ -231,6 +233,7 @@ TEST(LabelDatagram, IsRefusedWithAnyBitChanged) {
   }
 }
 
+// SR-INP03
 TEST(LabelDatagram, IsRefusedForWhatItSaysOfItself) {
   const auto checked = [](size_t offset, uint8_t value) {
     std::vector<uint8_t> datagram = Plain();
@@ -260,6 +263,7 @@ TEST(LabelDatagram, IsRefusedForWhatItSaysOfItself) {
 
 //   ... 1007 | 1008 ... 1023 | 1024
 //            the last 16     | of the next revolution
+// SR-INP03
 TEST(LabelDatagram, StaysWithinTheRevolutionOfTheSensor) {
   const std::vector<uint8_t> codes(16 * kBeams);
   EXPECT_EQ(Check(Encoded(HeaderOf(kBeams, 16, 1008), codes)), Status::kOk);

@@ -148,6 +148,7 @@ TEST_P(OusterCodec, DecodesEveryFieldThatWasWritten) {
   }
 }
 
+// SR-INP01
 TEST_P(OusterCodec, RefusesEveryOtherSize) {
   std::mt19937 random(7002);
   const Metadata metadata = MetadataOf(profile(), beams());
@@ -281,6 +282,7 @@ TEST(OusterDecodeColumn, TellsEachColumnOfAPartlyInvalidPacket) {
   }
 }
 
+// SR-INP01
 TEST(OusterCheckPacket, TellsAnotherSensorFromANewStartOfTheSame) {
   std::mt19937 random(7005);
   Metadata metadata = MetadataOf(Profile::kRng19Rfl8Sig16Nir16, 16);
@@ -317,6 +319,7 @@ TEST(OusterCheckPacket, TellsAnotherSensorFromANewStartOfTheSame) {
   }
 }
 
+// SR-INP01
 TEST(OusterCheckPacket, RefusesOtherPacketTypes) {
   std::mt19937 random(7008);
   const Metadata metadata = MetadataOf(Profile::kRng15Rfl8Nir8, 16);
@@ -329,6 +332,7 @@ TEST(OusterCheckPacket, RefusesOtherPacketTypes) {
   }
 }
 
+// SR-INP01
 TEST(OusterCheckPacket, HoldsPacketsToTheCrcOnlyWhereTheFirmwareHasIt) {
   std::mt19937 random(7009);
   for (const Profile profile : {Profile::kRng19Rfl8Sig16Nir16, Profile::kRng15Rfl8Nir8,
@@ -351,6 +355,7 @@ TEST(OusterCheckPacket, HoldsPacketsToTheCrcOnlyWhereTheFirmwareHasIt) {
 
 // No single flipped bit gets through, wherever it is; a damaged identity is not taken for a new
 // one.
+// SR-INP01
 TEST(OusterCheckPacket, SeesEveryFlippedBit) {
   std::mt19937 random(7010);
   Metadata metadata = MetadataOf(Profile::kRng15Rfl8Nir8, 16);

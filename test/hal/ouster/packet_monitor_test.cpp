@@ -90,6 +90,7 @@ TEST_F(OusterPacketMonitor, CountsWhatIsMissingWithinAndAcrossFrames) {
   EXPECT_EQ(counters().jumps, 0u);
 }
 
+// SR-INP01
 TEST_F(OusterPacketMonitor, RefusesDuplicates) {
   EXPECT_EQ(Give(100), Status::kOk);
   EXPECT_EQ(Give(100), Status::kDuplicate);
@@ -189,6 +190,7 @@ TEST_F(OusterPacketMonitor, AgreesWithAListOnADisturbedStream) {
   }
 }
 
+// SR-INP01
 TEST_F(OusterPacketMonitor, RefusesANewStartUntilItIsResumed) {
   constexpr uint32_t kSecond = 0x111112;
   constexpr uint32_t kThird = 0x111113;
@@ -236,6 +238,7 @@ TEST_F(OusterPacketMonitor, LearnsWhomItFollows) {
   EXPECT_EQ(Give(11, 5, 77), Status::kOk);
 }
 
+// SR-INP01
 TEST_F(OusterPacketMonitor, CountsEachKindOfRefusal) {
   Metadata metadata = SmallSensor();
   metadata.crc_in_footer = true;

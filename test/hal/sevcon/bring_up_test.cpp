@@ -40,6 +40,7 @@ TEST(BringUp, NeedsNoBootUpMessageOfADriveThatIsOperationalAlready) {
   EXPECT_EQ(bench.pair.report(Side::kLeft).reboots, 0u);
 }
 
+// SR-DRV03
 TEST(BringUp, WritesWhatDiffersReadsItBackAndNothingElse) {
   Bench bench;
   bench.left.needed_access = bench.right.needed_access = 0;
@@ -107,6 +108,7 @@ TEST(BringUp, ReportsTheReasonOfAGenericAbort) {
   EXPECT_FALSE(bench.pair.ready());
 }
 
+// SR-DRV05
 TEST(BringUp, NeverWritesToAWrongDevice) {
   for (const bool vendor : {true, false}) {
     DriveParams params = BenchParams();
@@ -136,6 +138,7 @@ TEST(BringUp, TakesAnyIdentityWhereNoneIsAskedFor) {
   EXPECT_TRUE(bench.BringUp());
 }
 
+// SR-DRV05
 TEST(BringUp, RefusesEveryWrongPartOfTheProcessData) {
   struct Wrong {
     int index, sub;
@@ -184,6 +187,7 @@ TEST(BringUp, TakesCommandsThatAreInForceAtOnceOfBothKinds) {
   }
 }
 
+// SR-DRV05
 TEST(BringUp, RefusesAnotherModeThanTheOneAskedFor) {
   Bench bench = Bench::WithDrivesSetUp();
   bench.right.objects[{0x6061, 0}].value = 4;
@@ -192,6 +196,7 @@ TEST(BringUp, RefusesAnotherModeThanTheOneAskedFor) {
   EXPECT_FALSE(bench.pair.ready());
 }
 
+// SR-DRV03
 TEST(BringUp, RefusesASettingThatDoesNotReadBack) {
   Bench bench;
   bench.left.needed_access = bench.right.needed_access = 0;
@@ -223,6 +228,7 @@ TEST(BringUp, SaysWhichQuestionIsRefused) {
 }
 
 // "No such object" is fine of what a drive need not have, and of nothing else.
+// SR-DRV05
 TEST(BringUp, DoesNotDoWithoutTheProcessData) {
   for (const int index : {0x1018, 0x1017, 0x1400, 0x1600, 0x1800, 0x1a00, 0x6061}) {
     for (const uint32_t code : {0x06020000u, 0x06090011u}) {
@@ -248,6 +254,7 @@ TEST(BringUp, DoesWithoutWhatADriveNeedNotHave) {
   EXPECT_EQ(bench.pair.report(Side::kLeft).sdo_abort_code, 0u);
 }
 
+// SR-DRV03
 TEST(BringUp, SetsTheCommandTimeOutOfADriveThatHasOne) {
   Bench bench;
   for (ScriptedDrive* drive : {&bench.left, &bench.right}) drive->needed_access = 0;

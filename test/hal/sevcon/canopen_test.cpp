@@ -133,6 +133,7 @@ TEST(ProcessData, IsPackedLittleEndian) {
   }
 }
 
+// SR-INP04
 TEST(ProcessData, HoldsSpeedsToTheirRange) {
   for (const int32_t rpm : {20000, -20000, 20001, -20001, INT32_MAX, INT32_MIN}) {
     CanFrame frame = Answer({});

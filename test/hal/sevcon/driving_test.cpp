@@ -29,6 +29,7 @@ TEST(Driving, EnablesThroughTheStatesOfTheStandard) {
   EXPECT_EQ(bench.StateOf(Side::kLeft), DriveState::kEnabled);
 }
 
+// SR-SUP01
 TEST(Driving, DoesNotEnableUnasked) {
   Bench bench = Bench::WithDrivesSetUp();
   ASSERT_TRUE(bench.BringUp());
@@ -65,6 +66,7 @@ TEST(Driving, CommandsWheelSpeedsWithSignsAndGear) {
   EXPECT_EQ(command->data[6] | command->data[7] << 8, 700);
 }
 
+// SR-CMD02
 TEST(Driving, ClampsToTheMotorsLimit) {
   DriveParams params = BenchParams();
   params.max_motor_speed_rpm = 2000.0f;
@@ -81,6 +83,7 @@ TEST(Driving, ClampsToTheMotorsLimit) {
   EXPECT_NEAR(bench.pair.commanded().left_radps, -2000.0f / kRpmPerRadps, 1e-4f);
 }
 
+// SR-CMD03
 TEST(Driving, TakesADemandThatIsNotFiniteForZero) {
   for (const float odd : {kNan, kInfinity, -kInfinity}) {
     Bench bench = Bench::WithDrivesSetUp();
@@ -120,6 +123,7 @@ TEST(Driving, StopsByZeroStandstillDisabled) {
 }
 
 // It is told zero, and turns on: after 5 s its brakes are all that is left.
+// SR-DRV06
 TEST(Driving, DisablesADriveThatDoesNotStop) {
   Bench bench = Bench::WithDrivesSetUp();
   ASSERT_TRUE(bench.BringUp());
@@ -144,6 +148,7 @@ TEST(Driving, DrivesOnWhenItIsAskedAgainBeforeStandstill) {
   EXPECT_GT(bench.pair.commanded().left_radps, 3.9f);
 }
 
+// SR-DRV06
 TEST(Driving, StopsADriveThatItFindsEnabled) {
   Bench bench = Bench::WithDrivesSetUp();
   for (ScriptedDrive* drive : {&bench.left, &bench.right}) {
@@ -177,6 +182,7 @@ TEST(Driving, SendsStopsAndFaultsAtOnceWhereCommandsAreFew) {
   }
 }
 
+// SR-DRV05
 TEST(Driving, BelievesNoReportBeforeItsMappingIsVerified) {
   Bench bench = Bench::WithDrivesSetUp();
   bench.left.nmt = bench.right.nmt = 0x05;
@@ -201,6 +207,7 @@ TEST(Driving, WaitsForTheFirstReportAndTheFirstHeartbeat) {
   EXPECT_EQ(bench.FaultOf(Side::kLeft), DriveFault::kSilent);
 }
 
+// SR-DRV09
 TEST(Driving, KeepsTheTimesOfWhatItSendsAgainAndAgain) {
   Bench bench = Bench::WithDrivesSetUp();
   ASSERT_TRUE(bench.BringUp());
@@ -215,6 +222,7 @@ TEST(Driving, KeepsTheTimesOfWhatItSendsAgainAndAgain) {
   }
 }
 
+// SR-DRV09
 TEST(Driving, KeepsThemWhenTicksJitterAndAfterAPause) {
   Bench bench = Bench::WithDrivesSetUp();
   ASSERT_TRUE(bench.BringUp());
@@ -298,6 +306,7 @@ TEST(Driving, HashesWhatWasDecided) {
   EXPECT_NE(hash_a.value(), hash_b.value());
 }
 
+// SR-DRV09
 TEST(Configure, RefusesWhatDoesNotFitTogether) {
   const auto status_of = [](auto change) {
     DriveParams params = BenchParams();
@@ -332,6 +341,7 @@ TEST(Configure, RefusesWhatDoesNotFitTogether) {
 
 // Commands 2 x 100/s and reports 2 x 50/s of 8 bytes (135 bits at worst), SYNC 50/s of none (55),
 // heartbeats 3 x 10/s of one (65), questions and answers 2 x 2 x 4/s of 8.
+// SR-DRV09
 TEST(Configure, ComputesTheLoadOfTheBus) {
   DriveParams params = BenchParams();
   params.bit_rate_kbps = 250;

@@ -54,6 +54,7 @@ class DrivingFault : public ::testing::Test {
   Bench bench;
 };
 
+// SR-DRV01
 TEST_F(DrivingFault, SilentDrive) {
   bench.left.powered = false;
   ExpectFault(DriveFault::kSilent, 15);  // feedback_timeout_ms
@@ -66,6 +67,7 @@ TEST_F(DrivingFault, SilentDrive) {
   ExpectDrivingAgain();
 }
 
+// SR-DRV01
 TEST_F(DrivingFault, MissedHeartbeat) {
   bench.left.no_heartbeat = true;
   ExpectFault(DriveFault::kSilent, 45);  // heartbeat_timeout_ms after the last
@@ -75,6 +77,7 @@ TEST_F(DrivingFault, MissedHeartbeat) {
   ExpectDrivingAgain();
 }
 
+// SR-DRV01
 TEST_F(DrivingFault, MissedProcessData) {
   bench.left.no_reports = true;
   ExpectFault(DriveFault::kSilent, 15);
@@ -84,6 +87,7 @@ TEST_F(DrivingFault, MissedProcessData) {
 }
 
 // It is not heard, but hears: it gets zero until it must have stopped, and is disabled then.
+// SR-DRV01
 TEST_F(DrivingFault, MissedProcessDataStopsTheDriveThatIsNotHeard) {
   bench.left.no_reports = true;
   ExpectFault(DriveFault::kSilent, 15);
@@ -92,6 +96,7 @@ TEST_F(DrivingFault, MissedProcessDataStopsTheDriveThatIsNotHeard) {
   ASSERT_TRUE(bench.RunUntil([&] { return !bench.left.enabled; }, {}, 1000));
 }
 
+// SR-DRV02
 TEST_F(DrivingFault, Reboot) {
   bench.left.Reboot();
   ExpectFault(DriveFault::kRebooted, 1);
@@ -108,6 +113,7 @@ TEST_F(DrivingFault, Reboot) {
   ExpectDrivingAgain();
 }
 
+// SR-DRV02
 TEST_F(DrivingFault, RebootWithoutAWord) {
   bench.left.Reboot(false);
   ExpectFault(DriveFault::kRebooted, 15);  // its heartbeat says that it is pre-operational
@@ -115,6 +121,7 @@ TEST_F(DrivingFault, RebootWithoutAWord) {
   ExpectDrivingAgain();
 }
 
+// SR-DRV02
 TEST_F(DrivingFault, StoppedByNmt) {
   CanFrame heartbeat;
   heartbeat.id = 0x702;
@@ -139,6 +146,7 @@ TEST_F(DrivingFault, StoppedByNmtUntilTheOperatorResetsIt) {
 }
 
 // The same of drives that are found so: that is a fault, which arming resets.
+// SR-STP04
 TEST(NmtStop, OfBothDrivesBeforeTheStartIsUndoneByTheReset) {
   Bench bench = Bench::WithDrivesSetUp();
   bench.left.nmt = 0x04;
@@ -152,6 +160,7 @@ TEST(NmtStop, OfBothDrivesBeforeTheStartIsUndoneByTheReset) {
 }
 
 // One that stays stopped is told so; the next reset tries again.
+// SR-STP04
 TEST(NmtStop, ThatCannotBeUndoneIsAFault) {
   Bench bench = Bench::WithDrivesSetUp();
   const auto hold = [&bench](int ticks) {
@@ -184,6 +193,7 @@ TEST_F(DrivingFault, ReportsThatAreOldByTheirStampAreSilence) {
 }
 
 // An old EMCY or boot-up is no less true.
+// SR-TIM03
 TEST_F(DrivingFault, AnOldEmergencyIsTakenNevertheless) {
   bench.age_ns = 400'000'000;
   bench.left.SendEmergency(0x5000);
@@ -203,6 +213,7 @@ TEST_F(DrivingFault, ReportsOfTwoSenders) {
 }
 
 // Reports that come late, in the next period, are two in one and none in another.
+// SR-TIM04
 TEST_F(DrivingFault, NoneFromReportsThatComeAPeriodLate) {
   for (int i = 0; i < 100; ++i) {
     bench.left.no_reports = i % 2 == 0;
@@ -212,6 +223,7 @@ TEST_F(DrivingFault, NoneFromReportsThatComeAPeriodLate) {
   EXPECT_EQ(bench.FaultOf(Side::kLeft), DriveFault::kNone);
 }
 
+// SR-DRV02
 TEST_F(DrivingFault, EmergencyMessage) {
   bench.left.SendEmergency(0x3120);
   ExpectFault(DriveFault::kEmergency, 1);
@@ -232,6 +244,7 @@ TEST_F(DrivingFault, NoneWhereAnEmergencyMessageSaysThatAllIsWell) {
   EXPECT_TRUE(bench.pair.enabled());
 }
 
+// SR-DRV02
 TEST_F(DrivingFault, FaultBitOfTheStatusword) {
   bench.left.fault = true;
   bench.left.enabled = false;
@@ -273,6 +286,7 @@ TEST_F(DrivingFault, IsResetOnceAnAttemptAndOnlyWhileNothingIsEnabled) {
   EXPECT_TRUE(bench.BringUp());
 }
 
+// SR-DRV02
 TEST_F(DrivingFault, LostEnable) {
   bench.left.enabled = bench.left.switched_on = bench.left.ready = false;
   bench.left.refuses_enable = true;
@@ -282,6 +296,7 @@ TEST_F(DrivingFault, LostEnable) {
   ExpectDrivingAgain();
 }
 
+// SR-DRV02
 TEST_F(DrivingFault, OppositeMotion) {
   bench.left.runs_backward = true;
   ExpectFault(DriveFault::kOppositeMotion, 200);
@@ -339,6 +354,7 @@ TEST_F(DrivingFault, NoneWhileATurnCarriesAWheelButForAMoment) {
 
 // Turns in which nothing carries the wheel: its own motor drives it the wrong way, faster than both
 // sides together are to be; the other side does not pull; or both sides turn wrongly.
+// SR-DRV02
 TEST_F(DrivingFault, OppositeMotionInATurn) {
   struct Turn {
     float left_radps;
@@ -359,6 +375,7 @@ TEST_F(DrivingFault, OppositeMotionInATurn) {
   }
 }
 
+// SR-DRV04
 TEST_F(DrivingFault, ForeignSenders) {
   struct Foreign {
     uint32_t id;
@@ -385,6 +402,7 @@ TEST_F(DrivingFault, ForeignSenders) {
 }
 
 // Its fault can be reset, and the drives enabled, while it is remembered: nothing is driven then.
+// SR-DRV04
 TEST(ForeignSender, LeavesNothingToDriveOnWhileItIsRemembered) {
   Bench bench = Bench::WithDrivesSetUp();
   CanFrame nmt;
@@ -404,6 +422,7 @@ TEST(ForeignSender, LeavesNothingToDriveOnWhileItIsRemembered) {
 }
 
 // One that beats once a second is there all the time; one that has gone is not.
+// SR-DRV04
 TEST_F(DrivingFault, ForeignSenderUntilItHasBeenQuiet) {
   CanFrame heartbeat;
   heartbeat.id = 0x701;
@@ -447,6 +466,7 @@ TEST_F(DrivingFault, NoneFromOthersOnTheBus) {
   EXPECT_GE(bench.pair.counters().frames_taken, taken);
 }
 
+// SR-INP04
 TEST_F(DrivingFault, NoneFromFramesCutShort) {
   for (const uint32_t id : {0x082u, 0x182u, 0x582u, 0x702u, 0x703u, 0x183u}) {
     for (uint8_t size = 0; size <= 8; ++size) {
@@ -466,6 +486,7 @@ TEST_F(DrivingFault, NoneFromFramesCutShort) {
   EXPECT_TRUE(bench.pair.enabled());
 }
 
+// SR-INP04
 TEST_F(DrivingFault, SpeedThatCannotBeIsNoReport) {
   bench.left.stuck = true;
   bench.left.speed_rpm = 20001;
@@ -473,6 +494,7 @@ TEST_F(DrivingFault, SpeedThatCannotBeIsNoReport) {
   EXPECT_GT(bench.pair.counters().frames_malformed, 0u);
 }
 
+// SR-DRV02
 TEST_F(DrivingFault, OfBothAtOnce) {
   bench.left.SendEmergency(0x3120);
   bench.right.Reboot();

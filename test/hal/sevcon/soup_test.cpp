@@ -46,6 +46,7 @@ DriveDemand AnyDemand(std::mt19937& random) {
 }
 
 // Frames that no drive would send at all: only the checks that hold for any bytes.
+// SR-DRV10
 TEST(Soup, OfFramesNeverDrivesAgainstAFault) {
   for (uint32_t seed = 0; seed < 40; ++seed) {
     SCOPED_TRACE(seed);
@@ -113,6 +114,7 @@ class PoorBus {
   std::vector<CanFrame> late_;
 };
 
+// SR-DRV10
 TEST(Soup, OfLossAndRebootsIsStoodAndRecoveredFrom) {
   int drove = 0;
   for (uint32_t seed = 0; seed < 60; ++seed) {

@@ -170,6 +170,7 @@ TEST(VectorNavBinary, TimeOfLessThanAWeekIsNoGpsTime) {
   EXPECT_TRUE(sample.has_gps_time);
 }
 
+// SR-INP02
 TEST(VectorNavBinary, RefusesNumbersThatAreNotFinite) {
   const Common good;
   for (const float bad : {kNan, kInf, -kInf}) {

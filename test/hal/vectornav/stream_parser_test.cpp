@@ -137,6 +137,7 @@ TEST(VectorNavStream, FindsTheMessageThatBeginsInsideAFalseOne) {
 }
 
 // $ of a text that was cut, and 0xFA right before the true one.
+// SR-INP02
 TEST(VectorNavStream, FindsTheMessageBehindHalfAMessage) {
   std::vector<uint8_t> stream = {'$', 'V', 'N', 'I', 'N', 'S', ',', '1', '2', 0xfa};
   Append(stream, NumberedMessage(1));
@@ -160,6 +161,7 @@ TEST(VectorNavStream, ALostDatagramCostsOnlyTheMessagesThatItTouched) {
   EXPECT_EQ(outcome.samples[11].timestamp_ns, 14 * 5'000'000u);
 }
 
+// SR-INP02
 TEST(VectorNavStream, MessagesInNoiseAreAllFoundHoweverTheyAreCut) {
   for (uint32_t seed = 1; seed <= 20; ++seed) {
     std::mt19937 random(seed);
@@ -230,6 +232,7 @@ TEST(VectorNavStream, DamagedStreamsGiveWhatTheDefinitionSays) {
   }
 }
 
+// SR-INP02
 TEST(VectorNavStream, NoTruncationGivesASample) {
   for (const std::vector<uint8_t>& message : {NumberedMessage(9), InsLine(9)}) {
     for (size_t size = 0; size < message.size(); ++size) {
@@ -241,6 +244,7 @@ TEST(VectorNavStream, NoTruncationGivesASample) {
   }
 }
 
+// SR-INP02
 TEST(VectorNavStream, NoFlippedBitGivesASample) {
   for (const std::vector<uint8_t>& message : {NumberedMessage(9), InsLine(9)}) {
     for (size_t bit = 0; bit < 8 * message.size(); ++bit) {

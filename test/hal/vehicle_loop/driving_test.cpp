@@ -84,6 +84,7 @@ TEST(VehicleLoopDriving, PurePursuitDrivesToo) {
 }
 
 // What a plan takes to stop is not to be less than what the drives need.
+// SR-SPD04
 TEST(VehicleLoopDriving, RefusesDrivesThatAreSlowerThanThePlansBelieve) {
   ClosedLoop drive;
   const auto config = std::make_unique<VehicleConfig>(drive.config());

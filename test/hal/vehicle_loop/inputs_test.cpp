@@ -22,6 +22,7 @@ using control::GoalFrame;
 using control::Kind;
 using testing::ClosedLoop;
 
+// SR-ODO03
 TEST(VehicleLoopInputs, AnInsThatRepeatsItselfIsASilentOne) {
   ClosedLoop drive;
   drive.DriveTo(60.0f, 0.0f);
@@ -45,6 +46,7 @@ std::vector<uint8_t> AsLine(std::span<const uint8_t> binary) {
 }
 
 // A line has no time since the device's start.
+// SR-ODO03
 TEST(VehicleLoopInputs, LinesOfAnInsThatRepeatThemselvesAreSilence) {
   ClosedLoop drive;
   std::vector<uint8_t> line;
@@ -63,6 +65,7 @@ TEST(VehicleLoopInputs, LinesOfAnInsThatRepeatThemselvesAreSilence) {
 }
 
 // A second kind of message, without a rate, 20 times a second beside one that has it.
+// SR-CMD04
 TEST(VehicleLoopInputs, AMessageWithoutARateDoesNotHideAWrongTurn) {
   ClosedLoop drive;
   int tick = 0;
@@ -95,6 +98,7 @@ TEST(VehicleLoopInputs, AMessageWithoutARateDoesNotHideAWrongTurn) {
 }
 
 // Nobody knows where the vehicle went meanwhile: it stops, and does not go on by itself.
+// SR-ODO01
 TEST(VehicleLoopInputs, APauseOfTheTicksWhileDrivingStopsForGood) {
   for (const int missed : {25, 100}) {
     ClosedLoop drive;
@@ -116,6 +120,7 @@ TEST(VehicleLoopInputs, APauseOfTheTicksWhileDrivingStopsForGood) {
 }
 
 // The ramps are the plan's, in metres per second squared, however late a tick is.
+// SR-PGM03
 TEST(VehicleLoopInputs, AFewMissedTicksDoNotStretchTheRamps) {
   ClosedLoop drive;
   drive.DriveTo(60.0f, 0.0f);
@@ -130,6 +135,7 @@ TEST(VehicleLoopInputs, AFewMissedTicksDoNotStretchTheRamps) {
 }
 
 // However long the drives' own time-out is.
+// SR-SUP05
 TEST(VehicleLoopInputs, WheelSpeedsAreAsOldAsTheyAre) {
   ClosedLoop drive;
   const auto config = std::make_unique<VehicleConfig>(drive.config());
@@ -143,6 +149,7 @@ TEST(VehicleLoopInputs, WheelSpeedsAreAsOldAsTheyAre) {
 }
 
 // Wheels that turned while nobody was told: what was mapped before has no place any more.
+// SR-ODO01
 TEST(VehicleLoopInputs, WheelSpeedsThatComeBackAfterASilenceAreAGap) {
   ClosedLoop drive;
   drive.DriveTo(60.0f, 0.0f);
@@ -196,6 +203,7 @@ TEST(VehicleLoopInputs, AGoalOnEarthFollowsTheMap) {
   EXPECT_LT(way_m, 7.0 * 0.2 + 0.3);
 }
 
+// SR-DET06
 TEST(VehicleLoopInputs, DecidesTheSameInWhateverMemoryItIsMade) {
   uint64_t hash[2] = {};
   for (int i = 0; i < 2; ++i) {
@@ -211,6 +219,7 @@ TEST(VehicleLoopInputs, DecidesTheSameInWhateverMemoryItIsMade) {
 
 // A lidar that starts anew in standby is taken as it is then; two that send by turns are not taken
 // for one that starts anew with every packet.
+// SR-INP01
 TEST(VehicleLoopInputs, ALidarStartsAnewOnceInATick) {
   ClosedLoop drive("", sim::LaneWorld(), 0xa5, sim::LidarProfile::kRng19);  // it tells its start
   ASSERT_TRUE(drive.Until(20.0, [&] { return drive.mode() == Mode::kStandby; }));
@@ -239,6 +248,7 @@ TEST(VehicleLoopInputs, ALidarStartsAnewOnceInATick) {
   }
 }
 
+// SR-DET06
 TEST(VehicleLoopInputs, ConfiguredAnewItIsAsNew) {
   uint64_t hash[2] = {};
   ClosedLoop used;

@@ -21,6 +21,7 @@ double YawRate(ClosedLoop& drive) {
   return std::fabs(drive.vehicle().vehicle().yaw_rate_radps());
 }
 
+// SR-SUP04
 TEST(VehicleLoopOperator, AStopDropsAGoalThatStillWaitsForItsPlan) {
   ClosedLoop drive;
   drive.BringUpAndArm();
@@ -80,6 +81,7 @@ TEST(VehicleLoopOperator, AGoalWithAHeadingIsReached) {
   EXPECT_NEAR(drive.Pose().theta_rad, 1.5, 0.25);
 }
 
+// SR-SUP08
 TEST(VehicleLoopOperator, AStopEndsATurnOnTheSpot) {
   ClosedLoop drive;
   drive.BringUpAndArm();
@@ -132,6 +134,7 @@ TEST(VehicleLoopOperator, AWaypointThatCannotBeReachedIsPassed) {
   EXPECT_FALSE(drive.vehicle().collided());
 }
 
+// SR-SUP02
 TEST(VehicleLoopOperator, IsNotArmedBeforeItStandsAndForgetsThePathOfBefore) {
   ClosedLoop drive;
   drive.DriveTo(60.0f, 0.0f);
@@ -151,6 +154,7 @@ TEST(VehicleLoopOperator, IsNotArmedBeforeItStandsAndForgetsThePathOfBefore) {
   EXPECT_EQ(drive.mode(), Mode::kArmed);
 }
 
+// SR-SUP08
 TEST(VehicleLoopOperator, DisarmingWhileDrivingEndsInStandbyWithTheDrivesOff) {
   ClosedLoop drive;
   drive.DriveTo(60.0f, 0.0f);
@@ -165,6 +169,7 @@ TEST(VehicleLoopOperator, DisarmingWhileDrivingEndsInStandbyWithTheDrivesOff) {
 
 // Whatever it is told, in any order: the speed that is commanded while a path is followed changes
 // by no more than the ramps, and nothing turns or drives in a mode that does not allow it.
+// SR-CMD02
 TEST(VehicleLoopOperator, TheCommandNeverJumpsWhateverIsSaid) {
   ClosedLoop drive;
   drive.BringUpAndArm();

@@ -33,6 +33,7 @@ bool IsCommandedToMove(ClosedLoop& drive) {
 
 //   [>] ------->      |wall|
 // It brakes in the tick of the first return, long before a plan knows.
+// SR-COR01
 TEST(VehicleLoopSafety, AWallThatAppearsBrakesInTheTickOfItsFirstReturn) {
   ClosedLoop drive;
   drive.DriveTo(40.0f, 0.0f);
@@ -50,6 +51,7 @@ TEST(VehicleLoopSafety, AWallThatAppearsBrakesInTheTickOfItsFirstReturn) {
   EXPECT_NEAR(drive.Pose().x_m, 40.0, 0.7);
 }
 
+// SR-COR01
 TEST(VehicleLoopSafety, SomethingAtOneMetreIsZeroAtOnce) {
   ClosedLoop drive;
   drive.DriveTo(40.0f, 0.0f);
@@ -84,6 +86,7 @@ TEST(VehicleLoopSafety, WhatStandsBesideTheWayOrBehindDoesNotBrake) {
 //  |  [>]       |        goal
 //  |____________|
 // A room around it, and then it is gone.
+// SR-PLN02, SR-SUP11
 TEST(VehicleLoopSafety, SaysThatThereIsNoWayAndGoesOnWhenThereIsOne) {
   ClosedLoop drive;
   drive.DriveTo(40.0f, 0.0f);
@@ -116,6 +119,7 @@ TEST(VehicleLoopSafety, SaysThatThereIsNoWayAndGoesOnWhenThereIsOne) {
   EXPECT_FALSE(drive.vehicle().collided());
 }
 
+// SR-SUP11
 TEST(VehicleLoopSafety, SaysThatTheGoalLiesInAnObstacle) {
   ClosedLoop drive("at 0 box 14 0 1 1.5");
   VehicleConfig config = drive.config();
@@ -128,6 +132,7 @@ TEST(VehicleLoopSafety, SaysThatTheGoalLiesInAnObstacle) {
   EXPECT_FALSE(drive.vehicle().collided());
 }
 
+// SR-CMD04
 TEST(VehicleLoopSafety, AVehicleThatIsToldToMoveAndDoesNotIsAFault) {
   ClosedLoop drive;
   drive.DriveTo(40.0f, 0.0f);
@@ -248,6 +253,7 @@ TEST(VehicleLoopSafety, ADriveThatWasStoppedByNmtIsBroughtBackByArming) {
   ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Speed_mps() > 1.0; }));
 }
 
+// SR-CMD04
 TEST(VehicleLoopSafety, WheelsThatTurnUnaskedAreAFault) {
   ClosedLoop drive;
   drive.BringUpAndArm();
@@ -261,6 +267,7 @@ TEST(VehicleLoopSafety, WheelsThatTurnUnaskedAreAFault) {
 
 // Wheels that report 300 m/s are taken for wheels that report nothing: the odometry does not jump,
 // the vehicle stops, and can be sent on.
+// SR-INP04
 TEST(VehicleLoopSafety, DrivesAgainAfterWheelSpeedsThatNoVehicleHas) {
   ClosedLoop drive;
   drive.DriveTo(60.0f, 0.0f);
@@ -282,6 +289,7 @@ TEST(VehicleLoopSafety, DrivesAgainAfterWheelSpeedsThatNoVehicleHas) {
 
 // Of every tick of a whole drive: nothing but zero unless the mode permits it, and nothing beyond
 // the limits.
+// SR-CMD01
 TEST(VehicleLoopSafety, NothingButZeroLeavesUnlessTheModePermits) {
   ClosedLoop drive;
   WheelCommand before;
@@ -317,6 +325,7 @@ TEST(VehicleLoopSafety, NothingButZeroLeavesUnlessTheModePermits) {
 
 //  [>]==????????-------
 // Nobody has told it of the ground in the lidar's blind cone.
+// SR-SPD02
 TEST(VehicleLoopSafety, StopsAtTheEndOfTheObservedGroundAndSaysSo) {
   ClosedLoop drive;
   VehicleConfig config = drive.config();
@@ -390,6 +399,7 @@ class PeopleLabels {
 };
 
 //   [>] ------->   P
+// SR-SPD03
 TEST(VehicleLoopSafety, StopsForAPersonAndGoesOnWhenTheWayIsFree) {
   ClosedLoop drive("", world::World());
   VehicleConfig config = drive.config();
@@ -418,6 +428,7 @@ TEST(VehicleLoopSafety, StopsForAPersonAndGoesOnWhenTheWayIsFree) {
 }
 
 // It would brake for what plans are free to pass.
+// SR-CFG02
 TEST(VehicleLoopSafety, RefusesACorridorWiderThanWhatPlansAreCheckedFor) {
   ClosedLoop drive;
   VehicleConfig config = drive.config();

@@ -109,6 +109,7 @@ TEST(VehicleLoop, DrivesToALatitudeAndLongitude) {
   EXPECT_NEAR(drive.Pose().x_m, 10.0, 0.7);
 }
 
+// SR-OPR05
 TEST(VehicleLoop, RefusesALatitudeFarAwayAndOneWithoutPosition) {
   ClosedLoop drive("at 12 ins-mode 0");
   drive.BringUpAndArm();
@@ -141,6 +142,7 @@ void PrintTo(const Fault& fault, std::ostream* out) {
 class VehicleLoopFaults : public ::testing::TestWithParam<Fault> {};
 
 // Each at 2 m/s or so, on a straight lane. Never a contact, and the vehicle stands within the time.
+// SR-SUP04, SR-SUP05, SR-SUP09
 TEST_P(VehicleLoopFaults, BringTheVehicleToRest) {
   const Fault& fault = GetParam();
   ClosedLoop drive;
@@ -185,6 +187,7 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
+// SR-DRV07, SR-SUP09
 TEST(VehicleLoop, StopsForGoodWhenTheBusGoes) {
   ClosedLoop drive;
   drive.DriveTo(60.0f, 0.0f);
@@ -202,6 +205,7 @@ TEST(VehicleLoop, StopsForGoodWhenTheBusGoes) {
   EXPECT_LT(std::fabs(drive.Speed_mps()), 0.02);
 }
 
+// SR-SUP08
 TEST(VehicleLoop, StopsWhenToldToAndOnEmergency) {
   ClosedLoop drive;
   drive.DriveTo(60.0f, 0.0f);
@@ -235,6 +239,7 @@ TEST(VehicleLoop, TakesUpDrivingAgainAfterAReset) {
   EXPECT_TRUE(drive.Until(10.0, [&] { return drive.Speed_mps() > 0.5; }));
 }
 
+// SR-SUP01
 TEST(VehicleLoop, RefusesToMoveUnlessArmed) {
   ClosedLoop drive;
   EXPECT_EQ(drive.Say(Kind::kArm), Status::kNotPermitted);  // nothing is up yet
@@ -247,6 +252,7 @@ TEST(VehicleLoop, RefusesToMoveUnlessArmed) {
   EXPECT_EQ(drive.Speed_mps(), 0.0);
 }
 
+// SR-OPR02
 TEST(VehicleLoop, AnswersWhatIsNoCommand) {
   ClosedLoop drive;
   const uint8_t noise[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13};
@@ -256,6 +262,7 @@ TEST(VehicleLoop, AnswersWhatIsNoCommand) {
   EXPECT_EQ(drive.loop().counters().refused_commands, 1u);
 }
 
+// SR-INP08
 TEST(VehicleLoop, RefusesATickWhoseTimeDoesNotGrow) {
   ClosedLoop drive;
   drive.Ticks(5);
@@ -292,6 +299,7 @@ TEST(VehicleLoop, IsNothingBeforeItIsConfigured) {
 
 // What a tick leaves waits, and what waits for good is old: 512 columns 20 times a second are 6.4
 // datagrams and 102.4 columns in 10 ms.
+// SR-CFG02
 TEST(VehicleLoop, RefusesAPeriodThatBringsMoreThanATickTakes) {
   ClosedLoop drive;
   const auto loop = std::make_unique<VehicleLoop>();
@@ -317,6 +325,7 @@ TEST(VehicleLoop, RefusesAPeriodThatBringsMoreThanATickTakes) {
   }
 }
 
+// SR-DET05
 TEST(VehicleLoop, DecidesTheSameTwice) {
   uint64_t hash[2] = {};
   for (uint64_t& value : hash) {
@@ -344,6 +353,7 @@ TEST(VehicleLoop, DecidesAsRecorded) {
 }
 
 // The image of the state is the state: a copy of its bytes goes on as the original does.
+// SR-DET05
 TEST(VehicleLoop, GoesOnFromACopyOfItsBytes) {
   ClosedLoop drive;
   drive.DriveTo(12.0f, 0.0f);

@@ -377,6 +377,7 @@ class Presence(CtlTest):
             time.sleep(0.01)
         return server.received
 
+    # SR-STP06
     def test_each_key_is_a_press_of_its_own(self):
         server = self.serve(done())
         keys, process = self.drive()
@@ -407,10 +408,12 @@ class Presence(CtlTest):
         self.assertEqual(process.wait(timeout=20), 2)
         self.assertIn("closed", process.stderr.read())
 
+    # SR-STP06
     def test_not_without_a_terminal(self):
         self.serve(done())
         self.expect_failure(2, ["drive"], "needs a terminal")
 
+    # SR-STP06
     def test_alive_is_one_press(self):
         server = self.serve(done())
         self.expect_done("alive")

@@ -41,6 +41,7 @@ class LogFile : public ::testing::Test {
   ~LogFile() override { std::remove(path.c_str()); }
 };
 
+// SR-LOG01
 TEST_F(LogFile, OfAMissionReplaysToItsDecisions) {
   MissionSettings settings = ShortMission();
   settings.log = path;

@@ -196,6 +196,7 @@ Replayed Replay(const Request& request) {
   return replayed;
 }
 
+// SR-DET06, SR-LOG01
 TEST(Replay, DecidesALoggedDriveTheSameAgain) {
   const LoggedDrive& drive = LoggedDrive::Get();
   ASSERT_GE(drive.files.size(), 3u);
@@ -220,6 +221,7 @@ TEST(Replay, DecidesALoggedDriveTheSameAgain) {
   EXPECT_EQ(object["counters"]["missed_ticks"], drive.ticks / 100);
 }
 
+// SR-LOG01
 TEST(Replay, ReplaysAnyFileAloneFromItsImage) {
   const LoggedDrive& drive = LoggedDrive::Get();
   for (size_t i = 1; i < drive.files.size(); ++i) {
@@ -250,6 +252,7 @@ Replayed ReplayPlanted(const LogDirectory& directory, Chosen&& chosen, size_t at
   return Replay({{path}, "", "", false});
 }
 
+// SR-LOG01
 TEST(Replay, FindsAPlantedDifference) {
   LogDirectory directory;
   int frames = 0;
@@ -276,6 +279,7 @@ TEST(Replay, FindsAPlantedDifference) {
   EXPECT_NE(hash.report.difference.what.find("decision hash"), std::string::npos);
 }
 
+// SR-LOG02
 TEST(Replay, GoesUpToTheLastWholeTickOfALogThatWasCutOff) {
   LogDirectory directory;
   const std::string path = directory.path() + "/cut.pcap";
@@ -289,6 +293,7 @@ TEST(Replay, GoesUpToTheLastWholeTickOfALogThatWasCutOff) {
   EXPECT_GT(replayed.report.ticks, 100);
 }
 
+// SR-LOG02
 TEST(Replay, SaysThatALogWithAGapIsNotComparable) {
   LogDirectory directory;
   MemoryRecorder::File file = LoggedDrive::Get().packets[0];
@@ -307,6 +312,7 @@ TEST(Replay, SaysThatALogWithAGapIsNotComparable) {
   EXPECT_NE(replayed.report.not_comparable.find("not comparable: 42 records"), std::string::npos);
 }
 
+// SR-LOG02
 TEST(Replay, NoticesAMissingFileAndAnImageOfAnotherLayout) {
   const LoggedDrive& drive = LoggedDrive::Get();
   const Replayed missing = Replay({{drive.files[0], drive.files[2]}, "", "", false});

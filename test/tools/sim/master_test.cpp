@@ -166,6 +166,7 @@ TEST(MasterAndDrives, TakeSyncFromDrivesThatWereNotConfiguredYet) {
   }
 }
 
+// SR-DRV01
 TEST(MasterAndDrives, StopBothWhenOneFaults) {
   MasterAndDrives both;
   both.Start();
@@ -196,6 +197,7 @@ TEST(MasterAndDrives, DriveAgainWhenTheFaultWasReset) {
   EXPECT_NEAR(both.vehicle().drive(Side::kLeft).wheel_radps(), 3.0, 0.1);
 }
 
+// SR-DRV03
 TEST(MasterAndDrives, StopByThemselvesWhenTheMasterDies) {
   MasterAndDrives both;
   both.Start();

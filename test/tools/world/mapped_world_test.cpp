@@ -182,6 +182,7 @@ TEST(MappedWorld, ShowsARockPileAsHardCoreAndSoftSkirt) {
 }
 
 // The ditch is not bridged: the ground that was observed ends at it.
+// SR-PER09
 TEST(MappedWorld, EndsTheObservedGroundAtTheDitch) {
   MappedWorld mapped("ditch", 1, false);
   mapped.Drive(2.0, 3.0);
