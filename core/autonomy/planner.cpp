@@ -442,7 +442,12 @@ void Planner::StepSpeed(int units) {
 // The stretch from a start in an obstacle to the first point that is clear of it, which is within
 // it still; the footprint's own overlap may last longer than the middle's.
 int Planner::SlowPoints() const {
-  if (!lead_.empty()) return plan_.lead_points + plan_.check.overlap_points;
+  if (!lead_.empty()) {
+    // Straight on from where nothing was seen to be near is no slow way.
+    const bool is_tight = lead_failure_ != Status::kOk || request_.lead_out > 0;
+    const int overlap = plan_.check.overlap_points;
+    return is_tight || overlap > 0 ? plan_.lead_points + overlap : 0;
+  }
   if (!plan_.search.start_in_obstacle) return plan_.check.overlap_points;
   const Costmap& map = costmap();
   int clear = 0;
