@@ -89,6 +89,8 @@ class RandomConfiguration {
       configuration.onboard.safety.corridor_margin_m = Between(0.0f, 0.05f);
       configuration.perception.mount = {};
     }
+    float& band_m = configuration.perception.segmentation.ground_band_m;
+    if (band_m >= planner.costmap.obstacle_height_m) band_m = Between(0.0f, 0.04f);
     configuration.onboard.drive.left_sign = Below(2) == 0 ? 1 : -1;
     configuration.onboard.drive.right_sign = Below(2) == 0 ? 1 : -1;
     if (!IsUsable(sevcon::DrivePair().Configure(configuration.onboard.drive))) {

@@ -329,7 +329,7 @@ TEST(Configuration, NamesBothKeysOfWhatDoesNotGoTogether) {
        "vehicle.width_m"},
       {"costmap.hard_slope_per_m = 40.0", "costmap.hard_slope_per_m", "costmap.planning_radius_m"},
       {"costmap.clearance_height_m = 0.5", "costmap.clearance_height_m",
-       "costmap.obstacle_height_m"},
+       "costmap.growth_height_m"},
       {"speed.stopping_dead_time_s = 0.1", "speed.stopping_dead_time_s", "dynamics.dead_time_s"},
       {"speed.stopping_lag_s = 0.5", "speed.stopping_lag_s", "dynamics.common_lag_s"},
       {"safety.corridor_margin_m = 0.06", "safety.corridor_margin_m", "path.kept_margin_m"},

@@ -79,9 +79,6 @@ class BadGoalAndStart(CommandTest):
         for start in ("1,2", "1,2,nan", "x,0,0"):
             self.expect_bad_input(self.lidar(start=start), "--start")
 
-    def test_goal_where_the_vehicle_stands(self):
-        self.expect_bad_input(self.lidar(goal="0,0"), "--goal")
-
     def test_goal_in_an_obstacle_that_may_not_be_moved(self):
         self.expect_bad_input(
             self.lidar(goal="13,-2", param="astar.move_goal_out_of_obstacle=0"), "--goal",

@@ -131,10 +131,19 @@ class CtlTest(unittest.TestCase):
 class Commands(CtlTest):
     def test_each_is_sent_and_done(self):
         server = self.serve(done())
-        for name, kind in (("arm", ARM), ("disarm", DISARM), ("stop", STOP), ("estop", ESTOP),
-                           ("alive", ALIVE)):
+        for name, kind in (("arm", ARM), ("disarm", DISARM), ("stop", STOP), ("estop", ESTOP)):
             self.assertEqual(self.expect_done(name), "done\n")
             self.assertEqual(server.received.pop(), (kind, b""))
+
+    def test_alive_is_another_press_each_time(self):
+        server = self.serve(done())
+        presses = set()
+        for _ in range(3):
+            self.assertEqual(self.expect_done("alive"), "done\n")
+            kind, press = server.received.pop()
+            self.assertEqual((kind, len(press)), (ALIVE, 4))
+            presses.add(press)
+        self.assertEqual(len(presses), 3)
 
     def test_a_refusal_says_why(self):
         self.serve(done(status_code("kNotPermitted"), LIDAR_OLD))

@@ -84,6 +84,13 @@ class PlanOnARecording(CommandTest):
         plan = json.loads((self.out / "plan.json").read_text())
         self.assertTrue(plan["search"]["goal_moved"])
 
+    # SR-GEO06: a goal where the vehicle stands is arrival
+    def test_a_goal_where_the_vehicle_stands_is_arrival(self):
+        stdout = self.expect_done(self.lidar(goal="0,0"))
+        plan = json.loads((self.out / "plan.json").read_text())
+        self.assertLess(plan["length_m"], 0.01, stdout)
+        self.assertEqual(max(plan["v_mps"], default=0.0), 0.0)
+
     def test_parameters_arrive(self):
         self.expect_done(self.lidar() + ["--param", "speed.max_speed_mps=3",
                                          "--param", "costmap.halo_m=1.5"])

@@ -117,9 +117,13 @@ class PlanOnRellis(CommandTest):
                 self.expect_clear_way(goal, pivots_first=False)
 
     def test_the_goals_behind_begin_with_a_turn_on_the_spot(self):
-        for goal in ("-12,12", "-12,-12", "-15,0"):
+        for goal in ("-12,-12", "-15,0"):
             with self.subTest(goal=goal):
                 self.expect_clear_way(goal, pivots_first=True)
+
+    def test_where_that_would_sweep_what_stands_beside_it_drives_off_first(self):
+        # What is labelled void stands 0.8 m from the left flank: a label does not clear it away.
+        self.expect_clear_way("-12,12", pivots_first=False)
 
     def expect_clear_way(self, goal, pivots_first):
         plan = self.plan_to(goal)
