@@ -16,6 +16,7 @@ void LeadOut::Begin(const VehicleParams& vehicle, const PathParams& params, cons
   start_ = start;
   least_m_ = least_m;
   longest_m_ = Min(longest_m, kMaxLength_m);
+  first_bend_ = first_bend;
   bend_ = first_bend;
   bends_ = end_bend;
   const float reach_m = footprint_.pivot_radius_m + kCellDiagonal_m;
@@ -65,13 +66,22 @@ void LeadOut::EndBend() {
   pose_ = 0;
 }
 
+void LeadOut::RefuseFound() {
+  if (!found()) return;
+  refused_ |= 1u << static_cast<uint32_t>(best_bend_);
+  best_bend_ = -1;
+  bend_ = first_bend_;
+  pose_ = 0;
+}
+
 Progress LeadOut::Step(const Costmap& map, int units) {
   HP_LOOP_BOUND(kMaxUnits)
   for (int unit = 0; unit < units && bend_ < bends_; ++unit) {
+    const bool is_refused = ((refused_ >> static_cast<uint32_t>(bend_)) & 1u) != 0;
     const float along_m = kStep_m * static_cast<float>(pose_);
     const float bend_m = kBendCost_m2 * Abs(kBends_per_m[bend_]);
     const bool is_worse = found() && along_m + bend_m >= best_cost_m_;
-    if (along_m > longest_m_ || is_worse) {
+    if (is_refused || along_m > longest_m_ || is_worse) {
       EndBend();
       continue;
     }

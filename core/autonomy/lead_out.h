@@ -20,10 +20,10 @@
 //                          /            way is blocked or longer by more than what a bend costs
 //                         v
 //
-// The outline must not touch a hard cell more deeply than it does at the start. Cells are coarser
-// than what is beside a flank by a hand's breadth: so a cell counts by its middle, and by
-// kCellTolerance_m less. What stands there is held against the outline itself in every tick, to 5
-// cm (core/safety/motion_sweep.h), and the way is driven slowly.
+// It looks roughly: a hard cell counts by its middle, which must not come deeper into the outline
+// than it lies in it at the start and kCellTolerance_m. Whether a way that it has found may be
+// driven the check says (core/safety/path_check.h), as of any other path; if not, RefuseFound looks
+// for the next one.
 
 namespace hardpack {
 
@@ -48,6 +48,9 @@ class LeadOut {
   // A unit is one pose of one of the ways. At most kMaxUnits.
   Progress Step(const Costmap& map, int units);
 
+  // Once one is found: looks again, and not along its bend. At most kBends times.
+  void RefuseFound();
+
   // Once it is done: whether there is one, and the shortest of them, with what bends cost: its
   // first point is the start, its last where the vehicle may turn.
   bool found() const { return best_bend_ >= 0; }
@@ -66,9 +69,11 @@ class LeadOut {
   float least_m_ = 0.0f;
   float longest_m_ = 0.0f;
   int32_t reach_cells_ = 0;
+  int32_t first_bend_ = 0;
   int32_t bends_ = 0;
-  int32_t bend_ = 0;  // being looked along, ...
-  int32_t pose_ = 0;  // ... next pose of it
+  uint32_t refused_ = 0;  // a bit for each bend
+  int32_t bend_ = 0;      // being looked along, ...
+  int32_t pose_ = 0;      // ... next pose of it
   int32_t best_bend_ = -1;
   float best_m_ = 0.0f;
   float best_cost_m_ = 0.0f;

@@ -188,13 +188,16 @@ void Planner::Stay() {
   const Pose2& here = request_.start.pose;
   const float turn_rad =
       request_.has_goal_heading ? WrapAngle(request_.goal_heading_rad - here.theta_rad) : 0.0f;
-  plan_.stays = true;
+  plan_.stays = lead_.empty();
   plan_.pivots_last = Abs(turn_rad) > kGoalHeadingTolerance_rad;
-  plan_.path.Resize(2);
-  plan_.path[0] = here;
-  plan_.path[1] = here;
-  if (plan_.pivots_last) plan_.path[1].theta_rad = WrapAngle(request_.goal_heading_rad);
-  plan_.base = plan_.path;
+  plan_.base.Resize(2);
+  plan_.base[0] = here;
+  plan_.base[1] = here;
+  if (plan_.pivots_last) plan_.base[1].theta_rad = WrapAngle(request_.goal_heading_rad);
+  BeginPath();
+  plan_.path.Resize(plan_.lead_points + 2);
+  plan_.path[plan_.lead_points] = plan_.base[0];
+  plan_.path[plan_.lead_points + 1] = plan_.base[1];
   plan_.search.status = Status::kOk;
   plan_.search.end = CellAt(request_.goal_odom);
   plan_.base_status = Status::kOk;
@@ -313,15 +316,16 @@ void Planner::StepOptimize(int units) {
   BeginCheck();
 }
 
-// `driven` with the turns on the spot before and behind it.
+// `driven` with the way out of the start before it, and the turns on the spot before and behind.
+// What does not fit is cut at the end.
 void Planner::MakePath(const WorldPath& driven) {
   WorldPath& path = plan_.path;
-  path.Clear();
+  BeginPath();
   plan_.ends_short = false;
   plan_.base_status = Graver(plan_.search.status, sampler_.status());
   if (plan_.pivots_first) {
-    path.Resize(1);
-    path[0] = {driven[0].x_m, driven[0].y_m, request_.start.pose.theta_rad};
+    path.Resize(path.size() + 1);
+    path.back() = {driven[0].x_m, driven[0].y_m, request_.start.pose.theta_rad};
   }
   const int room = WorldPath::capacity() - path.size();
   const int kept = driven.size() < room ? driven.size() : room;
@@ -346,7 +350,7 @@ void Planner::BeginCheck() {
   Status status = ToActuator<PlanarModel>(plan_.path, plan_.actuator);
   if (IsUsable(status)) {
     status = check_.Begin(params_.vehicle, params_.optimizer, plan_.path,
-                          request_.start.curvature_per_m, params_.path.margin_m);
+                          own_start_.curvature_per_m, params_.path.margin_m);
   }
   if (!IsUsable(status)) return Fail(status);
   stage_ = PlanStage::kCheck;
@@ -372,16 +376,13 @@ void Planner::StepCheck(int units) {
 }
 
 void Planner::BeginSpeed() {
-  if (!lead_.empty()) PrependLead();
-  const Status status = ToActuator<PlanarModel>(plan_.path, plan_.actuator);
-  if (!IsUsable(status)) return Fail(status);
   stage_ = PlanStage::kSpeed;
   caps_.Begin(costmap().window, params_.speed, params_.vehicle, plan_.path, own_start_.speed_mps);
 }
 
 bool Planner::MayEndShort() const {
   const int kept = plan_.check.collision_point;
-  if (plan_.ends_short || kept < 2) return false;
+  if (plan_.ends_short || kept < plan_.lead_points + 2) return false;
   float rest_m = 0.0f;
   HP_LOOP_BOUND(kMaxPathPoints - 1)
   for (int k = kept; k < plan_.actuator.steps.size(); ++k) {
@@ -401,7 +402,7 @@ void Planner::EndShort() {
 }
 
 void Planner::TryAgain() {
-  if (plan_.stays) return Fail(Status::kPivotBlocked);
+  if (IsHere()) return Fail(Status::kPivotBlocked);
   if (MayEndShort()) {
     EndShort();
     return BeginCheck();
@@ -446,7 +447,7 @@ int Planner::SlowPoints() const {
     // Straight on from where nothing was seen to be near is no slow way.
     const bool is_tight = lead_failure_ != Status::kOk || request_.lead_out > 0;
     const int overlap = plan_.check.overlap_points;
-    return is_tight || overlap > 0 ? plan_.lead_points + overlap : 0;
+    return is_tight && overlap < plan_.lead_points ? plan_.lead_points : overlap;
   }
   if (!plan_.search.start_in_obstacle) return plan_.check.overlap_points;
   const Costmap& map = costmap();

@@ -41,7 +41,7 @@
 //   rest is done again.
 // - There is no room to turn on the spot where the vehicle stands, or no way at all out of what is
 //   too near: it leads out along its heading (lead_out.h), and all the rest is planned from there.
-//   The lead-out comes before the path that is checked, and is driven slowly.
+//   The check is of both, from where the vehicle stands; the lead-out is driven slowly.
 // - The path sweeps what stands beside the place where the map began, which nobody has seen: the
 //   same, unseen_start_m from that place, if that is free; else the path is taken as it is.
 
@@ -161,9 +161,10 @@ class Planner {
                                         2 * Optimizer::kMaxUnits + 12 * PathCheck::kMaxUnits;
   // Where the vehicle is, behind a lead-out, and again where it is.
   static constexpr int kMaxRoutes = 3;
-  static constexpr int kMaxUnits = CostmapBuilder::kUnits + ScanRing::kMaxColumns +
-                                   kMaxRoutes * kMaxRouteUnits + 2 * (LeadOut::kMaxUnits + 1) +
-                                   SpeedCaps::kMaxUnits;
+  static constexpr int kMaxUnits =
+      CostmapBuilder::kUnits + ScanRing::kMaxColumns + kMaxRoutes * kMaxRouteUnits +
+      2 * (LeadOut::kBends + 1) * (LeadOut::kMaxUnits + 1) +
+      2 * LeadOut::kBends * PathCheck::kMaxUnits + SpeedCaps::kMaxUnits;
 
  private:
   // What the cells are made from: heights and, if there is one, the mapper that pends columns.
@@ -196,7 +197,9 @@ class Planner {
   [[nodiscard]] bool BeginLeadOut(Status failure);
   void LookForLeadOut(bool straight_only);
   bool SweepsUnseen() const;
-  void PrependLead();
+  void StepLeadCheck(int units);
+  void RefuseLead();
+  void BeginPath();
   void BeginSpeed();
   void BeginSeed();
   [[nodiscard]] bool MakeSeed(const WorldPath& base);

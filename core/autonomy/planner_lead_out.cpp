@@ -67,21 +67,37 @@ void Planner::LookForLeadOut(bool straight_only) {
 }
 
 void Planner::StepLeadOut(int units) {
+  if (!lead_.empty()) return StepLeadCheck(units);
   if (lead_out_.Step(costmap(), units) == Progress::kBusy) return;
+  if (lead_out_.found()) {
+    lead_out_.Poses(lead_);
+    const Status status = check_.Begin(params_.vehicle, params_.optimizer, lead_,
+                                       own_start_.curvature_per_m, params_.path.margin_m);
+    if (!IsUsable(status)) RefuseLead();
+    return;
+  }
   const bool may_bend = lead_failure_ != Status::kOk && request_.lead_out == 0;
-  if (!lead_out_.found() && !looks_bent_ && may_bend) {
+  if (!looks_bent_ && may_bend) {
     looks_bent_ = true;
     return LookForLeadOut(false);
   }
-  if (!lead_out_.found()) {
-    // Looked for before anything else, or behind a path that is free.
-    if (plan_.path.empty() && lead_failure_ == Status::kOk) return BeginSearch();
-    if (lead_failure_ == Status::kOk) return BeginSpeed();
-    return End(lead_failure_);
-  }
-  lead_out_.Poses(lead_);
+  // Looked for before anything else, or behind a path that is free.
+  if (plan_.path.empty() && lead_failure_ == Status::kOk) return BeginSearch();
+  if (lead_failure_ == Status::kOk) return BeginSpeed();
+  return End(lead_failure_);
+}
+
+// The way out by itself, from where the vehicle is: with the rest behind it it is checked again.
+void Planner::StepLeadCheck(int units) {
+  if (check_.Step(costmap(), lead_, units) == Progress::kBusy) return;
+  if (!IsUsable(check_.result().status)) return RefuseLead();
   request_.start = {lead_.back(), 0.0f, 0.0f};
   BeginSearch();
+}
+
+void Planner::RefuseLead() {
+  lead_.Clear();
+  lead_out_.RefuseFound();
 }
 
 // Whether a pose of the path has a corner beside the place where the map began, off the strip that
@@ -109,20 +125,15 @@ bool Planner::SweepsUnseen() const {
   return false;
 }
 
-// The last point of the lead-out is the first of the path. What does not fit is cut at the end.
-void Planner::PrependLead() {
-  WorldPath& path = plan_.path;
-  const int lead = lead_.size() - 1;
-  const int room = WorldPath::capacity() - lead;
-  const int kept = path.size() < room ? path.size() : room;
-  if (kept < path.size()) plan_.base_status = Graver(plan_.base_status, Status::kPathCut);
-  path.Resize(kept + lead);
+// Before all that is driven: its last point is the first of what follows.
+void Planner::BeginPath() {
+  plan_.path.Clear();
+  plan_.lead_points = lead_.empty() ? 0 : lead_.size() - 1;
   HP_LOOP_BOUND(kMaxPathPoints)
-  for (int k = kept - 1; k >= 0; --k) path[k + lead] = path[k];
-  HP_LOOP_BOUND(kMaxPathPoints)
-  for (int k = 0; k < lead; ++k) path[k] = lead_[k];
-  plan_.lead_points = lead;
-  plan_.check.smallest_clearance_point += lead;
+  for (int k = 0; k < plan_.lead_points; ++k) {
+    plan_.path.Resize(k + 1);
+    plan_.path.back() = lead_[k];
+  }
 }
 
 }  // namespace hardpack

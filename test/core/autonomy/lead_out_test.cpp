@@ -6,7 +6,7 @@
 #include <cmath>
 #include <memory>
 
-#include "test/core/autonomy/scene.h"
+#include "test/core/autonomy/random_outlines.h"
 
 namespace hardpack {
 namespace {
@@ -37,6 +37,36 @@ TEST(LeadOut, AStartBesideAWallWithoutRoomToTurnIsLeftAlongTheHeading) {
   EXPECT_NEAR(plan.path.back().y_m, -12.1f, 0.3f);
   EXPECT_EQ(plan.speed.size(), plan.path.size());
   EXPECT_EQ(plan.actuator.steps.size(), plan.path.size() - 1);
+}
+
+// What the check says is of the way out too, which is the nearest of it all.
+// SR-GEO04
+TEST(LeadOut, IsPartOfWhatTheCheckSays) {
+  Scene scene = WallBeside();
+  scene.request.start.pose.y_m = 0.2f;
+  const Plan& plan = PlanIn(scene);
+  ASSERT_TRUE(IsUsable(plan.status)) << StatusName(plan.status);
+  ASSERT_GT(plan.lead_points, 2);
+  const double clearance_m = SweptOutline(scene, plan).Clearance_m();
+  EXPECT_NEAR(clearance_m, 0.8 - 0.5 * double{scene.params.vehicle.width_m}, 0.005);
+  EXPECT_NEAR(double{plan.check.smallest_clearance_m}, clearance_m, SweptOutline::kStep_m);
+  EXPECT_LE(plan.check.smallest_clearance_point, plan.lead_points);
+}
+
+//   ##########
+//         #               a cell of the wall that juts out by 0.2 m: straight on it would be
+//         touched
+//   [ > ]                 by 9 cm, though not in its middle
+// SR-GEO04
+TEST(LeadOut, TouchesNoPartOfACell) {
+  Scene scene = WallBeside();
+  scene.Add(15, 4, 15, 4);
+  const Plan& plan = PlanIn(scene);
+  ASSERT_TRUE(IsUsable(plan.status)) << StatusName(plan.status);
+  EXPECT_GT(plan.lead_points, 2);
+  EXPECT_GT(SweptOutline(scene, plan).Clearance_m(), 0.0);
+  scene.Add(-5, -5, 25, -5);  // and nowhere to bend to
+  EXPECT_FALSE(IsUsable(PlanIn(scene).status));
 }
 
 // Walls on both sides, nearer than the search keeps from them: from the middle no way falls.

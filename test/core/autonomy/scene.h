@@ -87,11 +87,55 @@ inline double OutlineClearance_m(const Scene& scene, double x_m, double y_m, dou
   return nearest;
 }
 
-// Clearance of the outline along a whole plan, cut every 3 cm, in double and over every hard block.
+// By how far one of two rectangles would have to be moved, along a side of either, for them not to
+// overlap; 0 where they do not.
+inline double OverlapOf_m(const Quad& a, const Quad& b) {
+  double least = 1e9;
+  for (int i = 0; i < 4; ++i) {
+    const Quad& quad = i < 2 ? a : b;
+    const TestPoint side = {quad[1 + i % 2].x - quad[i % 2].x, quad[1 + i % 2].y - quad[i % 2].y};
+    const double length = std::hypot(side.x, side.y);
+    const auto span = [&](const Quad& of, double& low, double& high) {
+      low = 1e9;
+      high = -1e9;
+      for (const TestPoint& p : of) {
+        const double along = (p.x * side.x + p.y * side.y) / length;
+        low = std::min(low, along);
+        high = std::max(high, along);
+      }
+    };
+    double low_a, high_a, low_b, high_b;
+    span(a, low_a, high_a);
+    span(b, low_b, high_b);
+    least = std::min({least, high_a - low_b, high_b - low_a});
+  }
+  return std::max(least, 0.0);
+}
+
+// How deep the deepest hard cell lies in the outline at a place, as the check counts it.
+inline double OutlineOverlap_m(const Scene& scene, double x_m, double y_m, double theta_rad) {
+  const Quad outline = OutlineQuad(scene.params.vehicle, x_m, y_m, theta_rad);
+  double deepest = 0.0;
+  for (const Block& block : scene.blocks) {
+    if ((block.flags & (Costmap::kHard | Costmap::kPerson)) == 0) continue;
+    for (int y = block.low.y; y <= block.high.y; ++y) {
+      for (int x = block.low.x; x <= block.high.x; ++x) {
+        const Quad cell = BoxQuad(0.2 * x, 0.2 * y, 0.2 * (x + 1), 0.2 * (y + 1));
+        deepest = std::max(deepest, OverlapOf_m(outline, cell));
+      }
+    }
+  }
+  return deepest;
+}
+
+// Clearance of the outline along a whole plan, cut every 3 cm, in double and over every hard block;
+// negative where it overlaps one.
 inline double ClearanceOf(const Scene& scene, const Plan& plan) {
   double clearance = 1e9;
   const auto judge = [&](double x, double y, double theta) {
-    clearance = std::min(clearance, OutlineClearance_m(scene, x, y, theta));
+    double here = OutlineClearance_m(scene, x, y, theta);
+    if (here <= 0.0) here = -OutlineOverlap_m(scene, x, y, theta);
+    clearance = std::min(clearance, here);
   };
   for (int k = 0; k + 1 < plan.path.size(); ++k) {
     const Pose2& a = plan.path[k];
