@@ -11,6 +11,9 @@ namespace hardpack {
 namespace {
 
 constexpr float kCellReach_cm = 14.142136f;  // from a cell's middle to its corner
+// Who has gone leaves a foot below the lowest beam that passes. A cut by so much is no noise on the
+// top of a low thing: the block's counts were of what has gone, and what still stands counts anew.
+constexpr int32_t kOther_cm = 15;
 
 bool IsFinitePoint(const Vec3& point) {
   return IsFinite(point.x_m) && IsFinite(point.y_m) && IsFinite(point.z_m);
@@ -194,6 +197,9 @@ void HeightGrid::CutDown(int slot, bool hard, float cut_cm) {
   const bool gone = highest_cm <= lowest_cm + kRest_cm;
   const int16_t kept_cm = gone ? kNone : static_cast<int16_t>(highest_cm);
   if (hard) {
+    if (highest_hard_cm_[slot] - highest_cm >= kOther_cm) {
+      low_[BlockSlot({slot % kMapSize_cells, slot / kMapSize_cells})] = 0;
+    }
     highest_hard_cm_[slot] = kept_cm;
     if (gone) lowest_hard_cm_[slot] = kNone;
     seen_[slot] = static_cast<uint8_t>(seen_[slot] & ~kPersonMask);

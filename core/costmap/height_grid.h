@@ -62,10 +62,10 @@
 // what is seen through in every second revolution only does not age.
 //
 // Low things (ours). What stands no higher than growth does is an obstacle only when most of its
-// returns are firm (core/segmentation): of each block of 2 x 2 cells it is counted how many were,
-// and how many spoke against it: loose ones, and what turned out to be ground from nearby. Counts
-// go up to 15; then both are halved, so that new looks count more than old ones. The counts make no
-// obstacle by themselves: the obstacle rule wants hard returns in the cell too, which age as above.
+// returns are firm (core/segmentation). Each block of 2 x 2 cells counts those that were, and those
+// that spoke against it: loose ones, and ground from nearby. Counts go up to 15; then both are
+// halved: new looks count more. A cut by 0.15 m or more makes them 0: they were of what has gone.
+// They make no obstacle alone: the rule wants hard returns in the cell too, which age as above.
 //
 // A person's flag lasts while returns of a person come: each sets a memory of kPersonMemory, and
 // each new revolution (by parity too) whose first hard or ground return is not a person's takes one

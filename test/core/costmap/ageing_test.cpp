@@ -174,6 +174,35 @@ TEST_F(Ageing, WhatIsLeftAFewCentimetresHighIsGone) {
   EXPECT_EQ(Highest(), kNone);
 }
 
+// Legs are firm, too: what is left of somebody who has gone is not a low thing.
+// SR-PER04
+TEST_F(Ageing, CountsOfWhatIsSeenThroughGoWithIt) {
+  for (const float through_m : {0.03f, 0.1f, 0.4f}) {
+    ASSERT_EQ(grid_->Reset({}), Status::kOk);
+    FileBox();
+    for (int i = 0; i < 15; ++i) grid_->CountLow({10.1f, 0.1f, 0.2f}, true);
+    LookTimes(2, 1, {{through_m}});
+    EXPECT_TRUE(Heights().firm) << through_m;
+    Look(3, {{through_m}});
+    EXPECT_FALSE(Heights().firm) << through_m;
+    EXPECT_FALSE(Heights().growth) << through_m;
+  }
+}
+
+// The highest of a rock's returns was too high by the noise; and a low thing that nothing passes
+// through keeps its counts whatever passes above it.
+TEST_F(Ageing, ALowThingKeepsItsCountsWhenItsTopIsCut) {
+  File(0.0f, ReturnClass::kHard, 0);
+  File(0.3f, ReturnClass::kHard, 0);
+  for (int i = 0; i < 6; ++i) grid_->CountLow({10.1f, 0.1f, 0.2f}, true);
+  LookTimes(20, 1, {{0.31f}, {0.5f}, {0.9f}}, 1);
+  EXPECT_EQ(Highest(), 30);
+  EXPECT_TRUE(Heights().firm);
+  LookTimes(3, 21, {{0.2f}});
+  EXPECT_EQ(Highest(), 21);
+  EXPECT_TRUE(Heights().firm);
+}
+
 // Hits in the lower half do not keep the upper half, but it is not cut below them.
 TEST_F(Ageing, IsNotCutBelowWhatWasHitMeanwhile) {
   FileBox();
