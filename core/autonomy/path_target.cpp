@@ -11,6 +11,10 @@ namespace {
 constexpr float kSpan_m = 0.15f;
 constexpr float kSpan_s = 0.1f;
 
+// So far before a place where the vehicle has to stand the path is still what leads there: behind
+// it may look anywhere.
+constexpr float kBeforeStanding_m = 0.001f;
+
 // Whether the pose at a point looks against the chord behind it.
 bool IsReversed(const WorldPath& path, int point) {
   const Vec2 chord = {path[point + 1].x_m - path[point].x_m, path[point + 1].y_m - path[point].y_m};
@@ -37,6 +41,25 @@ PathState StateFor(const CommittedPlan& plan, float along_m, bool reverse) {
   return state;
 }
 
+float Reach(const PathFollower& follower, const TrackingParams& params) {
+  return Max(params.min_lookahead_m, Abs(follower.speed_mps) * params.lookahead_s);
+}
+
+Pose2 Ahead(Pose2 pose, float way_m) {
+  const SinCosPair heading = SinCos(pose.theta_rad);
+  pose.x_m += way_m * heading.cos;
+  pose.y_m += way_m * heading.sin;
+  return pose;
+}
+
+// At a turn on the spot that has to wait until the vehicle stands: straight on to rest, whatever
+// heading the path has behind it.
+void RollOut(const PathFollower& follower, const TrackingParams& params, TrackingInput& target) {
+  target.path = follower.pose;
+  target.speed_limit_mps = 0.0f;
+  target.aim.pose = Ahead(follower.pose, Reach(follower, params));
+}
+
 }  // namespace
 
 Status PathTarget(const CommittedPlan& plan, const PathFollower& follower,
@@ -54,44 +77,48 @@ Status PathTarget(const CommittedPlan& plan, const PathFollower& follower,
   const int standing =
       turns_here ? point : RestPoint(plan, point, EndOfDirection(path, point, reverse));
   target.reverse = reverse;
-  target.left_m = Max(WayTo(path, standing) - along_m, 0.0f);
+  const float standing_m = WayTo(path, standing);
+  target.left_m = Max(standing_m - along_m, 0.0f);
   if (TurnsOnTheSpotAt(path, standing) && target.left_m <= kAtPoint_m && follower.stands) {
     target.turn = true;
     target.aim.pose = path[standing + 1];
     target.path = follower.pose;
     return Status::kOk;
   }
-  const PathState here = StateFor(plan, along_m, reverse);
-  const PathState start = StateFor(plan, along_m + Min(kStartWay_m, target.left_m), reverse);
+  if (turns_here) {
+    RollOut(follower, params, target);
+    return Status::kOk;
+  }
+  const float last_m = Max(standing_m - kBeforeStanding_m, 0.0f);
+  const auto state_at = [&](float ahead_m) {
+    return StateFor(plan, Min(along_m + Min(ahead_m, target.left_m), last_m), reverse);
+  };
+  const PathState here = state_at(0.0f);
+  const PathState start = state_at(kStartWay_m);
   target.path = here.pose;
-  target.turn_curvature_per_m =
-      StateFor(plan, along_m + Min(follower.turn_ahead_m, target.left_m), reverse).curvature_per_m;
-  const PathState wheels =
-      StateFor(plan, along_m + Min(follower.wheel_ahead_m, target.left_m), reverse);
+  target.turn_curvature_per_m = state_at(follower.turn_ahead_m).curvature_per_m;
+  const PathState wheels = state_at(follower.wheel_ahead_m);
   target.wheel_curvature_per_m = wheels.curvature_per_m;
   target.speed_limit_mps = target.left_m <= kStartWay_m ? 0.0f : start.speed_mps;
 
   const float span_m = kSpan_m + kSpan_s * Abs(follower.speed_mps);
   const float ahead_m = Min(span_m, target.left_m - follower.wheel_ahead_m);
   if (ahead_m > kStartWay_m) {
-    const PathState ahead = StateFor(plan, along_m + follower.wheel_ahead_m + ahead_m, reverse);
+    const PathState ahead = state_at(follower.wheel_ahead_m + ahead_m);
     const float bend_per_m = ahead.curvature_per_m - wheels.curvature_per_m;
     target.curvature_rate_per_m2 = (reverse ? -bend_per_m : bend_per_m) / ahead_m;
   }
   if (Min(span_m, target.left_m) > kStartWay_m) {
-    const PathState next = StateFor(plan, along_m + kStartWay_m + kSpan_m, reverse);
+    const PathState next = state_at(kStartWay_m + kSpan_m);
     target.acceleration_mps2 =
         (next.speed_mps * next.speed_mps - start.speed_mps * start.speed_mps) / (2.0f * kSpan_m);
   }
 
-  const float reach_m = Max(params.min_lookahead_m, Abs(follower.speed_mps) * params.lookahead_s);
-  target.aim.pose = StateFor(plan, along_m + Min(reach_m, target.left_m), reverse).pose;
   // Beyond the end the path goes on straight, or the last stretch would be aimed at a point beside
   // the vehicle.
-  const SinCosPair heading = SinCos(target.aim.pose.theta_rad);
-  const float beyond_m = (reverse ? -1.0f : 1.0f) * Max(reach_m - target.left_m, 0.0f);
-  target.aim.pose.x_m += beyond_m * heading.cos;
-  target.aim.pose.y_m += beyond_m * heading.sin;
+  const float reach_m = Reach(follower, params);
+  const float beyond_m = Max(reach_m - target.left_m, 0.0f);
+  target.aim.pose = Ahead(state_at(reach_m).pose, reverse ? -beyond_m : beyond_m);
   return Status::kOk;
 }
 

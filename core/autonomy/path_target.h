@@ -27,7 +27,8 @@ struct PathFollower {
 // every pose). A path is driven one way: where it changes its direction between two turns on the
 // spot, what lies behind the change is not looked at, and the vehicle comes to rest there.
 // At rest a speed is taken kStartWay_m ahead: the place itself says 0 for ever. Within kAtPoint_m
-// of a turn on the spot the input is that turn, once the vehicle stands. kPathTooShort: no path of
+// of a turn on the spot the input is that turn, once the vehicle stands; before, it rolls out
+// straight on, since the path looks elsewhere behind the turn. kPathTooShort: no path of
 // two points, or the place is not on it; then `target` has speed 0. Cost: some passes over the
 // path.
 inline constexpr float kStartWay_m = 0.08f;

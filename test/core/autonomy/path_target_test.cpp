@@ -144,6 +144,43 @@ TEST(PathTarget, TurnsOnTheSpotOnlyOnceTheVehicleStandsThere) {
   EXPECT_FALSE(TargetAt(plan, {2.0f, 0.1f, kHalfPi}, true).turn);
 }
 
+// SR-SUP08: a vehicle that comes to a turn on the spot and rolls still steers straight on, whether
+// it is before the place of the turn, at it, past it or already found to be at the turn: what the
+// path looks like behind it would have it steer with all that the drives have, a stop too.
+TEST(PathTarget, RollsOutStraightBeforeATurnOnTheSpot) {
+  WorldPath path;
+  path.Resize(5);
+  path[0] = {0.0f, 0.0f, 0.0f};
+  path[1] = {1.0f, 0.0f, 0.0f};
+  path[2] = {2.0f, 0.0f, 0.0f};
+  path[3] = {2.0f, 0.0f, 3.0f};
+  path[4] = {1.0f, 0.1f, 3.0f};
+  const CommittedPlan plan = PlanOf(path);
+  for (const float x_m : {1.75f, 1.999f, 2.0f, 2.04f, 2.2f}) {
+    for (const bool at_turn : {false, true}) {
+      SCOPED_TRACE(x_m);
+      const Pose2 pose = {x_m, 0.0f, 0.0f};
+      const PathFollower follower = {.pose = pose,
+                                     .place = Project(plan.path, pose, at_turn, 1000.0f),
+                                     .speed_mps = 0.2f,
+                                     .turn_ahead_m = 0.3f,
+                                     .wheel_ahead_m = 0.5f};
+      ASSERT_EQ(follower.place.point, at_turn ? 2 : 1);
+      TrackingInput target;
+      ASSERT_EQ(PathTarget(plan, follower, {}, target), Status::kOk);
+      EXPECT_FALSE(target.turn);
+      EXPECT_FALSE(target.reverse);
+      EXPECT_NEAR(target.path.theta_rad, 0.0f, 1e-4f);
+      EXPECT_NEAR(target.path.y_m, 0.0f, 1e-4f);
+      EXPECT_NEAR(target.aim.pose.y_m, 0.0f, 1e-3f);
+      EXPECT_GT(target.aim.pose.x_m, x_m + 0.2f);
+      EXPECT_EQ(target.turn_curvature_per_m, 0.0f);
+      EXPECT_EQ(target.wheel_curvature_per_m, 0.0f);
+      EXPECT_EQ(target.curvature_rate_per_m2, 0.0f);
+    }
+  }
+}
+
 // Just so near to the turn as counts as there, and a little further away.
 TEST(PathTarget, TurnsOnTheSpotFromAsFarAsItSays) {
   for (const float further_m : {0.0f, 1e-3f}) {
