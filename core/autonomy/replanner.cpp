@@ -214,13 +214,20 @@ void Replanner::Begun(Status status) {
   outcome_ = round_;
 }
 
+bool Replanner::IsBesideUnseen(const Pose2& pose) const {
+  const float dx_m = pose.x_m - state_.unseen_start.x_m;
+  const float dy_m = pose.y_m - state_.unseen_start.y_m;
+  const float reach_m = params_.path.unseen_start_m;
+  return state_.has_unseen_start && dx_m * dx_m + dy_m * dy_m < reach_m * reach_m;
+}
+
 PlanRequest Replanner::RequestFrom(const PathStart& start) const {
   PlanRequest request;
   request.start = start;
   request.goal_odom = round_goal_.position_odom;
   request.has_goal_heading = round_goal_.has_heading;
   request.goal_heading_rad = round_goal_.heading_rad;
-  request.has_unseen_start = state_.has_unseen_start;
+  request.has_unseen_start = IsBesideUnseen(start.pose);
   request.unseen_start = state_.unseen_start;
   request.lead_out = state_.lead_out;
   return request;
@@ -251,11 +258,13 @@ void Replanner::ChooseAnchor() {
 }
 
 // The first point that is not reached while the round lasts, neither at the committed speeds nor at
-// the present one.
+// the present one. The way out of where nobody has seen what there is beside it is kept: a plan
+// that bends off it would sweep that, and a vehicle that moves would have to stop for it.
 int Replanner::PointBehindStretch(int standing) const {
+  const WorldPath& path = committed_.path;
   const float least_along_m = place_.along_m + state_.speed_mps * latency_s_;
   float along_m = place_.along_m;
-  float next_along_m = WayTo(committed_.path, place_.point);
+  float next_along_m = WayTo(path, place_.point);
   float time_s = 0.0f;
   float speed_mps = state_.speed_mps;
   HP_LOOP_BOUND(kMaxPathPoints)
@@ -265,7 +274,8 @@ int Replanner::PointBehindStretch(int standing) const {
     // Where both are 0 the vehicle does not get on.
     if (!(sum_mps > 0.0f)) return point;
     time_s += 2.0f * (next_along_m - along_m) / sum_mps;
-    if (time_s >= latency_s_ && next_along_m >= least_along_m) return point;
+    const bool is_behind = time_s >= latency_s_ && next_along_m >= least_along_m;
+    if (is_behind && !IsBesideUnseen(path[point])) return point;
     along_m = next_along_m;
     speed_mps = committed_.speed[point];
   }

@@ -26,7 +26,8 @@
 // 1. Anchor. The predicted pose is projected onto the committed path. The new plan starts on that
 //    path, with its pose, curvature and speed, at the first point behind the stretch that is driven
 //    while the round lasts: min_latency_s, or 1.5 times the longest of the last rounds (their
-//    length in the owner's time, so the same in replay). What it leads to is
+//    length in the owner's time, so the same in replay), nor nearer to the place where the map
+//    began than unseen_start_m. What it leads to is
 //    kept stretch + new plan. It starts from the predicted pose itself if there is no committed
 //    plan, if the vehicle is further beside it than there is room there (max_cross_track_m at most,
 //    least_cross_track_m at least), or kMaxStandingOff_m where it
@@ -222,6 +223,7 @@ class Replanner {
   bool MayBegin();
   void ChooseAnchor();
   int PointBehindStretch(int standing) const;
+  bool IsBesideUnseen(const Pose2& pose) const;
   PlanRequest RequestFrom(const PathStart& start) const;
   void Begun(Status status);
   void StepOwn(int units);
