@@ -84,7 +84,7 @@ void Supervisor::Change(Mode mode, StopReason reason, uint64_t now_ns) {
 void Supervisor::JudgeZero(const SupervisorInput& input) {
   if (mode_ != Mode::kDriving && mode_ != Mode::kSafeStop) return;
   const bool has_way = input.has_plan || input.has_path;
-  const bool is_held = input.has_plan && input.held_by == StopReason::kPerson;
+  const bool is_held = input.held_by == StopReason::kPerson;
   const bool is_too_near = input.ahead == WayAhead::kTooNear || input.sweep == WayAhead::kTooNear;
   if (!has_way || is_held || is_too_near) zero_ = true;
   if (input.at_rest) zero_ = false;

@@ -237,6 +237,24 @@ TEST(Supervisor, APlanThatHoldsForAPersonStopsAtOnceAndUntilAtRest) {
   EXPECT_EQ(vehicle.Tick().motion, Motion::kFollow);
 }
 
+// Nor is there less of a hurry where there is no plan at all: the path that is cut to a stop leads
+// towards the person.
+// SR-SPD03, SR-SUP10
+TEST(Supervisor, APersonForWhomThereIsNoPlanStopsAtOnceToo) {
+  Vehicle vehicle;
+  vehicle.Drive();
+  vehicle.input.at_rest = false;
+  vehicle.input.has_plan = false;
+  vehicle.input.held_by = StopReason::kNoWay;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kStopAlong);
+  vehicle.input.held_by = StopReason::kPerson;
+  EXPECT_EQ(vehicle.Tick().motion, Motion::kZero);
+  EXPECT_EQ(vehicle.permission.reason, StopReason::kPerson);
+  vehicle.input.held_by = StopReason::kNone;
+  vehicle.input.has_plan = true;
+  EXPECT_EQ(vehicle.Ticks(20).motion, Motion::kZero);
+}
+
 // A safe stop along the path would let the vehicle roll on further.
 //   driving, zero at once ---> safe stop, still zero ---> at rest
 // SR-SUP10
