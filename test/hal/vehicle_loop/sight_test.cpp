@@ -94,9 +94,33 @@ TEST(VehicleLoopSight, StandingUnderTheOpenSkyIsNoBlindness) {
   EXPECT_FALSE(drive.loop().mount().has_turned());
 }
 
-// SR-SEE01: a turn on the spot asks for all directions.
+// SR-SEE01: a turn on the spot asks for all directions. Out of the place where the map began it
+// drives straight ahead first (SR-STA02), where it sees, and stops before the turn is due; from
+// where it stands then it does not begin to turn either.
 TEST(VehicleLoopSight, DoesNotTurnOnTheSpotWhereItIsBlind) {
   ClosedLoop drive;
+  drive.BringUpAndArm();
+  drive.Act("at 0 lidar-blind 120 170 lost");
+  drive.Ticks(60);
+  ASSERT_EQ(drive.Goal(-6.0f, 0.0f, control::GoalFrame::kBody), Status::kOk);
+  ASSERT_TRUE(drive.Until(10.0, [&] { return drive.mode() == Mode::kSafeStop; }));
+  EXPECT_EQ(drive.reason(), StopReason::kBlindAhead);
+  EXPECT_GT(drive.Pose().x_m, 0.5);
+  for (int again = 0; again < 3; ++again) {
+    ASSERT_TRUE(drive.Until(5.0, [&] { return drive.mode() == Mode::kArmed; }));
+    ASSERT_EQ(drive.Goal(-6.0f, 0.0f, control::GoalFrame::kBody), Status::kOk);
+    EXPECT_FALSE(drive.Until(5.0, [&] { return std::fabs(drive.Pose().theta_rad) > 0.1; }));
+  }
+  EXPECT_LT(drive.Pose().x_m, 2.5);
+  EXPECT_EQ(drive.reason(), StopReason::kBlindAhead);
+}
+
+// SR-SEE01: at once, where a turn is the first thing to be driven.
+TEST(VehicleLoopSight, DoesNotBeginWithATurnOnTheSpotWhereItIsBlind) {
+  ClosedLoop drive;
+  VehicleConfig config = drive.config();
+  config.planner.path.unseen_start_m = 0.0f;
+  ASSERT_EQ(drive.loop().Configure(config), Status::kOk);
   drive.BringUpAndArm();
   drive.Act("at 0 lidar-blind 120 170 lost");
   drive.Ticks(60);
