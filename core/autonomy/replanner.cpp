@@ -317,28 +317,18 @@ void Replanner::BeginCheck() {
   rest_curvature_per_m_ = CurvatureAt(path, dropped_, committed_.start_curvature_per_m);
   rest_turn_rad_ = TurnAt(path, dropped_, committed_.start_turn_rad);
   late_ = anchored_ && place_.along_m > WayTo(path, anchor_);
-  // A lead-out was looked along where it was planned, and the sweep of every tick looks after it.
-  unchecked_ = ClampInt(committed_.lead_points - dropped_, 0, rest_.size() - 2);
-  checked_.Clear();
-  HP_LOOP_BOUND(kMaxPathPoints)
-  for (int point = unchecked_; point < rest_.size(); ++point) {
-    checked_.Resize(checked_.size() + 1);
-    checked_.back() = rest_[point];
-  }
-  const float curvature_per_m = unchecked_ > 0 ? 0.0f : rest_curvature_per_m_;
-  const Status status = check_.Begin(params_.vehicle, params_.optimizer, checked_, curvature_per_m,
-                                     params_.path.kept_margin_m);
+  const Status status = check_.Begin(params_.vehicle, params_.optimizer, rest_,
+                                     rest_curvature_per_m_, params_.path.kept_margin_m);
   if (!IsUsable(status)) return Decide();
   phase_ = Phase::kCheck;
 }
 
 void Replanner::StepCheck(int units) {
-  if (check_.Step(planner_.costmap(), checked_, units) == Progress::kBusy) return;
+  if (check_.Step(planner_.costmap(), rest_, units) == Progress::kBusy) return;
   // The pose at which it collides is not free, the chord that leads there is driven up to it.
-  free_until_ =
-      IsUsable(check_.result().status)
-          ? rest_.size() - 1
-          : ClampInt(unchecked_ + check_.result().collision_point - 1, -1, rest_.size() - 1);
+  free_until_ = IsUsable(check_.result().status)
+                    ? rest_.size() - 1
+                    : ClampInt(check_.result().collision_point - 1, -1, rest_.size() - 1);
   extension_point_ = ExtensionPoint();
   if (extension_point_ < 0) return Decide();
   BeginExtension();

@@ -288,11 +288,9 @@ class Replanner {
   bool left_path_ = false;  // the vehicle was off the path when it began
   bool late_ = false;
   PlanRequest request_;
-  int32_t anchor_ = 0;     // point of the committed path; where anchored
-  int32_t dropped_ = 0;    // points of the committed path before rest_
-  WorldPath rest_;         // of the committed path: empty without one
-  WorldPath checked_;      // of that, from the end of a lead-out on
-  int32_t unchecked_ = 0;  // points of rest_ before it
+  int32_t anchor_ = 0;   // point of the committed path; where anchored
+  int32_t dropped_ = 0;  // points of the committed path before rest_
+  WorldPath rest_;       // of the committed path: empty without one
   float rest_curvature_per_m_ = 0.0f;
   float rest_turn_rad_ = 0.0f;
   int32_t free_until_ = -1;  // last point of rest_ that was checked free

@@ -212,8 +212,7 @@ void Replanner::MakeCandidate(ReplanDecision decision, ReplanReason reason) {
   candidate_.joint = -1;
   candidate_.status = committed_.status;
   const int slow_rest = committed_.slow_points - dropped_;
-  const int checked_overlap = rest_.empty() ? 0 : check_.result().overlap_points;
-  const int overlap = checked_overlap > 0 ? unchecked_ + checked_overlap : 0;
+  const int overlap = rest_.empty() ? 0 : check_.result().overlap_points;
   candidate_.slow_points = slow_rest > overlap ? slow_rest : overlap;
   candidate_.lead_points = committed_.lead_points - dropped_;
   switch (decision) {
