@@ -34,8 +34,7 @@ Pose2 LeadOut::PoseAt(int bend, float along_m) const {
 }
 
 // How deep a point lies in the outline at a pose; negative outside.
-float LeadOut::Depth(const Pose2& pose, Vec2 point_odom) const {
-  const SinCosPair heading = SinCos(pose.theta_rad);
+float LeadOut::Depth(const Pose2& pose, const SinCosPair& heading, Vec2 point_odom) const {
   const float dx_m = point_odom.x_m - pose.x_m;
   const float dy_m = point_odom.y_m - pose.y_m;
   const float ahead_m = heading.cos * dx_m + heading.sin * dy_m - footprint_.middle_m();
@@ -48,14 +47,18 @@ bool LeadOut::Touches(const Costmap& map, const Pose2& pose) const {
   const Cell low = {middle.x - reach_cells_, middle.y - reach_cells_};
   const Cell high = {middle.x + reach_cells_, middle.y + reach_cells_};
   if (!map.window.Contains(low) || !map.window.Contains(high)) return true;
+  const SinCosPair heading = SinCos(pose.theta_rad);
+  const SinCosPair start_heading = SinCos(start_.theta_rad);
   HP_LOOP_BOUND(kMaxSide_cells)
   for (int32_t y = low.y; y <= high.y; ++y) {
+    const uint8_t* flags = &map.flags[map.window.Index({low.x, y})];
+    Vec2 centre = CellCenter({low.x, y});
     HP_LOOP_BOUND(kMaxSide_cells)
     for (int32_t x = low.x; x <= high.x; ++x) {
-      if ((map.flags[map.window.Index({x, y})] & Costmap::kHard) == 0) continue;
-      const Vec2 centre = CellCenter({x, y});
-      const float before_m = Max(Depth(start_, centre), 0.0f);
-      if (Depth(pose, centre) > before_m + kCellTolerance_m) return true;
+      if ((flags[x - low.x] & Costmap::kHard) == 0) continue;
+      centre.x_m = (static_cast<float>(x) + 0.5f) / kCellsPerMeter;
+      const float before_m = Max(Depth(start_, start_heading, centre), 0.0f);
+      if (Depth(pose, heading, centre) > before_m + kCellTolerance_m) return true;
     }
   }
   return false;

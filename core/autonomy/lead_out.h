@@ -6,6 +6,7 @@
 
 #include "config/parameters.h"
 #include "core/base/footprint.h"
+#include "core/base/math.h"
 #include "core/base/pose.h"
 #include "core/base/progress.h"
 #include "core/costmap/costmap.h"
@@ -59,7 +60,7 @@ class LeadOut {
  private:
   Pose2 PoseAt(int bend, float along_m) const;
   bool Touches(const Costmap& map, const Pose2& pose) const;
-  float Depth(const Pose2& pose, Vec2 point_odom) const;
+  float Depth(const Pose2& pose, const SinCosPair& heading, Vec2 point_odom) const;
   void EndBend();
 
   Footprint footprint_;

@@ -202,7 +202,8 @@ void Planner::Stay() {
   plan_.search.end = CellAt(request_.goal_odom);
   plan_.base_status = Status::kOk;
   plan_.optimizer_status = Status::kOk;
-  BeginCheck();
+  const Status status = StartCheck();
+  if (!IsUsable(status)) End(status);  // and does not search once more, which could end here again
 }
 
 void Planner::BeginSearch() {
@@ -346,14 +347,19 @@ void Planner::MakePath(const WorldPath& driven) {
   }
 }
 
-void Planner::BeginCheck() {
+Status Planner::StartCheck() {
   Status status = ToActuator<PlanarModel>(plan_.path, plan_.actuator);
   if (IsUsable(status)) {
     status = check_.Begin(params_.vehicle, params_.optimizer, plan_.path,
                           own_start_.curvature_per_m, params_.path.margin_m);
   }
-  if (!IsUsable(status)) return Fail(status);
-  stage_ = PlanStage::kCheck;
+  if (IsUsable(status)) stage_ = PlanStage::kCheck;
+  return status;
+}
+
+void Planner::BeginCheck() {
+  const Status status = StartCheck();
+  if (!IsUsable(status)) Fail(status);
 }
 
 void Planner::StepCheck(int units) {

@@ -206,6 +206,7 @@ class Planner {
   PathCost SeedCost() const;
   float StartCurvature() const;
   void MakePath(const WorldPath& driven);
+  Status StartCheck();
   void BeginCheck();
   void TryAgain();
   bool MayEndShort() const;

@@ -151,7 +151,7 @@ void HeightGrid::DoubtLow(const Vec3& point_odom) {
 }
 
 void HeightGrid::ReadLow(Cell first, int cells, uint8_t* low) const {
-  HP_LOOP_BOUND(kMapSize_cells)
+  HP_LOOP_BOUND(kMostLow_cells)
   for (int x = 0; x < cells; ++x) {
     const int counts = low_[BlockSlot({first.x + x, first.y})];
     const uint8_t growth = IsGrowth(counts) ? kGrowth : uint8_t{0};

@@ -223,8 +223,9 @@ class HeightGrid {
   void ReadGround(Cell first, HeightRow lowest_cm, SeenRow seen) const;
   void ReadObstacles(Cell first, HeightRow lowest_hard_cm, HeightRow highest_hard_cm,
                      HeightRow highest_soft_cm) const;
-  // What is low in so many cells of a row, at most kMapSize_cells: kFirmLow, kGrowth or 0 each;
+  // What is low in so many cells of a row, at most kMostLow_cells: kFirmLow, kGrowth or 0 each;
   // what has left the window may be told as it was.
+  static constexpr int kMostLow_cells = 64;
   static constexpr uint8_t kFirmLow = 1;
   static constexpr uint8_t kGrowth = 2;
   void ReadLow(Cell first, int cells, uint8_t* low) const;

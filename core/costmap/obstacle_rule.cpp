@@ -211,6 +211,7 @@ void CostmapBuilder::FindReturns() {
 
 // The paper's rule knows no low things.
 void CostmapBuilder::ReadLow(const HeightGrid& heights, Cell first) {
+  static_assert(kBlock_cells <= HeightGrid::kMostLow_cells);
   const bool is_told = params_.obstacle_rule != ObstacleRule::kInCell;
   HP_LOOP_BOUND(kBlocks)
   for (int block = 0; block < kBlocks; ++block) {

@@ -55,8 +55,7 @@ bool MotionSweep::IsInside(Cell cell) const {
   return dx < kSide && dy < kSide;
 }
 
-// Not inlined, as ClearColumn: their calls are counted (config/timing.toml).
-[[gnu::noinline]] void MotionSweep::ClearRow(int32_t y) {
+void MotionSweep::ClearRow(int32_t y) {
   const int32_t row = Place(y);
   mapped_[row] = 0;
   waiting_[row] = 0;
@@ -65,7 +64,7 @@ bool MotionSweep::IsInside(Cell cell) const {
   for (int32_t x = 0; x < kSide; ++x) parts_[row * kSide + x] = 0;
 }
 
-[[gnu::noinline]] void MotionSweep::ClearColumn(int32_t x) {
+void MotionSweep::ClearColumn(int32_t x) {
   const int32_t column = Place(x);
   const uint64_t others = ~(uint64_t{1} << column);
   HP_LOOP_BOUND(kSide)
@@ -177,7 +176,9 @@ float MotionSweep::Depth(const Frame& frame, Vec2 point_odom) const {
   return Min(footprint_.half_length_m() - Abs(ahead_m), footprint_.half_width_m - Abs(left_m));
 }
 
-bool MotionSweep::TouchesCell(Cell cell, const Frame& frame, const Frame& start) const {
+// Not inlined: its calls are counted (config/timing.toml).
+[[gnu::noinline]] bool MotionSweep::TouchesCell(Cell cell, const Frame& frame,
+                                                const Frame& start) const {
   if (Depth(frame, CellCenter(cell)) + frame.margin_m < -0.5f * kCellDiagonal_m) return false;
   const uint64_t known = parts_[PartsIndex(cell)];
   uint64_t parts = known != 0 ? known : kWhole;
@@ -191,13 +192,14 @@ bool MotionSweep::TouchesCell(Cell cell, const Frame& frame, const Frame& start)
     const Vec2 point = {(static_cast<float>(cell.x) + (column + 0.5f) / kOf) / kCellsPerMeter,
                         (static_cast<float>(cell.y) + (row + 0.5f) / kOf) / kCellsPerMeter};
     const float depth_m = Depth(frame, point);
-    if (depth_m + frame.margin_m > 0.0f && depth_m > Depth(start, point) + kDeeper_m) return true;
+    const bool is_near = depth_m + frame.margin_m > 0.0f;
+    const bool is_deeper = depth_m > Depth(start, point) + kDeeper_m;
+    if (is_near & is_deeper) return true;  // not &&: one way on, so that the loop stays one
   }
   return false;
 }
 
-// Not inlined: its rounds are counted (config/timing.toml).
-[[gnu::noinline]] bool MotionSweep::TouchesAt(const Frame& frame, const Frame& start) {
+bool MotionSweep::TouchesAt(const Frame& frame, const Frame& start) {
   const Cell middle = CellAt(frame.origin);
   const int32_t columns = 2 * reach_cells_ + 1;
   HP_LOOP_BOUND(2 * kMaxReach_cells + 1)

@@ -118,17 +118,23 @@ void SightWatch::LaySectors(const LidarMountParams& mount, const SafetyParams& s
   for (int i = 0; i < count; ++i) sector_[Wrapped(from + i, sectors_)].is_masked = true;
 }
 
-// The rows that would meet the plane on which the vehicle stands, by the column in the middle of
-// each sector.
+// The rows that would meet the plane on which the vehicle stands, by the last column of each
+// sector.
 void SightWatch::ExpectGround(const LidarMountParams& mount, const BeamModel& model) {
   const Transform3 body_from_sensor = BodyFromSensor(mount);
   const float height_m = body_from_sensor.Apply(model.sensor_from_lidar.translation).z_m;
+  int16_t last[kMaxSectors];
+  HP_LOOP_BOUND(kMaxSectors)
+  for (int16_t& id : last) id = -1;
   HP_LOOP_BOUND(kMaxColumnsPerRevolution)
   for (int id = 0; id < columns_; ++id) {
     const int sector = sector_of_[id];
-    const int next = sector_of_[Wrapped(id + 1, columns_)];
-    if (next == sector) continue;  // the last column of a sector stands for it
-    const SinCosPair encoder = EncoderSinCos(model, id);
+    if (sector_of_[Wrapped(id + 1, columns_)] != sector) last[sector] = static_cast<int16_t>(id);
+  }
+  HP_LOOP_BOUND(kMaxSectors)
+  for (int sector = 0; sector < sectors_; ++sector) {
+    if (last[sector] < 0) continue;
+    const SinCosPair encoder = EncoderSinCos(model, last[sector]);
     HP_LOOP_BOUND(kMaxBeams)
     for (int row = 0; row < beams_; ++row) {
       constexpr uint32_t kFar_mm = 100'000;
@@ -237,8 +243,9 @@ void SightWatch::EndPass(Sector& sector, uint64_t time_ns) {
   sector.pass = Pass{};
 }
 
-// Of two revolutions of a sensor that is so slow none may be missed: it is never fresh enough.
-void SightWatch::LookAlong(int index, uint64_t now_ns, SightLook& oldest) const {
+// Of two revolutions of a sensor that is so slow none may be missed: it is never fresh enough. Not
+// inlined: the loops around it could be merged into one, whose bound is then not to be found.
+[[gnu::noinline]] void SightWatch::LookAlong(int index, uint64_t now_ns, SightLook& oldest) const {
   const Sector& sector = sector_[index];
   if (sector.is_masked) return;
   const uint64_t before_ns = sector_[Wrapped(index - 1, sectors_)].look_ns;
