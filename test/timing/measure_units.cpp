@@ -5,6 +5,7 @@
 #include "core/autonomy/mapper.h"
 #include "core/autonomy/planner.h"
 #include "core/base/assert.h"
+#include "core/safety/motion_sweep.h"
 #include "hal/vehicle_loop/vehicle_loop.h"
 #include "test/bare_metal/instruction_clock.h"
 #include "test/bare_metal/print.h"
@@ -29,8 +30,9 @@ namespace {
 using bare_metal::InstructionClock;
 
 constexpr int kStages = static_cast<int>(PlanStage::kDone) + 1;
-constexpr const char* kStageNames[kStages] = {"idle",   "heights",  "pending", "costmap", "search",
-                                              "sample", "optimize", "check",   "speed",   "done"};
+constexpr const char* kStageNames[kStages] = {"idle",   "heights", "pending", "costmap",
+                                              "search", "sample",  "lead",    "optimize",
+                                              "check",  "speed",   "done"};
 
 HP_BIG_MEMORY decision::Storage<Planner> planner_memory;
 HP_BIG_MEMORY decision::Storage<HeightGrid> heights_memory;
@@ -162,6 +164,7 @@ void PrintConstants() {
   print("person_cells", SpeedCaps::kMaxPersonCells);
   print("folds", Mapper::kMaxFolds);
   print("near_cells", PathCheck::kMaxNearCells);
+  print("sweep_tests", MotionSweep::kMaxTests);
   print("plan_units", Planner::kMaxUnits);
   print("plan_transitions", Planner::kMaxTransitions);
   // What parameters are by default.
