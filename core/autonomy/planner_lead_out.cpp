@@ -127,13 +127,11 @@ bool Planner::SweepsUnseen() const {
 
 // Before all that is driven: its last point is the first of what follows.
 void Planner::BeginPath() {
-  plan_.path.Clear();
   plan_.lead_points = lead_.empty() ? 0 : lead_.size() - 1;
+  plan_.path.Clear();
+  plan_.path.Resize(plan_.lead_points);
   HP_LOOP_BOUND(kMaxPathPoints)
-  for (int k = 0; k < plan_.lead_points; ++k) {
-    plan_.path.Resize(k + 1);
-    plan_.path.back() = lead_[k];
-  }
+  for (int k = 0; k < plan_.lead_points; ++k) plan_.path[k] = lead_[k];
 }
 
 }  // namespace hardpack
