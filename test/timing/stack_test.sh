@@ -5,7 +5,8 @@
 # Arguments: python3, stack_bound.py, the build, what the mission and the crowd said (files that need not
 # be there).
 set -euo pipefail
-bound=("$1" "$2" --stops hardpack::AssertionFailed --most 16384 --frame memcpy=64 --frame memset=64)
+bound=("$1" "$2" --stops hardpack::AssertionFailed --most 16384 --frame memcpy=64 --frame memset=64
+  --frame __ctzdi2=16)
 build=$3
 tapes=("${@:4}")
 "${bound[@]}" "$build" hardpack::VehicleLoop::Tick hardpack::VehicleLoop::Configure
