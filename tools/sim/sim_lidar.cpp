@@ -178,7 +178,15 @@ void SimLidar::CastOne(uint32_t measurement_id, const world::BodyPose& pose,
   ray.origin = {pose.position.x_m + offset.x_m, pose.position.y_m + offset.y_m,
                 pose.position.z_m + offset.z_m};
   ray.max_range_m = settings_.reach_m;
-  const std::vector<world::Body> people = world.PeopleAt(time_s);
+  // People of these worlds walk on through a vehicle that stands. Where nobody can be, over the
+  // middle of the vehicle, nobody is seen.
+  constexpr double kOverVehicle_m = 0.75;
+  std::vector<world::Body> people = world.PeopleAt(time_s);
+  std::erase_if(people, [&ray](const world::Body& body) {
+    const double dx_m = body.x_m - ray.origin.x_m;
+    const double dy_m = body.y_m - ray.origin.y_m;
+    return dx_m * dx_m + dy_m * dy_m < kOverVehicle_m * kOverVehicle_m;
+  });
   const world::Rotation off =
       world::Rotation::FromAngles(settings_.off_roll_rad, settings_.off_pitch_rad, 0.0);
   for (size_t beam = 0; beam < kBeams; ++beam) {

@@ -216,8 +216,8 @@ Drive DriveOnce(uint32_t seed) {
 class RecordedDrives : public ::testing::TestWithParam<int> {};
 
 constexpr std::array<uint64_t, 8> kDecided = {
-    0xe915e3b54a77d961u, 0x1106a22ef39073cfu, 0xbc7ce705165a13c5u, 0x56350b05e8f99981u,
-    0xa3ec81019df0a1u,   0xfc94a4e4a6a5bb40u, 0x6fd65b4a2dd9059bu, 0x31bc0f527e841869u};
+    0x7cdd06eb90bd3820u, 0x12ab1b212efb9ea6u, 0xb05e5a647e63351cu, 0x411815b99ebba20du,
+    0x4a5f902c2b377af0u,   0x60fb10a6e5fb24e6u, 0xf59e2f5be297a565u, 0xe8e64c091b554165u};
 
 TEST_P(RecordedDrives, DecideAsTheyDid) {
   const Drive drive = DriveOnce(0x5eed0400u + static_cast<uint32_t>(GetParam()));
