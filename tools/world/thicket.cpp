@@ -19,7 +19,12 @@ constexpr Point2 kGoal = {36.0, 0.0};
 
 // One kind of thing in each cell.
 enum class Cell : uint8_t { kEmpty, kCylinder, kBox };
-using Cells = std::array<std::array<Cell, Field::kColumns>, Field::kRows>;
+struct Cells {
+  Cell cell[Field::kRows][Field::kColumns] = {};
+
+  Cell* operator[](int row) { return cell[row]; }
+  const Cell* operator[](int row) const { return cell[row]; }
+};
 
 Point2 MiddleOf(int row, int column) {
   return {Field::kBegin_m + (column + 0.5) * Field::kCell_m,
@@ -71,7 +76,7 @@ void MakeBoxes(Cells& cells, int row, int column) {
 
 Cells Grown(Draws& draws, double full_share, int rounds) {
   Cells cells = {};
-  for (auto& row : cells) {
+  for (auto& row : cells.cell) {
     for (Cell& cell : row) {
       cell = draws.Uniform(0.0, 1.0) < full_share ? Cell::kCylinder : Cell::kEmpty;
     }
@@ -145,14 +150,16 @@ class WayThrough {
         const double x_m = kFirst_x_m + column * kStep_m;
         const double y_m = kFirst_y_m + row * kStep_m;
         if (DistanceToCell_m(cell, middle, x_m, y_m) < kWanted_m)
-          free_[row * kColumns + column] = 0;
+          FreeAt(row * kColumns + column) = 0;
       }
     }
   }
 
+  uint8_t& FreeAt(int index) { return free_[static_cast<size_t>(index)]; }
+
   void Visit(int index, std::vector<int>& open) {
-    if (free_[index] == 0) return;
-    free_[index] = 0;
+    if (FreeAt(index) == 0) return;
+    FreeAt(index) = 0;
     open.push_back(index);
   }
 

@@ -91,7 +91,7 @@ inline double OutlineClearance_m(const Scene& scene, double x_m, double y_m, dou
 // overlap; 0 where they do not.
 inline double OverlapOf_m(const Quad& a, const Quad& b) {
   double least = 1e9;
-  for (int i = 0; i < 4; ++i) {
+  for (size_t i = 0; i < 4; ++i) {
     const Quad& quad = i < 2 ? a : b;
     const TestPoint side = {quad[1 + i % 2].x - quad[i % 2].x, quad[1 + i % 2].y - quad[i % 2].y};
     const double length = std::hypot(side.x, side.y);

@@ -217,7 +217,7 @@ class RecordedDrives : public ::testing::TestWithParam<int> {};
 
 constexpr std::array<uint64_t, 8> kDecided = {
     0x7cdd06eb90bd3820u, 0x12ab1b212efb9ea6u, 0xb05e5a647e63351cu, 0x411815b99ebba20du,
-    0x4a5f902c2b377af0u,   0x60fb10a6e5fb24e6u, 0xf59e2f5be297a565u, 0xe8e64c091b554165u};
+    0x4a5f902c2b377af0u, 0x60fb10a6e5fb24e6u, 0xf59e2f5be297a565u, 0xe8e64c091b554165u};
 
 TEST_P(RecordedDrives, DecideAsTheyDid) {
   const Drive drive = DriveOnce(0x5eed0400u + static_cast<uint32_t>(GetParam()));
