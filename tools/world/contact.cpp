@@ -133,13 +133,12 @@ struct Plane {
   double forward = 0.0;  // rise over run
   double left = 0.0;
 
-  // Under the part of the outline that is nearest to a body: on a slope what is low may lie lower
-  // than the ground under the middle.
+  // Where a body stands, no further from the outline than the body reaches: on a slope what is low
+  // may lie lower than the ground under the vehicle's middle.
   double HeightNear_m(const Outline& outline, const Body& body) const {
     const Point2 local = outline.ToOutline({body.x_m, body.y_m});
     const auto nearest = [&body](double at_m, double half_m) {
-      const double off_m = std::max(std::abs(at_m) - body.radius_m, 0.0);
-      return std::copysign(std::min(off_m, half_m), at_m);
+      return std::clamp(at_m, -half_m - body.radius_m, half_m + body.radius_m);
     };
     return middle_m + forward * nearest(local.x_m, outline.half_length_m) +
            left * nearest(local.y_m, outline.half_width_m);
