@@ -31,7 +31,7 @@ LIMITS = {
     "dead_end": (5, 0),
     "ditch": (5, 0),
     "thicket": (4, 0),
-    "tight_start": (5, 0),
+    "tight_start": (4, 0),
     "low": (5, 0),
 }
 

@@ -59,8 +59,10 @@ bool HasWay(const Scenario& scenario, double half_gap_m) {
   while (!open.empty()) {
     const int index = open.back();
     open.pop_back();
-    if (index < 0 || index >= kRows * kColumns || seen[index] != 0) continue;
-    seen[index] = 1;
+    if (index < 0 || index >= kRows * kColumns) continue;
+    uint8_t& was_seen = seen[static_cast<size_t>(index)];
+    if (was_seen != 0) continue;
+    was_seen = 1;
     const Point2 here = place(index);
     if (Clearance_m(scenario.world, here.x_m, here.y_m) < half_gap_m) continue;
     if (std::hypot(here.x_m - scenario.goal.x_m, here.y_m - scenario.goal.y_m) < 0.1) return true;
