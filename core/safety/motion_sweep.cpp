@@ -187,8 +187,9 @@ float MotionSweep::Depth(const Frame& frame, Vec2 point_odom) const {
   while (parts != 0) {
     const int part = std::countr_zero(parts);
     parts &= parts - 1;
-    const auto column = static_cast<float>(part % kParts);
-    const auto row = static_cast<float>(part / kParts);
+    const int part_row = part / kParts;
+    const auto column = static_cast<float>(part - part_row * kParts);
+    const auto row = static_cast<float>(part_row);
     const Vec2 point = {(static_cast<float>(cell.x) + (column + 0.5f) / kOf) / kCellsPerMeter,
                         (static_cast<float>(cell.y) + (row + 0.5f) / kOf) / kCellsPerMeter};
     const float depth_m = Depth(frame, point);
