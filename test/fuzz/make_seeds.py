@@ -197,12 +197,13 @@ def drive_scripts(seeds):
     def report(statusword, rpm):
         data = struct.pack("<HiH", statusword, rpm, 0)
         return b"\0\x04" + data + b"\0\x05" + data + b"\0\x0c\x05\0\x0d\x05"
+    sync = 2 * b"\x63"  # ticks: a drive reports once to each SYNC
     bring_up = b"\0\x0c\x7f\0\x0d\x7f" + 30 * b"\x63"
-    started = 30 * (report(0x40, 0) + b"\x63")
-    enable = b"\x51" + b"".join(report(word, 0) + b"\x63" for word in
+    started = 30 * (report(0x40, 0) + sync)
+    enable = b"\x51" + b"".join(report(word, 0) + sync for word in
                                 (0x40, 0x21, 0x21, 0x23, 0x23) + 20 * (0x27,))
-    drive = b"".join(report(0x27, rpm) + b"\x63" for rpm in range(0, 300, 20))
-    stop = b"\x50" + 60 * (report(0x27, 0) + b"\x63")
+    drive = b"".join(report(0x27, rpm) + sync for rpm in range(0, 300, 20))
+    stop = b"\x50" + 60 * (report(0x27, 0) + sync)
     seeds.add("sevcon", "ready", bring_up + started)
     seeds.add("sevcon", "enabled", bring_up + started + enable + drive + stop)
 
