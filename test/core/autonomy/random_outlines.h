@@ -52,16 +52,26 @@ class SweptOutline {
     return nearest;
   }
 
-  // A rectangle that moves along its own length sweeps a longer one. A plan's chord is along its
-  // heading to rounding.
+  // A rectangle that moves along its own length sweeps a longer one. What it moves aside on a chord
+  // that is not along its heading is cut into pieces.
   double OfChord(int k) const {
     const Pose2& from = plan_.path[k];
-    const float way_m = plan_.actuator.steps[k].dr_m;
+    const double x_m = double{plan_.path[k + 1].x_m} - double{from.x_m};
+    const double y_m = double{plan_.path[k + 1].y_m} - double{from.y_m};
+    const double cos = std::cos(double{from.theta_rad});
+    const double sin = std::sin(double{from.theta_rad});
+    const double aside_m = std::abs(y_m * cos - x_m * sin);
+    const int pieces = 1 + static_cast<int>(aside_m / kStep_m);
     VehicleParams swept = scene_.params.vehicle;
-    swept.length_m += std::abs(way_m);
-    swept.axle_offset_m -= 0.5f * way_m;
-    return Nearest(OutlineQuad(swept, double{from.x_m}, double{from.y_m}, double{from.theta_rad})) -
-           1e-5;
+    swept.length_m += static_cast<float>(std::abs(x_m * cos + y_m * sin) / pieces);
+    double nearest = 1e9;
+    for (int i = 0; i < pieces; ++i) {
+      const double share = (i + 0.5) / pieces;
+      nearest = std::min(
+          nearest, Nearest(OutlineQuad(swept, double{from.x_m} + share * x_m,
+                                       double{from.y_m} + share * y_m, double{from.theta_rad})));
+    }
+    return nearest - 0.5 * aside_m / pieces - 1e-5;
   }
 
   double OfTurn(int k) const {
