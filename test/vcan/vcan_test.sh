@@ -48,7 +48,8 @@ wait_for_line() {
   exit 1
 }
 
-# In the machine: until a candump listens on an interface.
+# In the machine: until a candump listens on an interface. It ends at a frame 7FF behind all others
+# (-n), however long a busy machine takes to send them.
 export listens='until grep -q $interface /proc/net/can/rcvlist_all; do sleep 0.05; done'
 
 PassesOutputAndExitStatus() {
@@ -64,11 +65,13 @@ PassesOutputAndExitStatus() {
 
 CarriesFrames() {
   expect status 0 "$(status_of "$vcan" --interfaces 2 bash -c '
-    candump -T 1000 vcan0 & interface=vcan0; eval "$listens"
-    candump -T 1000 vcan1 & interface=vcan1; eval "$listens"
-    cansend vcan0 181#0102030405060708; cansend vcan1 000#0100; wait')"
-  expect frames "$(printf 'vcan0 181 [8] 01 02 03 04 05 06 07 08\nvcan1 000 [2] 01 00')" \
-    "$(sed 's/^ *//; s/  */ /g' "$scratch/out" | sort)"
+    candump -n 2 -T 30000 vcan0 & interface=vcan0; eval "$listens"
+    candump -n 2 -T 30000 vcan1 & interface=vcan1; eval "$listens"
+    cansend vcan0 181#0102030405060708; cansend vcan1 000#0100
+    cansend vcan0 7FF#; cansend vcan1 7FF#; wait')"
+  expect frames "$(printf '%s\n' 'vcan0 181 [8] 01 02 03 04 05 06 07 08' 'vcan0 7FF [0]' \
+    'vcan1 000 [2] 01 00' 'vcan1 7FF [0]')" \
+    "$(sed 's/^ *//; s/  */ /g; s/ *$//' "$scratch/out" | LC_ALL=C sort)"
 }
 
 RunsTwiceAtATime() {
@@ -77,15 +80,16 @@ RunsTwiceAtATime() {
   local run pids=()
   for run in 1 2; do
     "$vcan" bash -c '
-      candump -L -T 2000 vcan0 & interface=vcan0; eval "$listens"
+      candump -L -n 11 -T 30000 vcan0 & interface=vcan0; eval "$listens"
       mkdir "$meeting/ready$1"; until [ -d "$meeting/ready$((3 - $1))" ]; do sleep 0.1; done
       for i in {1..10}; do cansend vcan0 10$1#; done
+      cansend vcan0 7FF#
       wait' run $run >"$scratch/run$run" &
     pids+=($!)
   done
   for run in 1 2; do wait "${pids[run - 1]}"; done
   for run in 1 2; do
-    expect "frames in run $run" "10 10$run#" \
+    expect "frames in run $run" "$(printf '%s\n' "10 10$run#" '1 7FF#')" \
       "$(awk '{ print $3 }' "$scratch/run$run" | sort | uniq -c | sed 's/^ *//')"
   done
 }
@@ -137,7 +141,7 @@ NestsOnTheHostWay() {
     "$0" --interfaces 3 ls /sys/class/net
     ip -br link show vcan0 | grep -o DOWN
     status=0; "$0" --timeout 0.5 sleep 100 || status=$?; echo $status
-    interface=vcan0 "$0" bash -c "candump -T 1000 vcan0 & $listens; cansend vcan0 7FF#; wait; exit 9"
+    interface=vcan0 "$0" bash -c "candump -n 1 -T 30000 vcan0 & $listens; cansend vcan0 7FF#; wait; exit 9"
     ' "$vcan")"
   expect output "$(printf 'lo\nvcan0\nvcan1\nvcan2\nDOWN\n124\nvcan0 7FF [0]')" \
     "$(sed 's/^ *//; s/  */ /g; s/ *$//' "$scratch/out")"
