@@ -56,6 +56,33 @@ TEST(SpeedCaps, ObservedGroundDoesNotCap) {
   EXPECT_EQ(ground.CauseAt(29.7f), CapCause::kPathEnd);
 }
 
+//  [>]=====wwwwww=======
+// Growth under a wheel or under the middle slows the vehicle from where its front is in it; beside
+// the outline it does not.
+// SR-LOW03
+TEST(SpeedCaps, GrowthIsDrivenSlowlyFromWhereTheFrontIsInIt) {
+  for (const float y_m : {-0.5f, 0.1f, 0.5f, 2.1f}) {
+    Ground ground;
+    ground.speed.growth_speed_mps = 1.5f;
+    for (float x_m = 12.1f; x_m < 16.0f; x_m += 0.2f) {
+      ground.At(x_m, y_m) |= Costmap::kGrowth;
+    }
+    ground.Caps();
+    const bool is_in = y_m < 1.0f;
+    const float front_m = FootprintOf(ground.vehicle).front_m;
+    for (float x_m = 0.275f; x_m < 18.0f; x_m += 0.275f) {
+      // A chord that begins up to its own length before the growth and the samples' 0.1 m.
+      if (x_m > 12.0f - front_m + 0.275f && x_m < 15.9f) {
+        EXPECT_EQ(ground.CapAt(x_m), is_in ? 1.5f : ground.speed.max_speed_mps) << x_m;
+        EXPECT_EQ(ground.CauseAt(x_m) == CapCause::kGrowth, is_in) << x_m;
+      } else if (x_m < 12.0f - front_m - 0.7f || x_m > 16.7f) {
+        EXPECT_EQ(ground.CapAt(x_m), ground.speed.max_speed_mps) << x_m;
+      }
+    }
+    EXPECT_EQ(ground.caps->observed_m(), SpeedCaps::kFar_m);
+  }
+}
+
 //  [>]=============?????????
 // SR-SPD02
 TEST(SpeedCaps, StopsBeforeTheEndOfTheObservedGround) {
