@@ -11,6 +11,9 @@ namespace hardpack {
 struct SweptPose {
   Pose2 pose;  // odom
   float speed_mps = 0.0f;
+  // That it may be off by.
+  float along_m = 0.0f;
+  float aside_m = 0.0f;
 };
 
 }  // namespace hardpack

@@ -161,25 +161,34 @@ MotionSweep::Frame MotionSweep::FrameOf(const SweptPose& swept) const {
   const float share = Min(
       kLeastMarginShare + (1.0f - kLeastMarginShare) * Abs(swept.speed_mps) / kFullMarginSpeed_mps,
       1.0f);
+  const float along_m = Min(swept.along_m, kMaxOff_m);
+  const float aside_m = Min(swept.aside_m, kMaxOff_m);
+  const float off_cells = Max(along_m, aside_m) * kCellsPerMeter;
+  const int32_t beyond_cells = off_cells > 0.0f ? FloorToInt(off_cells) + 1 : 0;
   return {.origin = {swept.pose.x_m, swept.pose.y_m},
           .cos = heading.cos,
           .sin = heading.sin,
-          .margin_m = share * margin_m_};
+          .along_m = share * margin_m_ + along_m,
+          .aside_m = share * margin_m_ + aside_m,
+          .reach_cells = ClampInt(reach_cells_ + beyond_cells, 0, kMaxReach_cells)};
 }
 
-// How deep a point lies in the outline; negative outside.
-float MotionSweep::Depth(const Frame& frame, Vec2 point_odom) const {
+// How deep a point lies in the outline, made longer and wider at each end and side by so much;
+// negative outside.
+float MotionSweep::Depth(const Frame& frame, Vec2 point_odom, float along_m, float aside_m) const {
   const float dx_m = point_odom.x_m - frame.origin.x_m;
   const float dy_m = point_odom.y_m - frame.origin.y_m;
   const float ahead_m = frame.cos * dx_m + frame.sin * dy_m - footprint_.middle_m();
   const float left_m = frame.cos * dy_m - frame.sin * dx_m;
-  return Min(footprint_.half_length_m() - Abs(ahead_m), footprint_.half_width_m - Abs(left_m));
+  return Min(footprint_.half_length_m() + along_m - Abs(ahead_m),
+             footprint_.half_width_m + aside_m - Abs(left_m));
 }
 
 // Not inlined: its calls are counted (config/timing.toml).
 [[gnu::noinline]] bool MotionSweep::TouchesCell(Cell cell, const Frame& frame,
                                                 const Frame& start) const {
-  if (Depth(frame, CellCenter(cell)) + frame.margin_m < -0.5f * kCellDiagonal_m) return false;
+  const float middle_m = Depth(frame, CellCenter(cell), frame.along_m, frame.aside_m);
+  if (middle_m < -0.5f * kCellDiagonal_m) return false;
   const uint64_t known = parts_[PartsIndex(cell)];
   uint64_t parts = known != 0 ? known : kWhole;
   constexpr float kOf = kParts;
@@ -192,9 +201,9 @@ float MotionSweep::Depth(const Frame& frame, Vec2 point_odom) const {
     const auto row = static_cast<float>(part_row);
     const Vec2 point = {(static_cast<float>(cell.x) + (column + 0.5f) / kOf) / kCellsPerMeter,
                         (static_cast<float>(cell.y) + (row + 0.5f) / kOf) / kCellsPerMeter};
-    const float depth_m = Depth(frame, point);
-    const bool is_near = depth_m + frame.margin_m > 0.0f;
-    const bool is_deeper = depth_m > Depth(start, point) + kDeeper_m;
+    const bool is_near = Depth(frame, point, frame.along_m, frame.aside_m) > 0.0f;
+    const bool is_deeper =
+        Depth(frame, point, 0.0f, 0.0f) > Depth(start, point, 0.0f, 0.0f) + kDeeper_m;
     if (is_near & is_deeper) return true;  // not &&: one way on, so that the loop stays one
   }
   return false;
@@ -202,10 +211,10 @@ float MotionSweep::Depth(const Frame& frame, Vec2 point_odom) const {
 
 bool MotionSweep::TouchesAt(const Frame& frame, const Frame& start) {
   const Cell middle = CellAt(frame.origin);
-  const int32_t columns = 2 * reach_cells_ + 1;
+  const int32_t columns = 2 * frame.reach_cells + 1;
   HP_LOOP_BOUND(2 * kMaxReach_cells + 1)
-  for (int32_t y = middle.y - reach_cells_; y <= middle.y + reach_cells_; ++y) {
-    const int32_t first_x = middle.x - reach_cells_;
+  for (int32_t y = middle.y - frame.reach_cells; y <= middle.y + frame.reach_cells; ++y) {
+    const int32_t first_x = middle.x - frame.reach_cells;
     // What lies beyond the square has the place of something within.
     if (!IsInside({first_x, y}) || !IsInside({first_x + columns - 1, y})) continue;
     uint64_t bits = BitsOf(y, first_x, columns);

@@ -47,6 +47,7 @@ class MotionSweep {
   // The margin grows from this share of it at rest to all of it at kFullMarginSpeed_mps.
   static constexpr float kLeastMarginShare = 0.1f;
   static constexpr float kFullMarginSpeed_mps = 1.5f;
+  static constexpr float kMaxOff_m = 0.4f;  // of what a pose may be off by, beyond the margin
 
   // With nothing remembered. An outline that reaches further than kMaxReach_cells touches always.
   void Configure(const Footprint& footprint, float margin_m);
@@ -66,7 +67,8 @@ class MotionSweep {
   // before it was begun. Cost: kSide_cells^2 cells.
   void MapDone(const Costmap& map);
 
-  // motion: poses from the present one on, finite, at most kMaxPoses. Cost: for each the rows of
+  // motion: poses from the present one on, finite, at most kMaxPoses; each with the margin and what
+  // it may be off by. Cost: for each the rows of
   // cells that its outline spans; of cells with something in them, kMaxTests in a tick.
   SweepResult Try(std::span<const SweptPose> motion);
 
@@ -78,7 +80,9 @@ class MotionSweep {
     Vec2 origin;
     float cos = 1.0f;
     float sin = 0.0f;
-    float margin_m = 0.0f;
+    float along_m = 0.0f;  // margins
+    float aside_m = 0.0f;
+    int32_t reach_cells = 0;  // of the longest vehicles not all of the margins
   };
 
   bool IsInside(Cell cell) const;
@@ -88,7 +92,7 @@ class MotionSweep {
   uint64_t BitsOf(int32_t y, int32_t x, int32_t columns) const;
   void TakeRow(const Costmap& map, int32_t y);
   Frame FrameOf(const SweptPose& swept) const;
-  float Depth(const Frame& frame, Vec2 point_odom) const;
+  float Depth(const Frame& frame, Vec2 point_odom, float along_m, float aside_m) const;
   bool TouchesAt(const Frame& frame, const Frame& start);
   bool TouchesCell(Cell cell, const Frame& frame, const Frame& start) const;
 

@@ -316,7 +316,7 @@ DriveState DriveModel::Predict(const Pose2& pose) const {
   if (!IsFinite(pose.x_m) || !IsFinite(pose.y_m) || !IsFinite(pose.theta_rad)) return state;
   state.pose.theta_rad = WrapAngle(pose.theta_rad);
   HP_LOOP_BOUND(kMaxDeadSteps)
-  for (int i = 1; i <= dead_steps_ + (dead_share_ > 0.5f ? 1 : 0); ++i) {
+  for (int i = 1; i <= AheadSteps(); ++i) {
     Roll(DelayedCommand(i), kStep_s, state);
   }
   return state;

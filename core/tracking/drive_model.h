@@ -116,6 +116,9 @@ class DriveModel {
   // comes back as it is. Cost: kMaxDeadSteps steps with a sine and a cosine at most.
   DriveState Predict(const Pose2& pose) const;
 
+  // How far that lies ahead of now, in whole steps.
+  uint64_t Ahead_ns() const { return static_cast<uint64_t>(AheadSteps()) * kStep_ns; }
+
   const WheelParts& wheels() const { return at_[Place(0)]; }  // now
   float speed_mps() const { return speed_mps_; }              // of the body, now
   float yaw_rate_radps() const { return yaw_rate_radps_; }
@@ -136,6 +139,7 @@ class DriveModel {
 
  private:
   int Place(int steps_back) const { return (newest_ - steps_back) & (kHistory - 1); }
+  int AheadSteps() const { return dead_steps_ + (dead_share_ > 0.5f ? 1 : 0); }
   WheelParts DelayedCommand(int steps_ahead) const;
   void Step(const WheelParts& command, float step_s, DriveState& state) const;
   DriveState Now() const;

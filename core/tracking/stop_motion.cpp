@@ -12,6 +12,12 @@ constexpr float kRest_mps = 0.03f;
 constexpr float kRest_radps = 0.03f;
 // A turn moves the outline's corners, which are about so far from the middle.
 constexpr float kCorner_m = 1.1f;
+// What it is off by grows for so long; from then on it has stopped changing, or slows down. What
+// the speed is off by lies aside by what the heading turns through meanwhile, 0.5 rad; what the
+// turn is off by moves the front's corners ahead by their lever, 0.7 m, and aside.
+constexpr float kOff_s = 0.5f;
+constexpr float kAsideOfSpeed = 0.5f;
+constexpr float kAlongOfTurn_m = 0.7f;
 constexpr float kLeastSpacing_m = 0.08f;
 // Of all poses so many lie along a stop of about the expected length; the others are in reserve.
 constexpr float kSpacedPoses = 36.0f;
@@ -62,21 +68,29 @@ WheelParts BrakeCommand(const DriveModel& model, const StopWay& way, float brake
 // Keeps a pose where the vehicle has moved far enough since the last one that was kept.
 class PoseKeeper {
  public:
-  PoseKeeper(float spacing_m, SweptMotion& motion) : spacing_m_(spacing_m), motion_(motion) {}
-  void Add(const DriveState& state, float moved_m) {
+  PoseKeeper(float spacing_m, const MotionError& error, SweptMotion& motion)
+      : spacing_m_(spacing_m),
+        along_mps_(error.speed_mps + kAlongOfTurn_m * error.yaw_rate_radps),
+        aside_mps_(kAsideOfSpeed * error.speed_mps + kCorner_m * error.yaw_rate_radps),
+        motion_(motion) {}
+  void Add(const DriveState& state, float moved_m, float step_s) {
     since_m_ += moved_m;
+    ahead_s_ = Min(ahead_s_ + step_s, kOff_s);
     if (since_m_ < spacing_m_ || motion_.size() + 1 >= kMaxSweptPoses) return;
     Keep(state);
   }
   void Keep(const DriveState& state) {
     since_m_ = 0.0f;
     motion_.Resize(motion_.size() + 1);
-    motion_.back() = {state.pose, state.speed_mps};
+    motion_.back() = {state.pose, state.speed_mps, along_mps_ * ahead_s_, aside_mps_ * ahead_s_};
   }
 
  private:
   float spacing_m_;
+  float along_mps_;  // what it is off by grows by so much
+  float aside_mps_;
   SweptMotion& motion_;
+  float ahead_s_ = 0.0f;
   float since_m_ = 0.0f;
 };
 
@@ -87,14 +101,14 @@ void RollOutStop(const DriveModel& model, const Pose2& pose, const StopWay& way,
   motion.Clear();
   DriveState state = model.StateAt(pose);
   const float spacing_m = Max(ExpectedWay(model, state, way) / kSpacedPoses, kLeastSpacing_m);
-  PoseKeeper keeper(spacing_m, motion);
+  PoseKeeper keeper(spacing_m, way.error, motion);
   keeper.Keep(state);
   float along_m = 0.0f;
   const auto roll = [&](const WheelParts& command, float step_s) {
     model.Roll(command, step_s, state);
     const float way_m = Abs(state.speed_mps) * step_s;
     along_m += way_m;
-    keeper.Add(state, way_m + kCorner_m * Abs(state.yaw_rate_radps) * step_s);
+    keeper.Add(state, way_m + kCorner_m * Abs(state.yaw_rate_radps) * step_s, step_s);
   };
   HP_LOOP_BOUND(DriveModel::kMaxDeadSteps + 1)
   for (int step = 1; step <= model.dead_steps() + 1; ++step) {

@@ -7,6 +7,7 @@
 #include "core/base/fixed_vector.h"
 #include "core/base/swept_pose.h"
 #include "core/tracking/drive_model.h"
+#include "core/tracking/prediction_error.h"
 
 // Where the vehicle goes until it is at rest, if the stop begins with the next command: from its
 // actual state (measured wheel speeds and yaw rate), through the commands under way and their lags,
@@ -30,13 +31,15 @@ struct StopWay {
   float reference_mps = 0.0f;               // that the vehicle has been told to have by now
   float deceleration_mps2 = 0.0f;           // of the reference; positive
   float curvature_per_m[kCurvatures] = {};  // from the vehicle's place on, each kStep_m
+  MotionError error;                        // of such predictions lately
 };
 
 inline constexpr int kMaxSweptPoses = 48;
 using SweptMotion = FixedVector<SweptPose, kMaxSweptPoses>;
 
 // The first pose is the present one, the last that of rest (or that after kLongestStop_s). Poses
-// between lie apart by a share of the way, or by what turns the outline's corners by as much.
+// between lie apart by a share of the way, or by what turns the outline's corners by as much. Each
+// may be off by what way.error grows to until then, for 0.5 s at most.
 // pose: odom, finite. Cost: at most DriveModel::kMaxDeadSteps + kMaxStopSteps steps of the model.
 inline constexpr float kStopStep_s = 0.04f;
 inline constexpr int kMaxStopSteps = 100;

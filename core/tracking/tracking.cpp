@@ -60,6 +60,7 @@ Status Tracker::Configure(const VehicleParams& vehicle, const SpeedParams& speed
   limits_ = speed;
   params_ = tracking;
   predicted_ = DriveState{};
+  error_.Reset();
   TrackingOutput output;
   Zero(output);
   configured_ = true;
@@ -70,6 +71,8 @@ Status Tracker::Predict(uint64_t now_ns, const Pose2& pose, const WheelFeedback&
                         const BodyMotion& body) {
   const Status status = model_.Advance(now_ns, wheels, body);
   predicted_ = model_.Predict(pose);
+  if (status == Status::kStale) error_.Reset();
+  error_.Advance(now_ns, model_.Ahead_ns(), predicted_, body);
   return status;
 }
 

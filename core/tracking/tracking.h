@@ -10,6 +10,7 @@
 #include "core/base/status.h"
 #include "core/measurements/measurements.h"
 #include "core/tracking/drive_model.h"
+#include "core/tracking/prediction_error.h"
 
 // From what a path says to wheel speeds, once a tick, forwards and in reverse, and turns on the
 // spot. It does not choose the path, the place on it or whether to move (core/safety/supervisor.h);
@@ -114,6 +115,7 @@ class Tracker {
   float speed_mps() const { return speed_mps_; }
   float curvature_per_m() const { return curvature_per_m_; }
   const DriveModel& model() const { return model_; }
+  const MotionError& prediction_error() const { return error_.lately(); }
 
   // The speed from which the vehicle comes to rest within left_m by braking, and then, in the last
   // stretch, by rolling out: no faster than its lag lets it without being told to drive backwards.
@@ -168,6 +170,7 @@ class Tracker {
   TrackingParams params_;
   DriveModel model_;
   DriveState predicted_;
+  PredictionError error_;
   bool configured_ = false;
   bool saturated_ = false;  // the command before this one was cut
   float speed_mps_ = 0.0f;  // reference

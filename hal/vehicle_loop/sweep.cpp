@@ -61,6 +61,7 @@ WayAhead VehicleLoop::JudgeStop() {
   const StampedPose& here = odometry_.pose();
   const Pose2 pose = {here.position.x_m, here.position.y_m, here.yaw_rad};
   StopWay way;
+  way.error = tracker_.prediction_error();
   RollOutStop(model, pose, way, StopKind::kZero, swept_);
   const SweepResult zero = sweep_.Try({swept_.begin(), static_cast<size_t>(swept_.size())});
   if (zero.clear) return WayAhead::kClear;

@@ -68,6 +68,28 @@ TEST(MotionSweep, PassesWhatStandsBesideByMoreThanTheMargin) {
   EXPECT_FALSE(bench.Try(Straight(4.0f, 3.0f)).clear);
 }
 
+// A motion may be off: along by 0.3 m, so that what it stops 0.2 m before is touched, and what
+// stands 0.2 m beside it is not; aside the other way round.
+// SR-MOV04
+TEST(MotionSweep, WhatAMotionMayBeOffByCountsInItsDirection) {
+  for (const bool is_along : {true, false}) {
+    std::vector<SweptPose> motion = Straight(2.0f, 1.0f);
+    for (SweptPose& pose : motion) (is_along ? pose.along_m : pose.aside_m) = 0.3f;
+    Bench ahead;
+    ahead.sweep.File({2.0f + 0.76f + 0.2f, 0.0f});
+    EXPECT_EQ(ahead.Try(motion).clear, !is_along);
+    Bench beside;
+    beside.sweep.File({1.5f, 0.69f + 0.2f});
+    EXPECT_EQ(beside.Try(motion).clear, is_along);
+  }
+  // No further than kMaxOff_m.
+  std::vector<SweptPose> motion = Straight(2.0f, 1.0f);
+  for (SweptPose& pose : motion) pose.along_m = 100.0f;
+  Bench ahead;
+  ahead.sweep.File({2.0f + 0.76f + MotionSweep::kMaxOff_m + 0.1f, 0.0f});
+  EXPECT_TRUE(ahead.Try(motion).clear);
+}
+
 //  post         what turns left about a point ahead of its middle swings its tail to the right
 //    o
 //   [   >  .]

@@ -69,6 +69,25 @@ TEST(StopMotion, ZeroEndsWhereTheModelComesToRest) {
   }
 }
 
+// SR-MOV04
+TEST(StopMotion, WhatItMayBeOffByGrowsForHalfASecond) {
+  Bench bench;
+  bench.Drive({8.0f, 2.5f});
+  StopWay way;
+  way.error = {.speed_mps = 0.2f, .yaw_rate_radps = 0.1f};
+  const SweptMotion motion = bench.Stop(StopKind::kZero, way);
+  EXPECT_EQ(motion[0].along_m, 0.0f);
+  for (int k = 1; k < motion.size(); ++k) {
+    EXPECT_GE(motion[k].along_m, motion[k - 1].along_m);
+    EXPECT_GE(motion[k].aside_m, motion[k - 1].aside_m);
+  }
+  EXPECT_NEAR(motion.back().along_m, 0.5f * (0.2f + 0.7f * 0.1f), 1e-5f);
+  EXPECT_NEAR(motion.back().aside_m, 0.5f * (0.5f * 0.2f + 1.1f * 0.1f), 1e-5f);
+  const SweptMotion exact = bench.Stop(StopKind::kZero);
+  ASSERT_EQ(exact.size(), motion.size());
+  for (const SweptPose& pose : exact) EXPECT_EQ(pose.along_m + pose.aside_m, 0.0f);
+}
+
 // SR-MOV02
 TEST(StopMotion, AlongThePathItTakesTheRampAndTheLags) {
   Bench bench;
