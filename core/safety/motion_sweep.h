@@ -72,6 +72,7 @@ class MotionSweep {
   // cells that its outline spans; of cells with something in them, kMaxTests in a tick.
   SweepResult Try(std::span<const SweptPose> motion);
 
+  const Footprint& footprint() const { return footprint_; }
   // Whether something hard is known in a cell. For tests and pictures.
   bool IsHard(Cell cell) const;
 

@@ -16,6 +16,7 @@ namespace {
 constexpr float kBeyondReach_m = 3.0f;
 // A person so near is why there is no way.
 constexpr int32_t kPersonNear_cells = 25;
+constexpr float kBeside_m = 0.5f;
 // The path is looked along at so many places for the oldest look at it.
 constexpr int kLooks = 5;
 
@@ -62,6 +63,15 @@ void VehicleLoop::TestReturns(bool are_new) {
   }
 }
 
+// Within reach of the vehicle: of what a turn on the spot sweeps, and kBeside_m.
+bool VehicleLoop::IsBeside(Vec2 point_odom) const {
+  const Vec3& here = odometry_.pose().position;
+  const float dx_m = point_odom.x_m - here.x_m;
+  const float dy_m = point_odom.y_m - here.y_m;
+  const float reach_m = sweep_.footprint().pivot_radius_m + kBeside_m;
+  return dx_m * dx_m + dy_m * dy_m < reach_m * reach_m;
+}
+
 // Not inlined: its calls are counted (config/timing.toml).
 [[gnu::noinline]] void VehicleLoop::TestColumn(int slot, uint32_t max_range_mm) {
   const int beams = mapper_.model().beams;
@@ -70,7 +80,9 @@ void VehicleLoop::TestReturns(bool are_new) {
     Vec2 point_odom;
     const uint8_t flags = mapper_.ObstacleOf(slot, row, max_range_mm, point_odom);
     if ((flags & Costmap::kHard) == 0) continue;
-    static_cast<void>(corridor_.File(point_odom, (flags & Costmap::kPerson) != 0));
+    const bool is_person = (flags & Costmap::kPerson) != 0;
+    if (is_person && IsBeside(point_odom)) person_beside_ns_ = now_ns_;
+    static_cast<void>(corridor_.File(point_odom, is_person));
     sweep_.File(point_odom);
   }
 }

@@ -20,6 +20,9 @@ constexpr int kFirstPoses = 12;
 constexpr float kFirstSpeed_mps = 0.2f;
 // So long it stands before another plan is made from where it is.
 constexpr float kHeld_s = 0.5f;
+// So long it stands after somebody was seen beside it: who comes nearer still is where no beam
+// falls, or taken for the vehicle itself.
+constexpr float kPersonBeside_s = 2.0f;
 
 bool MayMove(Mode mode) {
   return mode == Mode::kDriving || mode == Mode::kSafeStop;
@@ -34,6 +37,7 @@ void VehicleLoop::ConfigureSweep() {
   held_since_ns_ = 0;
   lead_out_ = 0;
   has_start_ = false;
+  person_beside_ns_ = 0;
 }
 
 // At rest nothing is swept, so the way that is about to be driven is looked at instead: else each
@@ -83,6 +87,10 @@ WayAhead VehicleLoop::JudgeSettingOut() {
   if (permission_.mode != Mode::kDriving || plan.number == 0) {
     held_since_ns_ = 0;
     return WayAhead::kClear;
+  }
+  if (person_beside_ns_ != 0 && SecondsBetween(person_beside_ns_, now_ns_) < kPersonBeside_s) {
+    held_since_ns_ = 0;
+    return WayAhead::kObstacle;
   }
   LayFirstWay();
   const bool clear = plan.number != swept_plan_ &&

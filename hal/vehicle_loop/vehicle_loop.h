@@ -220,6 +220,7 @@ class VehicleLoop {
   Status ConfigureSafety();
   CorridorSize SizeOfCorridor() const;
   void TestReturns(bool are_new);
+  bool IsBeside(Vec2 point_odom) const;
   void TestColumn(int slot, uint32_t max_range_mm);
   void FollowPlan();
   WayAhead Ahead() const;
@@ -299,11 +300,12 @@ class VehicleLoop {
   MotionSweep sweep_;
   SweptMotion swept_;  // scratch of JudgeSweep
   WayAhead sweep_advice_ = WayAhead::kClear;
-  uint32_t swept_plan_ = 0;     // whose way it stopped on last
-  int32_t lead_out_ = 0;        // that is tried next where it stands for that
-  uint64_t held_since_ns_ = 0;  // that it stands for it; 0: it does not
-  bool has_start_ = false;      // the map began ...
-  Pose2 start_odom_;            // ... at this pose
+  uint32_t swept_plan_ = 0;        // whose way it stopped on last
+  int32_t lead_out_ = 0;           // that is tried next where it stands for that
+  uint64_t held_since_ns_ = 0;     // that it stands for it; 0: it does not
+  uint64_t person_beside_ns_ = 0;  // somebody was seen within reach last; 0: never
+  bool has_start_ = false;         // the map began ...
+  Pose2 start_odom_;               // ... at this pose
   CommandGate gate_;
   MotionWatch motion_;
   ReactionMeter reaction_;

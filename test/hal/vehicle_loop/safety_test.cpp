@@ -398,6 +398,32 @@ class PeopleLabels {
   std::vector<std::vector<uint8_t>> next_;
 };
 
+//      P
+//   [>] ------->   the way is free, and somebody stands within reach of the vehicle: it does not set
+//                  out until they have been away for 2 s
+// SR-MOV05
+TEST(VehicleLoopSafety, DoesNotSetOutWhileSomebodyStandsBesideIt) {
+  ClosedLoop drive("", world::World());
+  VehicleConfig config = drive.config();
+  config.perception.mapping.use_labels = 1;
+  ASSERT_EQ(drive.loop().Configure(config), Status::kOk);
+  PeopleLabels people(config);
+  drive.adds = [&](std::vector<TickDatagram>& datagrams) { people.Exchange(datagrams); };
+  drive.BringUpAndArm();
+  drive.Act(BoxAt(-0.2, 1.3, 0.3, 1.7));
+  drive.Ticks(30);
+  ASSERT_EQ(drive.Goal(25.0f, 0.0f), Status::kOk);
+  double fastest_mps = 0.0;
+  drive.Until(4.0, [&] {
+    fastest_mps = std::max(fastest_mps, std::fabs(drive.Speed_mps()));
+    return false;
+  });
+  EXPECT_LT(fastest_mps, 0.05);
+  drive.vehicle().world() = world::World();
+  EXPECT_FALSE(drive.Until(1.8, [&] { return drive.Speed_mps() > 0.05; })) << "for a while yet";
+  EXPECT_TRUE(drive.Until(3.0, [&] { return drive.Speed_mps() > 0.5; }));
+}
+
 //   [>] ------->   P
 // Where the map has just begun it turns off beside the person once it stands, and creeps by; on the
 // way it stands for as long as the person does.
