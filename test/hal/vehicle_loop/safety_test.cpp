@@ -399,7 +399,8 @@ class PeopleLabels {
 };
 
 //      P
-//   [>] ------->   the way is free, and somebody stands within reach of the vehicle: it does not set
+//   [>] ------->   the way is free, and somebody stands within reach of the vehicle: it does not
+//   set
 //                  out until they have been away for 2 s
 // SR-MOV05
 TEST(VehicleLoopSafety, DoesNotSetOutWhileSomebodyStandsBesideIt) {
