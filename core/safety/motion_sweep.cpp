@@ -173,21 +173,19 @@ MotionSweep::Frame MotionSweep::FrameOf(const SweptPose& swept) const {
           .reach_cells = ClampInt(reach_cells_ + beyond_cells, 0, kMaxReach_cells)};
 }
 
-// How deep a point lies in the outline, made longer and wider at each end and side by so much;
-// negative outside.
-float MotionSweep::Depth(const Frame& frame, Vec2 point_odom, float along_m, float aside_m) const {
+MotionSweep::Depth MotionSweep::DepthOf(const Frame& frame, Vec2 point_odom) const {
   const float dx_m = point_odom.x_m - frame.origin.x_m;
   const float dy_m = point_odom.y_m - frame.origin.y_m;
   const float ahead_m = frame.cos * dx_m + frame.sin * dy_m - footprint_.middle_m();
   const float left_m = frame.cos * dy_m - frame.sin * dx_m;
-  return Min(footprint_.half_length_m() + along_m - Abs(ahead_m),
-             footprint_.half_width_m + aside_m - Abs(left_m));
+  return {.along_m = footprint_.half_length_m() - Abs(ahead_m),
+          .aside_m = footprint_.half_width_m - Abs(left_m)};
 }
 
 // Not inlined: its calls are counted (config/timing.toml).
 [[gnu::noinline]] bool MotionSweep::TouchesCell(Cell cell, const Frame& frame,
                                                 const Frame& start) const {
-  const float middle_m = Depth(frame, CellCenter(cell), frame.along_m, frame.aside_m);
+  const float middle_m = DepthOf(frame, CellCenter(cell)).Within(frame.along_m, frame.aside_m);
   if (middle_m < -0.5f * kCellDiagonal_m) return false;
   const uint64_t known = parts_[PartsIndex(cell)];
   uint64_t parts = known != 0 ? known : kWhole;
@@ -201,9 +199,10 @@ float MotionSweep::Depth(const Frame& frame, Vec2 point_odom, float along_m, flo
     const auto row = static_cast<float>(part_row);
     const Vec2 point = {(static_cast<float>(cell.x) + (column + 0.5f) / kOf) / kCellsPerMeter,
                         (static_cast<float>(cell.y) + (row + 0.5f) / kOf) / kCellsPerMeter};
-    const bool is_near = Depth(frame, point, frame.along_m, frame.aside_m) > 0.0f;
+    const Depth depth = DepthOf(frame, point);
+    const bool is_near = depth.Within(frame.along_m, frame.aside_m) > 0.0f;
     const bool is_deeper =
-        Depth(frame, point, 0.0f, 0.0f) > Depth(start, point, 0.0f, 0.0f) + kDeeper_m;
+        depth.Within(0.0f, 0.0f) > DepthOf(start, point).Within(0.0f, 0.0f) + kDeeper_m;
     if (is_near & is_deeper) return true;  // not &&: one way on, so that the loop stays one
   }
   return false;

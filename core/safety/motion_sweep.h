@@ -7,6 +7,7 @@
 
 #include "core/base/footprint.h"
 #include "core/base/grid.h"
+#include "core/base/math.h"
 #include "core/base/pose.h"
 #include "core/base/swept_pose.h"
 #include "core/costmap/costmap.h"
@@ -68,8 +69,8 @@ class MotionSweep {
   void MapDone(const Costmap& map);
 
   // motion: poses from the present one on, finite, at most kMaxPoses; each with the margin and what
-  // it may be off by. Cost: for each the rows of
-  // cells that its outline spans; of cells with something in them, kMaxTests in a tick.
+  // it may be off by. Cost: for each the rows of cells that its outline spans; of cells with
+  // something in them, kMaxTests in a tick.
   SweepResult Try(std::span<const SweptPose> motion);
 
   const Footprint& footprint() const { return footprint_; }
@@ -85,6 +86,15 @@ class MotionSweep {
     float aside_m = 0.0f;
     int32_t reach_cells = 0;  // of the longest vehicles not all of the margins
   };
+  // How deep a point lies between the outline's ends and between its flanks; negative outside.
+  struct Depth {
+    float along_m = 0.0f;
+    float aside_m = 0.0f;
+    // In the outline made longer and wider by so much at each end and flank.
+    float Within(float ends_m, float flanks_m) const {
+      return Min(along_m + ends_m, aside_m + flanks_m);
+    }
+  };
 
   bool IsInside(Cell cell) const;
   void ClearRow(int32_t y);
@@ -93,7 +103,7 @@ class MotionSweep {
   uint64_t BitsOf(int32_t y, int32_t x, int32_t columns) const;
   void TakeRow(const Costmap& map, int32_t y);
   Frame FrameOf(const SweptPose& swept) const;
-  float Depth(const Frame& frame, Vec2 point_odom, float along_m, float aside_m) const;
+  Depth DepthOf(const Frame& frame, Vec2 point_odom) const;
   bool TouchesAt(const Frame& frame, const Frame& start);
   bool TouchesCell(Cell cell, const Frame& frame, const Frame& start) const;
 

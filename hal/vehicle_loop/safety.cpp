@@ -16,6 +16,7 @@ namespace {
 constexpr float kBeyondReach_m = 3.0f;
 // A person so near is why there is no way.
 constexpr int32_t kPersonNear_cells = 25;
+// Somebody so near to what a turn on the spot sweeps can reach the vehicle.
 constexpr float kBeside_m = 0.5f;
 // The path is looked along at so many places for the oldest look at it.
 constexpr int kLooks = 5;
@@ -63,7 +64,6 @@ void VehicleLoop::TestReturns(bool are_new) {
   }
 }
 
-// Within reach of the vehicle: of what a turn on the spot sweeps, and kBeside_m.
 bool VehicleLoop::IsBeside(Vec2 point_odom) const {
   const Vec3& here = odometry_.pose().position;
   const float dx_m = point_odom.x_m - here.x_m;

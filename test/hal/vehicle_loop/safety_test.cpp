@@ -398,18 +398,25 @@ class PeopleLabels {
   std::vector<std::vector<uint8_t>> next_;
 };
 
-//      P
-//   [>] ------->   the way is free, and somebody stands within reach of the vehicle: it does not
-//   set
-//                  out until they have been away for 2 s
+// An empty world, in which whatever comes to stand is labelled a person.
+struct AmongPeople {
+  ClosedLoop drive{"", world::World()};
+  PeopleLabels people{drive.config()};
+
+  AmongPeople() {
+    VehicleConfig config = drive.config();
+    config.perception.mapping.use_labels = 1;
+    EXPECT_EQ(drive.loop().Configure(config), Status::kOk);
+    drive.adds = [this](std::vector<TickDatagram>& datagrams) { people.Exchange(datagrams); };
+  }
+};
+
+//      P           the way is free, and somebody stands within reach of the vehicle: it does not
+//   [>] ------->   set out until they have been away for 2 s
 // SR-MOV05
 TEST(VehicleLoopSafety, DoesNotSetOutWhileSomebodyStandsBesideIt) {
-  ClosedLoop drive("", world::World());
-  VehicleConfig config = drive.config();
-  config.perception.mapping.use_labels = 1;
-  ASSERT_EQ(drive.loop().Configure(config), Status::kOk);
-  PeopleLabels people(config);
-  drive.adds = [&](std::vector<TickDatagram>& datagrams) { people.Exchange(datagrams); };
+  AmongPeople among;
+  ClosedLoop& drive = among.drive;
   drive.BringUpAndArm();
   drive.Act(BoxAt(-0.2, 1.3, 0.3, 1.7));
   drive.Ticks(30);
@@ -432,12 +439,8 @@ TEST(VehicleLoopSafety, DoesNotSetOutWhileSomebodyStandsBesideIt) {
 TEST(VehicleLoopSafety, StopsForAPersonAndGoesOnWhenTheWayIsFree) {
   for (const double from_m : {0.0, 5.0}) {
     SCOPED_TRACE(from_m);
-    ClosedLoop drive("", world::World());
-    VehicleConfig config = drive.config();
-    config.perception.mapping.use_labels = 1;
-    ASSERT_EQ(drive.loop().Configure(config), Status::kOk);
-    PeopleLabels people(config);
-    drive.adds = [&](std::vector<TickDatagram>& datagrams) { people.Exchange(datagrams); };
+    AmongPeople among;
+    ClosedLoop& drive = among.drive;
     drive.DriveTo(25.0f, 0.0f);
     ASSERT_TRUE(
         drive.Until(10.0, [&] { return drive.Speed_mps() > 2.0 && drive.Pose().x_m > from_m; }));
