@@ -7,8 +7,12 @@
 
 namespace hardpack {
 
+// Not by a fresh object: without optimisation that is more stack than a function may take.
 void PredictionError::Reset() {
-  *this = PredictionError{};
+  lately_ = MotionError{};
+  at_ns_ = 0;
+  first_ = 0;
+  size_ = 0;
 }
 
 void PredictionError::Advance(uint64_t now_ns, uint64_t ahead_ns, const DriveState& predicted,
