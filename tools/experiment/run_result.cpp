@@ -92,6 +92,7 @@ void Fill(const nlohmann::json& object, RunResult& result) {
   object.at("seed").get_to(result.seed);
   object.at("success").get_to(result.success);
   object.at("reason").get_to(result.reason);
+  if (object.contains("reasons")) object.at("reasons").get_to(result.reasons);
   object.at("time_s").get_to(result.time_s);
   object.at("driven_m").get_to(result.driven_m);
   object.at("max_speed_mps").get_to(result.max_speed_mps);
@@ -123,6 +124,7 @@ nlohmann::ordered_json ToJson(const RunResult& result) {
           {"outcome", Name(result.outcome)},
           {"success", result.success},
           {"reason", result.reason},
+          {"reasons", result.reasons},
           {"time_s", result.time_s},
           {"driven_m", result.driven_m},
           {"max_speed_mps", result.max_speed_mps},

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -58,7 +59,10 @@ struct RunResult {
   Outcome outcome = Outcome::kTimeOut;
   bool success = false;  // what the world's mission is to end in, with no contact
   std::string reason;    // stop reason that the vehicle gave last, "none" without one
-  double time_s = 0.0;   // from the goal's acceptance to the end
+  // How often each stop reason began since the goal's acceptance, by its name. A reason that never
+  // did is not in it.
+  std::map<std::string, int64_t> reasons;
+  double time_s = 0.0;  // from the goal's acceptance to the end
   double driven_m = 0.0;
   double max_speed_mps = 0.0;
   double clearance_m = 0.0;         // smallest, to anything hard; 0: touched
@@ -85,7 +89,8 @@ struct RunResult {
 
 nlohmann::ordered_json ToJson(const RunResult& result);
 
-// kInvalidArgument with what is wrong with it: a field that is missing or of another kind.
+// kInvalidArgument with what is wrong with it: a field that is missing or of another kind. Only
+// `reasons` may be missing: files from before it was written are still merged.
 ReadOutcome FromJson(const nlohmann::json& object, RunResult& result);
 
 // Lines of JSON; the file's name and the line's number are in the message of a failure. A run that

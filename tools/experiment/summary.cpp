@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <map>
 #include <tuple>
 
@@ -12,6 +13,13 @@ namespace {
 
 // The speed that the reaction radius is asked for at.
 constexpr double kReactionSpeed_mps = 5.0;
+constexpr double kHour_s = 3600.0;
+
+constexpr std::string_view kFaultAlarms[] = {
+    "lidar_old",     "odometry_old", "ins_old",        "blind_ahead",
+    "lidar_covered", "lidar_frozen", "lidar_turned",   "wheel_spin",
+    "drives",        "runaway",      "wrong_turn",     "stuck",
+    "bad_command",   "bus",          "foreign_sender", "stop_too_long"};
 
 void Add(const WayResult& result, bool is_first, WayRow& row) {
   row.least_off_base_m =
@@ -41,6 +49,10 @@ void Add(const RunResult& result, Row& row) {
                                : std::min(row.person_clearance_m, result.person_clearance_m);
   row.cross_track_m.Add(result.cross_track_m);
   row.odometry_off_m = std::max(row.odometry_off_m, result.odometry_off_m);
+  for (const auto& [reason, times] : result.reasons) {
+    if (IsFaultAlarm(reason)) row.fault_alarms += times;
+  }
+  row.hours += result.time_s / kHour_s;
   row.reaction_s.Add(result.reaction_s);
   row.reaction_fast_s.Add(result.reaction_fast_s);
   row.reaction_m.Add(result.reaction_m);
@@ -90,6 +102,11 @@ std::string Seeds(const std::vector<uint64_t>& seeds) {
 }
 
 }  // namespace
+
+bool IsFaultAlarm(std::string_view reason) {
+  return std::find(std::begin(kFaultAlarms), std::end(kFaultAlarms), reason) !=
+         std::end(kFaultAlarms);
+}
 
 Interval Confidence95(int64_t successes, int64_t runs) {
   if (runs <= 0) return {};
@@ -188,6 +205,8 @@ std::string ResultLine(const Row& row) {
                Both(row.ReactionAt_m(kReactionSpeed_mps, 0.5),
                     row.ReactionAt_m(kReactionSpeed_mps, 0.99), 3),
                OfAll(row.replayed, row),
+               std::to_string(row.fault_alarms),
+               Number(row.hours, 2),
                Seeds(row.failed_seeds)});
 }
 
@@ -219,6 +238,8 @@ nlohmann::ordered_json ToJson(const Row& row) {
           {"outcomes", outcomes},
           {"failed_seeds", row.failed_seeds},
           {"replayed", row.replayed},
+          {"fault_alarms", row.fault_alarms},
+          {"hours", row.hours},
           {"mean_time_s", row.mean_time_s},
           {"mean_speed_mps", row.mean_speed_mps},
           {"max_speed_mps", row.max_speed_mps},
@@ -260,6 +281,8 @@ std::string ToMarkdown(const std::vector<Row>& rows) {
                               "reaction as driven median / p99 m",
                               "reaction at 5 m/s median / p99 m",
                               "replayed",
+                              "fault alarms",
+                              "hours",
                               "failed seeds"});
   for (const Row& row : rows) text += ResultLine(row);
   text.append("\n");

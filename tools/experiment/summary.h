@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "nlohmann/json.hpp"
@@ -47,6 +48,8 @@ struct Row {
   double person_clearance_m = 0.0;
   Histogram cross_track_m;
   double odometry_off_m = 0.0;
+  int64_t fault_alarms = 0;  // times that a reason of IsFaultAlarm began
+  double hours = 0.0;        // simulated, from the goal's acceptance
   Histogram reaction_s{0.005, 200};
   Histogram reaction_fast_s{0.005, 200};
   Histogram reaction_m{0.02, 250};
@@ -60,6 +63,11 @@ struct Row {
     return speed_mps * reaction_fast_s.Quantile(share);
   }
 };
+
+// Whether a stop reason, by its name, tells of a faulty sensor, drive, wheel, bus or clock. Where
+// nothing is faulty, such a stop is a false alarm, while those for the world, for the operator and
+// for want of a plan may be right.
+bool IsFaultAlarm(std::string_view reason);
 
 // The interval that contains the true share of successes with 95 % confidence (Wilson 1927,
 // REFERENCES.md). 0 .. 1 where there were no runs.

@@ -177,6 +177,7 @@ void Observer::WatchMode(const Moment& now, double t_s) {
   const std::string reason = ReasonName(now.reason);
   if (now.mode != mode_ || reason != said_) {
     Note(t_s, ModeName(now.mode) + (reason == "none" ? "" : ": " + reason));
+    if (reason != said_ && reason != "none") ++result_.reasons[reason];
     said_ = reason;
     said_since_s_ = t_s;
   }

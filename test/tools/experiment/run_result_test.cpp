@@ -24,6 +24,7 @@ RunResult Sample(uint64_t seed = 4) {
   result.outcome = Outcome::kContact;
   result.success = false;
   result.reason = "none";
+  result.reasons = {{"obstacle", 2}, {"lidar_covered", 1}};
   result.time_s = 12.5;
   result.driven_m = 40.25;
   result.max_speed_mps = 4.9;
@@ -66,6 +67,7 @@ TEST(RunResult, IsTheSameAfterJson) {
   EXPECT_EQ(ToJson(back), ToJson(sample));
   EXPECT_EQ(back.cross_track_m, sample.cross_track_m);
   EXPECT_EQ(back.odometry_off_m, sample.odometry_off_m);
+  EXPECT_EQ(back.reasons, sample.reasons);
   EXPECT_EQ(back.reaction_m, sample.reaction_m);
   EXPECT_EQ(back.reaction_fast_s, sample.reaction_fast_s);
   EXPECT_EQ(back.decision_hash, sample.decision_hash);
@@ -78,7 +80,7 @@ TEST(RunResult, IsRefusedWithAFieldMissingOrOfAnotherKind) {
     RunResult result;
     nlohmann::json without = whole;
     without.erase(item.key());
-    EXPECT_FALSE(FromJson(without, result).ok()) << item.key();
+    EXPECT_EQ(FromJson(without, result).ok(), item.key() == "reasons") << item.key();
     nlohmann::json other = whole;
     other[item.key()] = nlohmann::json::array({"x"});
     EXPECT_FALSE(FromJson(other, result).ok()) << item.key();
@@ -89,6 +91,15 @@ TEST(RunResult, IsRefusedWithAFieldMissingOrOfAnotherKind) {
     without["way"].erase(item.key());
     EXPECT_FALSE(FromJson(without, result).ok()) << item.key();
   }
+}
+
+TEST(RunResult, OfAFileFromBeforeReasonsWereCountedHasNone) {
+  nlohmann::json older = nlohmann::json::parse(ToJson(Sample()).dump());
+  older.erase("reasons");
+  RunResult result;
+  ASSERT_TRUE(FromJson(older, result).ok());
+  EXPECT_TRUE(result.reasons.empty());
+  EXPECT_EQ(ToJson(result)["reasons"].dump(), "{}");
 }
 
 TEST(RunResult, KeepsThatThereWasNoCorridor) {

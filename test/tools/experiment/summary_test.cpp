@@ -94,6 +94,19 @@ TEST(Summarise, WhatTheWayShowsIsOfAllRuns) {
   EXPECT_DOUBLE_EQ(way.off_middle_m.value(), 0.7);
 }
 
+TEST(Summarise, FaultAlarmsAreThoseOfTheVehicleAndNotOfTheWorld) {
+  RunResult one = RunOf(1, true, 900.0, 1.0);
+  one.reasons = {{"obstacle", 7}, {"lidar_covered", 2}, {"person", 1}};
+  RunResult other = RunOf(2, false, 900.0, 1.0);
+  other.reasons = {{"lidar_covered", 1}, {"drives", 1}, {"no_way", 4}};
+  const std::vector<Row> rows = Summarise({one, other});
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0].fault_alarms, 4);
+  EXPECT_DOUBLE_EQ(rows[0].hours, 0.5);
+  EXPECT_EQ(ToJson(rows[0])["fault_alarms"], 4);
+  EXPECT_NE(ToMarkdown(rows).find("| 4 | 0.50 |"), std::string::npos) << ToMarkdown(rows);
+}
+
 // 0.06 s at 5 m/s are 0.3 m, of the columns that were considered at speed; to a bin.
 TEST(Summarise, ReactionIsToldAtASpeedThatIsAskedFor) {
   RunResult one = RunOf(1, true, 1.0, 1.0);

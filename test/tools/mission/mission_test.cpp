@@ -7,7 +7,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
+#include "core/safety/supervisor.h"
+#include "tools/ctl/code_names.h"
+#include "tools/experiment/summary.h"
 #include "tools/sim/vehicle_model_file.h"
 
 namespace hardpack::mission {
@@ -87,8 +91,34 @@ TEST(Mission, TellsWhatTheScriptDoes) {
   const RunResult result = MissionOf(settings);
   EXPECT_EQ(result.outcome, Outcome::kFault);
   EXPECT_EQ(result.reason, "drives");
+  EXPECT_EQ(result.reasons.at("drives"), 1);
   EXPECT_FALSE(result.success);
   EXPECT_LT(result.time_s, 2.0);
+}
+
+TEST(Mission, CountsHowOftenAReasonBegan) {
+  MissionSettings settings = ShortMission();
+  settings.scenario.goal = {30.0, 0.0};
+  settings.script = "at 2.0 lidar off\nat 2.6 lidar on\n";
+  const RunResult result = MissionOf(settings);
+  EXPECT_EQ(result.reasons.at("lidar_old"), 1);
+  EXPECT_EQ(result.reasons.count("none"), 0u);
+  EXPECT_EQ(MissionOf(ShortMission()).reasons.count("lidar_old"), 0u);
+}
+
+// The table's list is of names: each of them has to be one that the status uses.
+TEST(Mission, FaultAlarmsAreReasonsThatThereAre) {
+  std::set<std::string> alarms;
+  for (uint8_t code = 0; code < kStopReasons; ++code) {
+    const std::string name = ctl::NameOf(control::FieldKind::kStopReason, code).name;
+    if (experiment::IsFaultAlarm(name)) alarms.insert(name);
+  }
+  EXPECT_EQ(alarms.size(), 16u);
+  for (const auto reason : {StopReason::kNone, StopReason::kOperator, StopReason::kObstacle,
+                            StopReason::kPerson, StopReason::kNoWay, StopReason::kPlanOld}) {
+    const auto code = static_cast<uint8_t>(reason);
+    EXPECT_EQ(alarms.count(ctl::NameOf(control::FieldKind::kStopReason, code).name), 0u);
+  }
 }
 
 // A log of 0.2 m is no obstacle to the planner, and one to the observer.
