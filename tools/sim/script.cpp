@@ -1,55 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/sim/script.h"
 
-#include <charconv>
-#include <cstdlib>
+#include <functional>
 #include <map>
 #include <optional>
 #include <sstream>
 
+#include "tools/sim/script_lidar.h"
+#include "tools/sim/script_words.h"
 #include "tools/world/features.h"
 #include "tools/world/named_worlds.h"
 
 namespace hardpack::sim {
 namespace {
 
-using Action = std::function<void(ScriptedVehicle&)>;
-using MaybeAction = std::optional<Action>;
-using Words = std::vector<std::string>;  // the arguments
-
-std::optional<int64_t> Integer(const std::string& word) {
-  const bool negative = word.starts_with("-");
-  const std::string_view digits = std::string_view(word).substr(negative ? 1 : 0);
-  const bool hexadecimal = digits.starts_with("0x");
-  const std::string_view rest = digits.substr(hexadecimal ? 2 : 0);
-  int64_t value = 0;
-  const auto [end, error] =
-      std::from_chars(rest.data(), rest.data() + rest.size(), value, hexadecimal ? 16 : 10);
-  if (error != std::errc() || end != rest.data() + rest.size() || value < 0) return std::nullopt;
-  return negative ? -value : value;
-}
-
-std::optional<double> Real(const std::string& word) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return value;
-}
-
-template <typename Unsigned>
-std::optional<Unsigned> Bounded(const std::string& word) {
-  const auto value = Integer(word);
-  if (!value || *value < 0 || static_cast<uint64_t>(*value) > Unsigned(~Unsigned{0})) {
-    return std::nullopt;
-  }
-  return static_cast<Unsigned>(*value);
-}
-
-std::optional<bool> Switch(const std::string& word) {
-  if (word == "on") return true;
-  if (word == "off") return false;
-  return std::nullopt;
-}
+using script::Bounded;
+using script::Command;
+using script::Integer;
+using script::MaybeAction;
+using script::Real;
+using script::Switch;
+using script::Words;
 
 std::optional<std::vector<Side>> Sides(const std::string& word) {
   if (word == "left") return std::vector{Side::kLeft};
@@ -233,55 +204,6 @@ MaybeAction Reorder(const Words& words, Sensor sensor) {
   };
 }
 
-MaybeAction LidarClock(const Words& words) {
-  constexpr int64_t kMost_ms = 1'000'000;
-  const auto jump_ms = Integer(words[0]);
-  if (!jump_ms || std::abs(*jump_ms) > kMost_ms) return std::nullopt;
-  return [jump_ns = *jump_ms * 1'000'000](ScriptedVehicle& scripted) {
-    scripted.lidar().JumpClock(jump_ns);
-  };
-}
-
-MaybeAction LidarBlind(const Words& words) {
-  static const std::map<std::string, SectorFault> kFaults = {{"none", SectorFault::kNone},
-                                                             {"lost", SectorFault::kLost},
-                                                             {"invalid", SectorFault::kInvalid},
-                                                             {"dark", SectorFault::kDark},
-                                                             {"covered", SectorFault::kCovered}};
-  const auto from_deg = Real(words[0]);
-  const auto to_deg = Real(words[1]);
-  const auto found = kFaults.find(words[2]);
-  if (!from_deg || !to_deg || found == kFaults.end()) return std::nullopt;
-  return [=, fault = found->second](ScriptedVehicle& scripted) {
-    LidarFaults& faults = scripted.lidar().faults();
-    faults.sector = fault;
-    faults.from_deg = *from_deg;
-    faults.to_deg = *to_deg;
-  };
-}
-
-MaybeAction LidarFrozen(const Words& words) {
-  const auto on = Switch(words[0]);
-  if (!on) return std::nullopt;
-  return [on = *on](ScriptedVehicle& scripted) { scripted.lidar().faults().frozen = on; };
-}
-
-MaybeAction LidarTurned(const Words& words) {
-  double angle_rad[3] = {};
-  for (size_t i = 0; i < 3; ++i) {
-    const auto angle_deg = Real(words[i]);
-    if (!angle_deg || std::abs(*angle_deg) > 180.0) return std::nullopt;
-    angle_rad[i] = *angle_deg * world::kPi / 180.0;
-  }
-  return
-      [yaw = angle_rad[0], pitch = angle_rad[1], roll = angle_rad[2]](ScriptedVehicle& scripted) {
-        LidarFaults& faults = scripted.lidar().faults();
-        faults.turned_yaw_rad = yaw;
-        faults.turned_pitch_rad = pitch;
-        faults.turned_roll_rad = roll;
-      };
-}
-
 MaybeAction LabelsAre(const Words& words) {
   const auto code = Bounded<uint8_t>(words[0]);
   if (!code) return std::nullopt;
@@ -360,12 +282,6 @@ MaybeAction ShiftIns(const Words& words, double InsErrors::*north, double InsErr
   };
 }
 
-struct Command {
-  size_t least_words;
-  size_t most_words;
-  std::function<MaybeAction(const Words&)> parse;
-};
-
 void AddDriveCommands(std::map<std::string, Command>& commands) {
   const auto fault = [](bool DriveFaults::*member, bool when_on = true) {
     return Command{2, 2, [=](const Words& words) { return SetFault(words, member, when_on); }};
@@ -417,10 +333,6 @@ void AddSensorCommands(std::map<std::string, Command>& commands) {
     commands[name + "-reorder"] = {
         1, 1, [sensor = sensor](const Words& words) { return Reorder(words, sensor); }};
   }
-  commands["lidar-clock"] = {1, 1, LidarClock};
-  commands["lidar-blind"] = {3, 3, LidarBlind};
-  commands["lidar-frozen"] = {1, 1, LidarFrozen};
-  commands["lidar-turned"] = {3, 3, LidarTurned};
   commands["labels-are"] = {1, 1, LabelsAre};
   commands["labels-mistake"] = {2, 2, LabelsMistake};
   commands["ins-cut"] = {1, 1, InsCut};
@@ -433,9 +345,6 @@ void AddSensorCommands(std::map<std::string, Command>& commands) {
                              return ShiftIns(words, &InsErrors::drift_north_mps,
                                              &InsErrors::drift_east_mps);
                            }};
-  commands["lidar-restart"] = {0, 0, [](const Words&) -> MaybeAction {
-                                 return [](ScriptedVehicle& scripted) { scripted.RestartLidar(); };
-                               }};
 }
 
 const std::map<std::string, Command>& Commands() {
@@ -443,6 +352,7 @@ const std::map<std::string, Command>& Commands() {
     std::map<std::string, Command> made;
     AddDriveCommands(made);
     AddSensorCommands(made);
+    script::AddLidarCommands(made);
     made["can-frame"] = {1, 3, ForeignFrame};
     made["bus-error"] = {1, 1, ReportBusError};
     made["box"] = {4, 4, AddBox};

@@ -53,6 +53,11 @@
 //                                or none: no longer
 //   lidar-frozen SWITCH          each column says again what it said in the revolution before
 //   lidar-turned YAW PITCH ROLL  its mount, so many degrees from where it is said to be
+//   lidar-rain PERMILLE          of its rays that see a drop 1 to 12 m away instead of what is
+//                                behind it; 3 in 100 returns are lost besides; 0: no longer
+//   lidar-dust FROM TO RANGE_M PERMILLE    of its rays from one direction of the body
+//                                anticlockwise to the other [degree] that see dust, from 1.5 m to
+//                                RANGE_M away; 0: no longer
 //   labels-are CODE              every return is named so; 0: no longer
 //   labels-mistake CODE FOR      returns of one class are named as another; 0 0: no longer
 //   ins-cut BYTES                datagrams of 1 .. BYTES bytes; 0: one a message

@@ -44,8 +44,10 @@ uint64_t Crc64(const std::vector<uint8_t>& bytes) {
   return ~crc;
 }
 
-uint16_t Signal(uint32_t range_mm) {
-  return static_cast<uint16_t>(range_mm == 0 ? 0u : 60000u / (1u + range_mm / 100u));
+// Drops and dust send back a fiftieth of what a surface does.
+uint16_t Signal(uint32_t range_mm, bool is_faint) {
+  const uint32_t of_surface = range_mm == 0 ? 0u : 60000u / (1u + range_mm / 100u);
+  return static_cast<uint16_t>(is_faint ? of_surface / 50u : of_surface);
 }
 
 }  // namespace
@@ -84,6 +86,8 @@ SimLidar::SimLidar(const LidarSettings& settings, uint64_t start_ns)
       foliage_key_(world::KeyOf(settings.seed, world::Stream::kFoliage)),
       range_key_(world::KeyOf(settings.seed, world::Stream::kRange)),
       drop_out_key_(world::KeyOf(settings.seed, world::Stream::kDropOut)),
+      rain_key_(world::KeyOf(settings.seed, world::Stream::kRain)),
+      dust_key_(world::KeyOf(settings.seed, world::Stream::kDust)),
       first_start_ns_(start_ns),
       start_ns_(start_ns) {
   for (size_t beam = 0; beam < kBeams; ++beam) {
@@ -128,6 +132,8 @@ void SimLidar::Advance(uint64_t now_ns, const world::BodyPose& pose, const world
         settings_.clock_start_ns + since_ns + static_cast<uint64_t>(std::llround(drift_ns));
     CastOne(id, PoseAt(time_ns, now_ns, pose), world,
             static_cast<double>(time_ns - first_start_ns_) * 1.0e-9);
+    if (weather_.dust_permille > 0) Dust(id);
+    if (weather_.rain_permille > 0) Rain();
     Spoil(id);
     AppendColumn(id, stamp_ns);
     if (truth != nullptr) truth->push_back({time_ns, stamp_ns, frame_id_, id, labels_});
@@ -201,6 +207,7 @@ void SimLidar::CastOne(uint32_t measurement_id, const world::BodyPose& pose,
     ranges_mm_[beam] = hit.any() ? Measured_mm(hit.range_m + n_m, index) : 0;
     const bool returned = ranges_mm_[beam] != 0;
     reflectivities_[beam] = returned ? hit.reflectivity : uint8_t{0};
+    is_faint_[beam] = false;
     labels_[beam] = returned ? static_cast<uint8_t>(hit.label) : uint8_t{0};
   }
 }
@@ -217,13 +224,58 @@ uint32_t SimLidar::Measured_mm(double range_m, uint64_t index) const {
   return static_cast<uint32_t>(std::lround(1000.0 * std::max(measured_m, 0.1)));
 }
 
-// By where it looks at the level, the turn of its mount left out.
+// The beam's ray meets a drop or a grain in front of what it would have met: at `share` of the way
+// between the nearest and the farthest place that there is for it. What a segmentation computer
+// says of it stays that of what is behind: its picture shows the world through rain and dust.
+void SimLidar::SeeInAir(size_t beam, double nearest_m, double farthest_m, double share) {
+  const double free_m = ranges_mm_[beam] == 0 ? farthest_m : 0.001 * ranges_mm_[beam];
+  const double last_m = std::min(farthest_m, free_m);
+  if (last_m <= nearest_m) return;
+  const double range_m = nearest_m + share * (last_m - nearest_m);
+  ranges_mm_[beam] = static_cast<uint32_t>(std::lround(1000.0 * range_m));
+  reflectivities_[beam] = 1;
+  is_faint_[beam] = true;
+}
+
+void SimLidar::Rain() {
+  const double seen_share = 0.001 * weather_.rain_permille;
+  for (size_t beam = 0; beam < kBeams; ++beam) {
+    const uint64_t index = 2 * (columns_cast_ * kBeams + beam);
+    const double drawn = world::DrawUniform(rain_key_, index);
+    if (drawn < seen_share) {
+      SeeInAir(beam, LidarWeather::kRainNearest_m, LidarWeather::kRainFarthest_m,
+               world::DrawUniform(rain_key_, index + 1));
+    } else if (drawn > 1.0 - LidarWeather::kRainLost) {
+      ranges_mm_[beam] = 0;
+      reflectivities_[beam] = 0;
+      is_faint_[beam] = false;
+      labels_[beam] = 0;
+    }
+  }
+}
+
+void SimLidar::Dust(uint32_t measurement_id) {
+  if (!LooksBetween(measurement_id, weather_.dust_from_deg, weather_.dust_to_deg)) return;
+  for (size_t beam = 0; beam < kBeams; ++beam) {
+    const uint64_t index = 2 * (columns_cast_ * kBeams + beam);
+    if (world::DrawUniform(dust_key_, index) >= 0.001 * weather_.dust_permille) continue;
+    SeeInAir(beam, LidarWeather::kDustNearest_m, weather_.dust_range_m,
+             world::DrawUniform(dust_key_, index + 1));
+  }
+}
+
 bool SimLidar::IsInSector(uint32_t measurement_id) const {
-  if (faults_.sector == SectorFault::kNone) return false;
+  return faults_.sector != SectorFault::kNone &&
+         LooksBetween(measurement_id, faults_.from_deg, faults_.to_deg);
+}
+
+// By where it looks at the level, the turn of its mount left out. A whole turn is everywhere.
+bool SimLidar::LooksBetween(uint32_t measurement_id, double from_deg, double to_deg) const {
+  if (to_deg - from_deg >= 360.0) return true;
   const double turns = 1.5 - static_cast<double>(measurement_id) / settings_.columns;
   const double angle_deg = 360.0 * turns + settings_.yaw_rad * 180.0 / kPi;
   const auto wrapped = [](double deg) { return deg - 360.0 * std::floor(deg / 360.0); };
-  return wrapped(angle_deg - faults_.from_deg) <= wrapped(faults_.to_deg - faults_.from_deg);
+  return wrapped(angle_deg - from_deg) <= wrapped(to_deg - from_deg);
 }
 
 // The column under way, as a sensor with these faults says it.
@@ -233,8 +285,9 @@ void SimLidar::Spoil(uint32_t measurement_id) {
   if (faults_.frozen) {
     ranges_mm_ = said.ranges_mm;
     reflectivities_ = said.reflectivities;
+    is_faint_ = said.is_faint;
   } else {
-    said = {ranges_mm_, reflectivities_};
+    said = {ranges_mm_, reflectivities_, is_faint_};
   }
   if (!IsInSector(measurement_id)) return;
   if (faults_.sector == SectorFault::kLost) loses_packet_ = true;
@@ -277,7 +330,7 @@ void SimLidar::AppendColumn(uint16_t measurement_id, uint64_t time_ns) {
   for (size_t beam = 0; beam < kBeams; ++beam) {
     Append(packet_, ranges_mm_[beam]);
     Append(packet_, uint16_t{reflectivities_[beam]});
-    Append(packet_, Signal(ranges_mm_[beam]));
+    Append(packet_, Signal(ranges_mm_[beam], is_faint_[beam]));
     Append(packet_, uint16_t{300});  // near infrared
     Append(packet_, uint16_t{0});
   }

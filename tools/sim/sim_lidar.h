@@ -83,6 +83,27 @@ struct LidarFaults {
   double turned_roll_rad = 0.0;
 };
 
+// What hangs in the air, from now on. Each return of each revolution is drawn by itself: a drop or
+// a grain of dust is where it was seen once and nowhere later. What is drawn has no part in the
+// other random numbers, so that without weather the bytes are the same as if there were no such
+// thing.
+struct LidarWeather {
+  // Of the rays, in all directions: so many see a drop instead of what is behind it, and while it
+  // rains kRainLost of the returns besides do not come back.
+  int rain_permille = 0;
+  // A cloud that moves with the vehicle, from one direction of the body frame anticlockwise to the
+  // other, at all heights, from kDustNearest_m to so far away: of its rays so many see dust.
+  int dust_permille = 0;
+  double dust_from_deg = 0.0;
+  double dust_to_deg = 0.0;
+  double dust_range_m = 0.0;
+
+  static constexpr double kRainNearest_m = 1.0;
+  static constexpr double kRainFarthest_m = 12.0;  // the light of drops beyond is too faint
+  static constexpr double kRainLost = 0.03;
+  static constexpr double kDustNearest_m = 1.5;
+};
+
 // What a column met in truth, for SimLabels.
 struct CastColumn {
   uint64_t time_ns = 0;        // of ours
@@ -113,6 +134,7 @@ class SimLidar {
   void JumpClock(int64_t jump_ns);
 
   LidarFaults& faults() { return faults_; }
+  LidarWeather& weather() { return weather_; }
 
   std::string MetadataJson() const;
   const LidarSettings& settings() const { return settings_; }
@@ -124,6 +146,10 @@ class SimLidar {
                double time_s);
   void AppendColumn(uint16_t measurement_id, uint64_t time_ns);
   bool IsInSector(uint32_t measurement_id) const;
+  bool LooksBetween(uint32_t measurement_id, double from_deg, double to_deg) const;
+  void Rain();
+  void Dust(uint32_t measurement_id);
+  void SeeInAir(size_t beam, double nearest_m, double farthest_m, double share);
   void Spoil(uint32_t measurement_id);
   void BeginPacket();
   void EndPacket();
@@ -133,15 +159,19 @@ class SimLidar {
   struct Returns {
     std::array<uint32_t, kBeams> ranges_mm = {};
     std::array<uint8_t, kBeams> reflectivities = {};
+    std::array<bool, kBeams> is_faint = {};
   };
 
   LidarSettings settings_;
   LidarFaults faults_;
+  LidarWeather weather_;
   std::vector<Returns> said_;  // by each column, the last time
   bool loses_packet_ = false;  // the one under way
   uint64_t foliage_key_;       // of the random numbers
   uint64_t range_key_;
   uint64_t drop_out_key_;
+  uint64_t rain_key_;
+  uint64_t dust_key_;
   std::array<world::Vector, kBeams> beams_;  // directions in the lidar frame, encoder at 0
   uint64_t first_start_ns_;
   uint64_t start_ns_;
@@ -156,6 +186,7 @@ class SimLidar {
   // Of the column under way.
   std::array<uint32_t, kBeams> ranges_mm_ = {};
   std::array<uint8_t, kBeams> reflectivities_ = {};
+  std::array<bool, kBeams> is_faint_ = {};  // it came from a drop or from dust
   std::array<uint8_t, kBeams> labels_ = {};
 };
 

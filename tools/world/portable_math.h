@@ -56,6 +56,8 @@ enum class Stream : uint32_t {
   kFoliage = 4,
   kLabel = 5,
   kIns = 6,
+  kRain = 7,
+  kDust = 8,
 };
 
 constexpr uint64_t Mixed(uint64_t value) {  // the finalizer of SplitMix64 (REFERENCES.md)
