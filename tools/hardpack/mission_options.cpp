@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/hardpack/mission_options.h"
 
+#include <fstream>
+#include <sstream>
+#include <vector>
+
 #include "tools/hardpack/arguments.h"
 #include "tools/hardpack/command.h"
+#include "tools/sim/script.h"
 #include "tools/sim/vehicle_model_file.h"
 
 namespace hardpack::command {
@@ -25,6 +30,17 @@ void SetLabels(const std::string& text, mission::MissionSettings& settings) {
   settings.labels->delay_s = delay_ms / 1000.0;
 }
 
+// What the file says; a line that is no event is told with the file's name.
+std::string ReadScript(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw CommandFailure(kBadInput, path + ": cannot be read");
+  std::ostringstream text;
+  text << file.rdbuf();
+  std::vector<sim::ScriptEvent> events;
+  Require(sim::ParseScript(text.str(), path, events));
+  return text.str();
+}
+
 }  // namespace
 
 void AddMissionOptions(CLI::App& command, MissionOptions& options) {
@@ -39,6 +55,9 @@ void AddMissionOptions(CLI::App& command, MissionOptions& options) {
   command.add_option("--labels", options.labels,
                      "External labels that come so many milliseconds after their returns; or none "
                      "(default)");
+  command.add_option(
+      "--script", options.script,
+      "File of what goes wrong (tools/sim/script.h), at times from the goal's acceptance");
   command.add_option("--config", options.configuration, "Configuration (TOML) of the vehicle");
   command.add_option("--max-speed", options.max_speed_mps, "Instead of the configuration's [m/s]");
   command.add_option("--limit", mission.limit_s, "On the mission's time [s] (default 120)");
@@ -53,6 +72,7 @@ mission::MissionSettings SettingsOf(const MissionOptions& options) {
   Require(sim::ReadVehicle(VehiclePath(options.vehicle), settings.vehicle));
   settings.vehicle_name = options.vehicle;
   SetLabels(options.labels, settings);
+  if (!options.script.empty()) settings.script = ReadScript(options.script);
   if (!options.configuration.empty()) {
     Require(ReadConfiguration(options.configuration, settings.configuration));
   }

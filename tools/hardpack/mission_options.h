@@ -17,6 +17,7 @@ struct MissionOptions {
   std::string vehicle = "warthog_paper";
   std::string configuration;
   std::string labels = "none";
+  std::string script;          // path; empty: nothing goes wrong
   double max_speed_mps = 0.0;  // 0: the configuration's
   ScenarioOptions scenario;
   mission::MissionSettings mission;

@@ -2,10 +2,8 @@
 #include "tools/hardpack/sim_command.h"
 
 #include <chrono>
-#include <fstream>
 #include <iostream>
 #include <memory>
-#include <sstream>
 
 #include "tools/hardpack/arguments.h"
 #include "tools/hardpack/command.h"
@@ -29,7 +27,6 @@ struct SimOptions {
   bool log = true;
   bool replay = false;
   bool json = false;
-  std::string script;
   WireOptions wire;
   MissionOptions mission;
 };
@@ -55,18 +52,9 @@ void WriteOutputs(const SimOptions& options, const MissionSettings& settings,
             mission::PageOf(mission::PageData(settings, result, trace)));
 }
 
-std::string ReadScript(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw CommandFailure(kBadInput, path + ": cannot be read");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 MissionSettings SettingsOf(const SimOptions& options) {
   MissionSettings settings = SettingsOf(options.mission);
   settings.scenario = ScenarioOf(options.world, settings.seed, options.mission.scenario);
-  if (!options.script.empty()) settings.script = ReadScript(options.script);
   if (options.log && !options.out.empty()) settings.log = options.out + "/run.pcap";
   return settings;
 }
@@ -125,9 +113,6 @@ void AddSimCommand(CLI::App& app) {
   sim->add_option("--seed", options->mission.mission.seed,
                   "Of world, vehicle and noise (default 1)");
   AddMissionOptions(*sim, options->mission);
-  sim->add_option(
-      "--script", options->script,
-      "File of what goes wrong (tools/sim/script.h), at times from the goal's acceptance");
   sim->add_option("--out", options->out,
                   "Folder for page.html, which shows the mission in a browser, run.json,\n"
                   "events.txt, sim.png and the flight log run.pcap");

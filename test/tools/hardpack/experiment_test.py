@@ -49,6 +49,31 @@ class Experiment(CommandTest):
         self.experiment(self.out, "--runs", 2, "--resume", *more)
         self.assertEqual((self.out / "runs.jsonl").read_bytes(), whole)
 
+    def test_every_run_has_the_script(self):
+        more = ("--pictures", "none", "--no-replay", "--runs", 1)
+        script = self.write("loss.txt", "at 1 lidar off\nat 1.8 lidar on\n")
+        other = self.write("other.txt", "at 1 lidar off\nat 1.7 lidar on\n")
+        with_script, without = self.folder / "with", self.folder / "without"
+        self.experiment(with_script, "--script", script, *more)
+        self.experiment(without, *more)
+        run = json.loads((with_script / "runs.jsonl").read_text())
+        plain = json.loads((without / "runs.jsonl").read_text())
+        self.assertEqual(run["reasons"].get("lidar_old"), 1, run["reasons"])
+        self.assertNotIn("lidar_old", plain["reasons"])
+        row = json.loads((with_script / "table.json").read_text())["rows"][0]
+        self.assertEqual(row["fault_alarms"], 1)
+        self.assertAlmostEqual(row["hours"], run["time_s"] / 3600.0)
+        sim = self.run_command("sim", "--world", "open", *SHORT, "--script", script, "--json")
+        self.assertEqual(json.loads(sim.stdout)["decision_hash"], run["decision_hash"])
+
+        # Runs of another script, or of none, are none of these.
+        self.assertNotEqual(run["settings"], plain["settings"])
+        for options in (("--script", other), ()):
+            self.expect_bad_input(["experiment", "open", *SHORT, "--out", with_script, "--resume",
+                                   *options, *more], "other options")
+        self.expect_bad_input(["experiment", "merge", with_script, without, "--out", self.out],
+                              "settings")
+
     def test_a_failed_mission_is_a_result_unless_success_is_required(self):
         result = self.run_command("experiment", "open", *SHORT, "--runs", 1, "--no-replay",
                                   "--pictures", "failed", "--require-success", 1,
@@ -72,6 +97,10 @@ class Experiment(CommandTest):
         self.expect_bad_input(["experiment", "open", *out, "--pictures", "some"], "--pictures")
         self.expect_bad_input(["experiment", "open", *out, "--vehicle", "tank"], "tank")
         self.expect_bad_input(["experiment", "open", *out, "--planner", "rrt"], "rrt")
+        bad = self.write("bad.txt", "at 1 lidar on\nat 2 explode\n")
+        self.expect_bad_input(["experiment", "open", *out, "--script", bad], f"{bad}:2", "explode")
+        self.expect_bad_input(["experiment", "open", *out, "--script", self.folder / "none.txt"],
+                              "none.txt")
         self.expect_bad_input(["experiment", "merge", self.folder, *out], "runs.jsonl")
 
 
