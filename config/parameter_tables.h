@@ -167,6 +167,13 @@ inline constexpr std::array kOptimizerTable = {
     HP_OPTIMIZER(max_curvature_per_m, 0.01f, 10.0f, "Limit of the curvature."),
     HP_OPTIMIZER(max_curvature_rate_per_m2, 0.01f, 50.0f,
                  "Limit of the change of curvature along the path."),
+    HP_OPTIMIZER(preferred_curvature_rate_per_m2, 0.01f, 50.0f,
+                 "The limit that a path is optimized for first, so that it can be driven faster; "
+                 "where that path would touch something it is max_curvature_rate_per_m2. Where "
+                 "this is no lower, there is but one limit (ours)."),
+    HP_OPTIMIZER(preferred_curvature_rate_beta, 0.0f, 10000.0f,
+                 "Cost of curvature rate beyond the preferred limit: low enough that the path "
+                 "gives way to what stands beside it (ours)."),
     HP_OPTIMIZER(curvature_alpha, 0.0f, 1000.0f, "Cost of curvature up to its limit.",
                  &OptimizerParams::curvature_beta),
     HP_OPTIMIZER(curvature_beta, 0.0f, 10000.0f,

@@ -75,6 +75,11 @@ struct OptimizerParams {
   int32_t method = kLateralNewton;
   float max_curvature_per_m = 0.5f;
   float max_curvature_rate_per_m2 = 0.5f;
+  // Tried first: there speed.max_curvature_rate_per_s2 allows speed.min_speed_mps.
+  float preferred_curvature_rate_per_m2 = 0.175f;
+  // Its out-of-bounds weight.
+  float preferred_curvature_rate_beta = 6.0f;
+
   float curvature_alpha = 1.0f;        // in-bounds weight of |curvature|
   float curvature_beta = 40.0f;        // out-of-bounds weight
   float curvature_rate_alpha = 0.1f;   // in-bounds weight of |curvature rate|

@@ -242,6 +242,8 @@ void Planner::StepSample(int units) {
     if (BeginLeadOut(Status::kPivotBlocked)) return;
     return Fail(Status::kPivotBlocked);
   }
+  const OptimizerParams& optimizer = params_.optimizer;
+  is_gentle_ = optimizer.preferred_curvature_rate_per_m2 < optimizer.max_curvature_rate_per_m2;
   BeginSeed();
 }
 
@@ -276,14 +278,19 @@ void Planner::BeginSeed() {
   if (smooth_joins && !base_joins) plan_.cost_before = smooth;
   seed_is_smooth_ = smooth_joins && (!base_joins || smooth.total() <= plan_.cost_before.total());
   if (!seed_is_smooth_) static_cast<void>(MakeSeed(plan_.base));
-  plan_.optimizer_status = optimizer_.Begin(costmap(), params_.optimizer, params_.path, seed_,
+  plan_.optimizer_status = optimizer_.Begin(costmap(), CostParams(), params_.path, seed_,
                                             StartCurvature(), keeps_end_heading_);
   if (!IsUsable(plan_.optimizer_status)) return Fail(plan_.optimizer_status);
   stage_ = PlanStage::kOptimize;
 }
 
+// What the path is optimized for at present.
+OptimizerParams Planner::CostParams() const {
+  return is_gentle_ ? AtPreferredRate(params_.optimizer) : params_.optimizer;
+}
+
 PathCost Planner::SeedCost() const {
-  return CostOf(costmap(), params_.optimizer, seed_, StartCurvature());
+  return CostOf(costmap(), CostParams(), seed_, StartCurvature());
 }
 
 float Planner::StartCurvature() const {
@@ -299,13 +306,12 @@ bool Planner::MakeSeed(const WorldPath& base) {
       plan_.pivots_first ? BaseHeading(smoother_.result()) : request_.start.pose.theta_rad;
   keeps_end_heading_ = false;
   if (has_goal_heading_) {
-    const Status end =
-        JoinEnd(base, params_.path, params_.optimizer, request_.goal_heading_rad, seed_);
-    keeps_end_heading_ = IsUsable(end) && IsUsable(JoinStart(seed_, params_.path, params_.optimizer,
-                                                             heading_rad, seed_));
+    const Status end = JoinEnd(base, params_.path, CostParams(), request_.goal_heading_rad, seed_);
+    keeps_end_heading_ =
+        IsUsable(end) && IsUsable(JoinStart(seed_, params_.path, CostParams(), heading_rad, seed_));
     if (keeps_end_heading_) return true;
   }
-  return IsUsable(JoinStart(base, params_.path, params_.optimizer, heading_rad, seed_));
+  return IsUsable(JoinStart(base, params_.path, CostParams(), heading_rad, seed_));
 }
 
 void Planner::StepOptimize(int units) {
@@ -412,6 +418,10 @@ void Planner::TryAgain() {
   if (MayEndShort()) {
     EndShort();
     return BeginCheck();
+  }
+  if (is_gentle_) {
+    is_gentle_ = false;
+    return BeginSeed();
   }
   // First the seed that was optimized, then the base path itself, with no corner cut.
   if (!plan_.is_seed || (seed_is_smooth_ && MakeSeed(plan_.base))) {

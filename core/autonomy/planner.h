@@ -36,9 +36,10 @@
 // - The path touches something, but within its last kMaxShort_m only: it ends before that, and the
 //   goal counts as moved. (The search takes a goal that has room for the vehicle's middle; the
 //   check asks for the whole vehicle.)
-// - The optimized path touches: its seed is checked in its place, then the base path as joined. If
-//   they touch too, and the vehicle stands and has not turned on the spot, it turns first and the
-//   rest is done again.
+// - The path, optimized for preferred_curvature_rate_per_m2, touches: it is optimized again, for
+//   max_curvature_rate_per_m2. If that touches too, its seed is checked in its place, then the base
+//   path as joined. If they touch too, and the vehicle stands and has not turned on the spot, it
+//   turns first and the rest is done again, for max_curvature_rate_per_m2 alone.
 // - There is no room to turn on the spot where the vehicle stands, or no way at all out of what is
 //   too near: it leads out along its heading (lead_out.h), and all the rest is planned from there.
 //   The check is of both, from where the vehicle stands; the lead-out is driven slowly.
@@ -158,7 +159,7 @@ class Planner {
   // From one start on the map that there is.
   static constexpr int kMaxRouteUnits = kMaxTransitions + AstarSearch::kMaxUnits / kSearchUnits +
                                         1 + PathSampler::kMaxUnits + PathSmoother::kMaxPasses +
-                                        2 * Optimizer::kMaxUnits + 12 * PathCheck::kMaxUnits;
+                                        3 * Optimizer::kMaxUnits + 14 * PathCheck::kMaxUnits;
   // Where the vehicle is, behind a lead-out, and again where it is.
   static constexpr int kMaxRoutes = 3;
   static constexpr int kMaxUnits =
@@ -202,6 +203,7 @@ class Planner {
   void BeginPath();
   void BeginSpeed();
   void BeginSeed();
+  OptimizerParams CostParams() const;
   [[nodiscard]] bool MakeSeed(const WorldPath& base);
   PathCost SeedCost() const;
   float StartCurvature() const;
@@ -237,6 +239,7 @@ class Planner {
   bool sampled_ = false;  // and the smoother has begun
   PathSmoother smoother_;
   bool seed_is_smooth_ = false;
+  bool is_gentle_ = false;  // optimized for the preferred rate of curvature
   Optimizer optimizer_;
   PathCheck check_;
   SpeedCaps caps_;

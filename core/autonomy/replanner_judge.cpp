@@ -112,18 +112,19 @@ void Replanner::CompareCosts() {
   const int anchor = AnchorOfRest();
   const int last = ExtensionIsUsable() ? extension_point_ : rest_.size() - 1;
   const Costmap& map = planner_.costmap();
+  const OptimizerParams costs = AtPreferredRate(params_.optimizer);
   const float kappa = request_.start.curvature_per_m;
   Join(anchor, last, ExtensionIsUsable() ? &extension.path : nullptr);
   if (AreSame(PlaceOf(candidate_.path.back()), PlaceOf(fresh_.path.back()))) {
-    round_.committed_cost = CostOf(map, params_.optimizer, candidate_.path, kappa).total();
-    round_.new_cost = CostOf(map, params_.optimizer, fresh_.path, kappa).total();
+    round_.committed_cost = CostOf(map, costs, candidate_.path, kappa).total();
+    round_.new_cost = CostOf(map, costs, fresh_.path, kappa).total();
   } else {
     const bool common_end = ExtensionIsUsable() ? extension.search.end == fresh_.search_end
                                                 : AreSame(PlaceOf(rest_.back()), fresh_.end_odom);
     if (!common_end) return;
     Join(anchor, last, nullptr);
     round_.committed_cost =
-        LengthOf(candidate_.path) + CostOf(map, params_.optimizer, candidate_.path, kappa).map;
+        LengthOf(candidate_.path) + CostOf(map, costs, candidate_.path, kappa).map;
     if (ExtensionIsUsable()) {
       round_.committed_cost +=
           ToFloat(static_cast<uint64_t>(extension.search.cost)) / kWayCostPerMeter;

@@ -32,9 +32,11 @@ Status CheckOptimizerParams(const OptimizerParams& params, const PathParams& pat
                       params.max_newton_steps <= LateralNewton::kMaxSteps;
   const bool numbers =
       IsPositive(params.max_curvature_per_m) && IsPositive(params.max_curvature_rate_per_m2) &&
-      IsWeight(params.curvature_alpha) && IsWeight(params.curvature_beta) &&
-      IsWeight(params.curvature_rate_alpha) && IsWeight(params.curvature_rate_beta) &&
-      IsPositive(params.perturbation_rad) && IsPositive(params.max_perturbation_rad) &&
+      IsPositive(params.preferred_curvature_rate_per_m2) &&
+      IsWeight(params.preferred_curvature_rate_beta) && IsWeight(params.curvature_alpha) &&
+      IsWeight(params.curvature_beta) && IsWeight(params.curvature_rate_alpha) &&
+      IsWeight(params.curvature_rate_beta) && IsPositive(params.perturbation_rad) &&
+      IsPositive(params.max_perturbation_rad) &&
       params.perturbation_rad <= params.max_perturbation_rad &&
       params.max_perturbation_rad <= kHalfPi && IsWeight(params.perturbation_scale) &&
       IsWeight(params.min_relative_decrease) && IsFinite(path_params.step_m) &&

@@ -20,6 +20,15 @@ struct PathCost {
   float total() const { return map + path; }
 };
 
+// `params` with the preferred limit of the change of curvature and its weight in the place of the
+// last ones, where there is one.
+inline OptimizerParams AtPreferredRate(OptimizerParams params) {
+  if (params.preferred_curvature_rate_per_m2 >= params.max_curvature_rate_per_m2) return params;
+  params.max_curvature_rate_per_m2 = params.preferred_curvature_rate_per_m2;
+  params.curvature_rate_beta = params.preferred_curvature_rate_beta;
+  return params;
+}
+
 // Cost of a whole path of n points. start_curvature_per_m: the vehicle's present curvature, against
 // which the first change of curvature is taken.
 //   F_map  = sum_{k=0}^{n-1} ds_k cost(p_k)

@@ -10,6 +10,9 @@ if(HARDPACK_SANITIZE)
   target_compile_options(hardpack_options INTERFACE
     -fsanitize=${HARDPACK_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(hardpack_options INTERFACE -fsanitize=${HARDPACK_SANITIZE})
+  if(HARDPACK_NO_SANITIZE)
+    target_compile_options(hardpack_options INTERFACE -fno-sanitize=${HARDPACK_NO_SANITIZE})
+  endif()
 endif()
 
 # core and hal besides: no exceptions, no RTTI, single precision, small static stack frames.

@@ -357,6 +357,55 @@ TEST(Planner, RefusesAnglesAndPlacesThatItsArithmeticCannotTellApart) {
 }
 
 // Trunks and bushes strewn at random, the start anywhere in it and looking anywhere.
+//        #       #
+//        #       #
+//   o            #   x     two walls, each with a gap of 1.8 m, that of the second one aside
+//        #
+//        #       #
+Scene TwoGaps(uint32_t seed) {
+  std::mt19937 random(seed);
+  const int apart = 18 + static_cast<int>(random() % 20u);
+  const int aside = 4 + static_cast<int>(random() % 14u);
+  std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+  Scene scene = SceneTo({20.1f, 0.1f + static_cast<float>(aside) * kCellSize_m},
+                        {2.0f + unit(random), unit(random), 0.5f * unit(random)});
+  scene.request.start.curvature_per_m = 0.3f * unit(random);
+  scene.request.start.speed_mps = 1.0f;
+  scene.Add(30, -200, 31, -5);
+  scene.Add(30, 5, 31, 200);
+  scene.Add(30 + apart, -200, 31 + apart, aside - 5);
+  scene.Add(30 + apart, aside + 5, 31 + apart, 200);
+  return scene;
+}
+
+// The preferred limit of the curvature's change never costs a path that there is without it; some
+// paths are bent less with it, and some are given up for that without.
+TEST(Planner, OptimizesForThePreferredRateWhereThatIsFree) {
+  int gentler = 0;
+  int given_up = 0;
+  for (uint32_t seed = 0; seed < 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Scene scene = TwoGaps(seed);
+    Scene without = scene;
+    OptimizerParams& optimizer = without.params.optimizer;
+    optimizer.preferred_curvature_rate_per_m2 = optimizer.max_curvature_rate_per_m2;
+    const Plan plain = PlanIn(without);
+    const Plan& plan = PlanIn(scene);
+    EXPECT_TRUE(IsUsable(plan.status) || !IsUsable(plain.status));
+    if (!IsUsable(plan.status)) continue;
+    ExpectSound(scene, plan);
+    const bool is_same =
+        std::equal(plan.path.begin(), plan.path.end(), plain.path.begin(), plain.path.end(),
+                   [](const Pose2& a, const Pose2& b) { return a.x_m == b.x_m && a.y_m == b.y_m; });
+    const bool is_gentler =
+        plan.check.largest_curvature_rate_per_m2 < plain.check.largest_curvature_rate_per_m2;
+    given_up += is_same ? 1 : 0;
+    gentler += !is_same && is_gentler ? 1 : 0;
+  }
+  EXPECT_GT(gentler, 10);
+  EXPECT_GT(given_up, 5);
+}
+
 Scene RandomForest(uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
