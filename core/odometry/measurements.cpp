@@ -21,6 +21,9 @@ constexpr uint64_t kGroundSpeedPeriod_ns = 200'000'000;
 // What one sensor ranges over while another says the same, for that to be frozen.
 constexpr float kFrozenRate_radps = 0.3f;
 constexpr float kFrozenSpeed_mps = 1.0f;
+// A vehicle whose wheels have stopped rolls out for so long, with the share of its speed that is
+// left after one or two lags: what it ranges over until then says nothing of them.
+constexpr float kRollOut_s = 0.6f;
 // Rims do not change faster (recorded: 99 of 100 slower, REFERENCES.md, DRIVE): more is a glitch,
 // which the gate is to keep out.
 constexpr float kMaxRimChange_mps2 = 5.1f;
@@ -245,19 +248,24 @@ void Odometry::JudgeRest(const WheelFeedback& wheels, uint64_t now_ns) {
 void Odometry::Follow(Sameness& same, const Pair& value, uint64_t time_ns, float rate_radps,
                       float speed_mps) const {
   const bool changed = !same.started || value.a != same.value.a || value.b != same.value.b;
+  const bool says_zero = value.a == 0.0f && value.b == 0.0f;
   if (changed) same.frozen = false;
   const bool is_over = !changed && time_ns > same.since_ns &&
                        SecondsBetween(same.since_ns, time_ns) >= params_.frozen_time_s;
   if (is_over) {
     const bool moved = same.high_radps - same.low_radps > kFrozenRate_radps ||
                        same.high_mps - same.low_mps > kFrozenSpeed_mps;
-    const bool says_zero = value.a == 0.0f && value.b == 0.0f;
     same.frozen = moved || (same.frozen && !says_zero);
   }
   if (changed || is_over) {
     same.started = true;
     same.since_ns = time_ns;
     same.value = value;
+  }
+  same.rolls_out = changed ? says_zero
+                           : same.rolls_out && !is_over && time_ns > same.since_ns &&
+                                 SecondsBetween(same.since_ns, time_ns) < kRollOut_s;
+  if (changed || is_over || same.rolls_out) {
     same.low_radps = same.high_radps = rate_radps;
     same.low_mps = same.high_mps = speed_mps;
     return;

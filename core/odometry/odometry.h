@@ -104,6 +104,7 @@ class Odometry {
   struct Sameness {
     bool started = false;
     bool frozen = false;
+    bool rolls_out = false;  // it said zero a moment ago, and nothing but that since
     uint64_t since_ns = 0;
     Pair value;
     float low_radps = 0.0f;

@@ -140,6 +140,25 @@ TEST(OdometryFaults, FrozenWheelsAreFoundByTheSpeedOverGround) {
   EXPECT_EQ(drive.odometry.gaps(), 1u);
 }
 
+// The wheels stand, and say so, while the body still slides on behind them.
+// SR-ODO02
+TEST(OdometryFaults, WheelsThatStopBeforeTheBodyAreNotFrozen) {
+  for (const double lag_s : {0.2, 0.35, 0.5}) {
+    KnownDrive drive = Driving();
+    for (int tick = 0; tick < 400; ++tick) {
+      const double v_mps = 2.0 * std::exp(-0.01 * tick / lag_s);
+      drive.Move(v_mps, 0.0);
+      drive.Move(v_mps, 0.0);
+      ASSERT_EQ(drive.odometry.TakeIns(drive.Ins(), drive.now_ns), Status::kOk);
+      WheelFeedback wheels = drive.Wheels();
+      wheels.left_radps = 0.0f;
+      wheels.right_radps = 0.0f;
+      ASSERT_EQ(drive.odometry.Advance(drive.now_ns, wheels), Status::kOk) << lag_s << ' ' << tick;
+    }
+    EXPECT_EQ(drive.odometry.counters().wheels_frozen, 0u);
+  }
+}
+
 TEST(OdometryFaults, AConstantSpeedIsNotFrozen) {
   KnownDrive drive(
       {.gyro_noise_radps = 0.0, .wheel_noise_radps = 0.0, .ground_speed_noise_mps = 0.0});
