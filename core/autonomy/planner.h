@@ -86,10 +86,12 @@ struct Plan {
   WorldPath path;           // [n] poses; with pivots_first the first two share their place, with
                             // pivots_last the last two
   ActuatorPath actuator;    // [n - 1] steps
-  SpeedProfile speed;    // [n]; empty unless status is usable. The last one is above 0 only where
-                         // the start speed is too high to stop within the path
+  SpeedProfile speed;  // [n]; empty unless status is usable. The last one is above 0 only where
+                       // the start speed is too high to stop within the path
+  // Both at the limits that the path was optimized for: the preferred ones or the last.
   PathCost cost_before;  // of the base path, joined to the start's heading
-  PathCost cost_after;   // of path, before turns on the spot were added or it was made to end short
+  PathCost cost_after;  // of path, before turns on the spot were added or it was made to end short;
+                        // behind a lead-out
   PathCheckResult check;
   int32_t slow_points = 0;  // first points of path that are driven slowly, out of an obstacle
   int32_t lead_points = 0;  // of these the first that lead out of where there is no room to turn

@@ -158,11 +158,18 @@ class Problem {
     Accepted("plan");
     PlanWitness(params_, request_, plan).CheckAll({planner_->costmap().window, flags_.get()});
     Require(plan.cost_after.total() <= plan.cost_before.total());
-    // It is that of the path before turns on the spot, and before it was made to end short.
+    // It is that of the path before turns on the spot, behind a lead-out, and before it was made to
+    // end short.
     if (plan.pivots_first || plan.pivots_last || plan.ends_short) return;
+    if (plan.lead_points > 0) return;
+    // At the limits that it was optimized for.
+    Require(HasCost(plan, params_.optimizer) || HasCost(plan, AtPreferredRate(params_.optimizer)));
+  }
+
+  bool HasCost(const hardpack::Plan& plan, const OptimizerParams& limits) const {
     const PathCost cost =
-        CostOf(planner_->costmap(), params_.optimizer, plan.path, request_.start.curvature_per_m);
-    Require(cost.map == plan.cost_after.map && cost.path == plan.cost_after.path);
+        CostOf(planner_->costmap(), limits, plan.path, request_.start.curvature_per_m);
+    return cost.map == plan.cost_after.map && cost.path == plan.cost_after.path;
   }
 
   Script script_;
