@@ -242,8 +242,7 @@ void Planner::StepSample(int units) {
     if (BeginLeadOut(Status::kPivotBlocked)) return;
     return Fail(Status::kPivotBlocked);
   }
-  const OptimizerParams& optimizer = params_.optimizer;
-  is_gentle_ = optimizer.preferred_curvature_rate_per_m2 < optimizer.max_curvature_rate_per_m2;
+  is_gentle_ = HasPreferredRate(params_.optimizer);
   BeginSeed();
 }
 

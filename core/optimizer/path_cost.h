@@ -20,10 +20,15 @@ struct PathCost {
   float total() const { return map + path; }
 };
 
+// Whether the preferred limit of the change of curvature is one of its own.
+inline bool HasPreferredRate(const OptimizerParams& params) {
+  return params.preferred_curvature_rate_per_m2 < params.max_curvature_rate_per_m2;
+}
+
 // `params` with the preferred limit of the change of curvature and its weight in the place of the
 // last ones, where there is one.
 inline OptimizerParams AtPreferredRate(OptimizerParams params) {
-  if (params.preferred_curvature_rate_per_m2 >= params.max_curvature_rate_per_m2) return params;
+  if (!HasPreferredRate(params)) return params;
   params.max_curvature_rate_per_m2 = params.preferred_curvature_rate_per_m2;
   params.curvature_rate_beta = params.preferred_curvature_rate_beta;
   return params;

@@ -356,7 +356,6 @@ TEST(Planner, RefusesAnglesAndPlacesThatItsArithmeticCannotTellApart) {
   EXPECT_EQ(planner.BeginCells(kWindow, scene.params, scene.request), Status::kInvalidArgument);
 }
 
-// Trunks and bushes strewn at random, the start anywhere in it and looking anywhere.
 //        #       #
 //        #       #
 //   o            #   x     two walls, each with a gap of 1.8 m, that of the second one aside
@@ -406,6 +405,7 @@ TEST(Planner, OptimizesForThePreferredRateWhereThatIsFree) {
   EXPECT_GT(given_up, 5);
 }
 
+// Trunks and bushes strewn at random, the start anywhere in it and looking anywhere.
 Scene RandomForest(uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(-1.0f, 1.0f);

@@ -32,8 +32,8 @@ struct Worst {
   }
 };
 
-// Against double, whose own error of 2^-53 is less than a hundred-millionth of the bounds: that of
-// long double takes several times as long, and there are two thousand million angles.
+// Against double, whose own error of 2^-53 is less than a hundred-millionth of the bounds: long
+// double takes longer, and there are two thousand million angles.
 inline void TakeSinCos(float angle_rad, Worst& worst) {
   const SinCosPair pair = SinCos(angle_rad);
   const double exact_rad = static_cast<double>(angle_rad);
