@@ -31,12 +31,12 @@
 //   opposite SIDE SWITCH         turns against its command
 //   blocked SIDE SWITCH          does not turn
 //   frozen SIDE SWITCH           reports the same speed for ever
-//   traction PERMILLE            of what the wheels turn the vehicle moves by: 0, they spin in
-//   place speed-offset SIDE RPM        of the reported speed of the motor can-frame ID#HEX
-//   [PERIOD_S COUNT]       of a node that should not be there bus-error bus-off|passive|warning as
-//   the controller would report it lidar SWITCH, ins SWITCH                off: silent; of the
-//   labels too: labels SWITCH,
-//                                           labels-foreign, -duplicate, -garbage, -loss ...
+//   traction PERMILLE            so much of what the wheels turn moves the vehicle: 0, they spin
+//   speed-offset SIDE RPM        of the reported speed of the motor
+//   can-frame ID#HEX [PERIOD_S COUNT]    of a node that should not be there
+//   bus-error bus-off|passive|warning    as the controller would report it
+//   lidar SWITCH, ins SWITCH     off: silent; of the labels too: labels SWITCH, labels-foreign,
+//                                -duplicate, -garbage, -loss ...
 //   lidar-foreign SWITCH, ins-foreign SWITCH       from another address instead
 //   lidar-duplicate SWITCH, ins-duplicate SWITCH   everything twice
 //   lidar-garbage SWITCH, ins-garbage SWITCH       random bytes besides
@@ -46,8 +46,7 @@
 //   lidar-reorder N, ins-reorder N                 N at a time, in an order drawn; 0: no longer
 //   lidar-restart                its clock, its frame count and its init id begin anew
 //   lidar-clock MS               its clock jumps ahead by so much; negative: back
-//   lidar-blind FROM TO HOW      from one direction of the body anticlockwise to the other
-//   [degree],
+//   lidar-blind FROM TO HOW      from one direction of the body anticlockwise to the other [deg],
 //                                ahead is 0: lost (its packets are), invalid (its columns say so),
 //                                dark (nothing comes back), covered (everything from the window),
 //                                or none: no longer
