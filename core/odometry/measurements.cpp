@@ -18,12 +18,12 @@ constexpr float kMaxGroundSpeed_mps = 100.0f;
 constexpr float kMinCosPitch = 0.5f;
 // The INS's speed errors last: more often it says nothing new.
 constexpr uint64_t kGroundSpeedPeriod_ns = 200'000'000;
-// What one sensor ranges over while another says the same, for that to be frozen.
+// What one sensor ranges over while another says the same, for that to be frozen, ...
 constexpr float kFrozenRate_radps = 0.3f;
 constexpr float kFrozenSpeed_mps = 1.0f;
-// A vehicle whose wheels have stopped rolls out for so long, with the share of its speed that is
-// left after one or two lags: what it ranges over until then says nothing of them.
-constexpr float kRollOut_s = 0.6f;
+// ... if this share of it leads away: the body follows its wheels late, and comes nearer to what
+// they say while they say it.
+constexpr float kAwayShare = 0.5f;
 // Rims do not change faster (recorded: 99 of 100 slower, REFERENCES.md, DRIVE): more is a glitch,
 // which the gate is to keep out.
 constexpr float kMaxRimChange_mps2 = 5.1f;
@@ -100,7 +100,8 @@ void Odometry::TakeRate(const Vec3& rate_radps, uint64_t time_ns) {
   const float measured_radps = (roll.sin * about_y + roll.cos * about_z) / cos_pitch;
   const bool was_frozen = gyro_sameness_.frozen;
   const float turn_radps = rim_turn_mps_ / state_[kStateBaseline];
-  Follow(gyro_sameness_, {rate_radps.x_m, rate_radps.z_m}, time_ns, turn_radps, 0.0f);
+  Follow(gyro_sameness_, {rate_radps.x_m, rate_radps.z_m}, time_ns,
+         {measured_radps - state_[kStateGyroBias], 0.0f}, {turn_radps, 0.0f});
   if (gyro_sameness_.frozen) {
     if (!was_frozen) {
       ++counters_.gyro_frozen;
@@ -157,8 +158,13 @@ bool Odometry::AreWheelSpeeds(const WheelFeedback& wheels) {
 bool Odometry::AreFrozen(const WheelFeedback& wheels) {
   if (wheels.time_ns <= wheels_ns_) return wheel_sameness_.frozen;
   const bool was_frozen = wheel_sameness_.frozen;
-  Follow(wheel_sameness_, {wheels.left_radps, wheels.right_radps}, wheels.time_ns,
-         rate_radps_ - state_[kStateGyroBias], ground_speed_mps_);
+  const float rim_m = vehicle_.wheel_radius_m;
+  const Moves said = {
+      .yaw_rate_radps = rim_m * (wheels.right_radps - wheels.left_radps) / state_[kStateBaseline],
+      .speed_mps =
+          0.5f * rim_m * (wheels.left_radps + wheels.right_radps) * state_[kStateWheelScale]};
+  Follow(wheel_sameness_, {wheels.left_radps, wheels.right_radps}, wheels.time_ns, said,
+         {rate_radps_ - state_[kStateGyroBias], ground_speed_mps_});
   if (wheel_sameness_.frozen && !was_frozen) ++counters_.wheels_frozen;
   return wheel_sameness_.frozen;
 }
@@ -243,37 +249,47 @@ void Odometry::JudgeRest(const WheelFeedback& wheels, uint64_t now_ns) {
   if (at_rest_) HoldStill();
 }
 
+void Odometry::Wandering::Begin(float measured, float said) {
+  low = high = measured;
+  nearest = Abs(measured - said);
+  away = 0.0f;
+}
+
+void Odometry::Wandering::Add(float measured, float said) {
+  low = Min(low, measured);
+  high = Max(high, measured);
+  const float apart = Abs(measured - said);
+  nearest = Min(nearest, apart);
+  away = Max(away, apart - nearest);
+}
+
 // In windows of frozen_time_s. What is frozen is so until it changes; what says zero, until a
 // window in which nothing else moved: the vehicle may have been pushed.
-void Odometry::Follow(Sameness& same, const Pair& value, uint64_t time_ns, float rate_radps,
-                      float speed_mps) const {
+void Odometry::Follow(Sameness& same, const Pair& value, uint64_t time_ns, const Moves& said,
+                      const Moves& measured) const {
+  const auto leads_away = [](const Wandering& wandering, float least) {
+    return wandering.high - wandering.low > least && wandering.away > kAwayShare * least;
+  };
   const bool changed = !same.started || value.a != same.value.a || value.b != same.value.b;
   const bool says_zero = value.a == 0.0f && value.b == 0.0f;
   if (changed) same.frozen = false;
   const bool is_over = !changed && time_ns > same.since_ns &&
                        SecondsBetween(same.since_ns, time_ns) >= params_.frozen_time_s;
   if (is_over) {
-    const bool moved = same.high_radps - same.low_radps > kFrozenRate_radps ||
-                       same.high_mps - same.low_mps > kFrozenSpeed_mps;
+    const bool moved =
+        leads_away(same.radps, kFrozenRate_radps) || leads_away(same.mps, kFrozenSpeed_mps);
     same.frozen = moved || (same.frozen && !says_zero);
   }
   if (changed || is_over) {
     same.started = true;
     same.since_ns = time_ns;
     same.value = value;
-  }
-  same.rolls_out = changed ? says_zero
-                           : same.rolls_out && !is_over && time_ns > same.since_ns &&
-                                 SecondsBetween(same.since_ns, time_ns) < kRollOut_s;
-  if (changed || is_over || same.rolls_out) {
-    same.low_radps = same.high_radps = rate_radps;
-    same.low_mps = same.high_mps = speed_mps;
+    same.radps.Begin(measured.yaw_rate_radps, said.yaw_rate_radps);
+    same.mps.Begin(measured.speed_mps, said.speed_mps);
     return;
   }
-  same.low_radps = Min(same.low_radps, rate_radps);
-  same.high_radps = Max(same.high_radps, rate_radps);
-  same.low_mps = Min(same.low_mps, speed_mps);
-  same.high_mps = Max(same.high_mps, speed_mps);
+  same.radps.Add(measured.yaw_rate_radps, said.yaw_rate_radps);
+  same.mps.Add(measured.speed_mps, said.speed_mps);
 }
 
 }  // namespace hardpack

@@ -100,17 +100,30 @@ class Odometry {
     float a = 0.0f;
     float b = 0.0f;
   };
-  // What says the same again and again, and how far other sensors have ranged meanwhile.
+  // What another sensor measures while one says the same: how far it ranges, and by how much it
+  // gets away from what that one says, from where it was nearest.
+  struct Wandering {
+    float low = 0.0f;
+    float high = 0.0f;
+    float nearest = 0.0f;
+    float away = 0.0f;
+
+    void Begin(float measured, float said);
+    void Add(float measured, float said);
+  };
+  // What says the same again and again, and what others have measured meanwhile.
   struct Sameness {
     bool started = false;
     bool frozen = false;
-    bool rolls_out = false;  // it said zero a moment ago, and nothing but that since
     uint64_t since_ns = 0;
     Pair value;
-    float low_radps = 0.0f;
-    float high_radps = 0.0f;
-    float low_mps = 0.0f;
-    float high_mps = 0.0f;
+    Wandering radps;
+    Wandering mps;
+  };
+  // How the vehicle moves.
+  struct Moves {
+    float yaw_rate_radps = 0.0f;
+    float speed_mps = 0.0f;
   };
   // One number that was measured: h x, less what was expected.
   struct Innovation {
@@ -154,8 +167,8 @@ class Odometry {
   void TakeWheels(const WheelFeedback& wheels);
   void TakeTurn(float rim_mps, uint64_t time_ns);
   void JudgeRest(const WheelFeedback& wheels, uint64_t now_ns);
-  void Follow(Sameness& same, const Pair& value, uint64_t time_ns, float rate_radps,
-              float speed_mps) const;
+  void Follow(Sameness& same, const Pair& value, uint64_t time_ns, const Moves& said,
+              const Moves& measured) const;
 
   VehicleParams vehicle_;
   OdometryParams params_;

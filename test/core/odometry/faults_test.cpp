@@ -159,6 +159,27 @@ TEST(OdometryFaults, WheelsThatStopBeforeTheBodyAreNotFrozen) {
   }
 }
 
+// The wheels turn on the spot as fast as they can, and the body follows them late.
+// SR-ODO02
+TEST(OdometryFaults, WheelsThatTurnBeforeTheBodyAreNotFrozen) {
+  for (const double lag_s : {0.2, 0.4, 0.8}) {
+    KnownDrive drive = Driving();
+    drive.Ticks(100, 0.0, 0.0);
+    for (int tick = 0; tick < 400; ++tick) {
+      const double w_radps = -0.8 * (1.0 - std::exp(-0.01 * tick / lag_s));
+      drive.Move(0.0, w_radps);
+      drive.Move(0.0, w_radps);
+      ASSERT_EQ(drive.odometry.TakeIns(drive.Ins(), drive.now_ns), Status::kOk);
+      WheelFeedback wheels = drive.Wheels();
+      wheels.left_radps = 3.5f;
+      wheels.right_radps = -3.5f;
+      ASSERT_NE(drive.odometry.Advance(drive.now_ns, wheels), Status::kStale)
+          << lag_s << ' ' << tick;
+    }
+    EXPECT_EQ(drive.odometry.counters().wheels_frozen, 0u);
+  }
+}
+
 TEST(OdometryFaults, AConstantSpeedIsNotFrozen) {
   KnownDrive drive(
       {.gyro_noise_radps = 0.0, .wheel_noise_radps = 0.0, .ground_speed_noise_mps = 0.0});
