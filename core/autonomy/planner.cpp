@@ -355,8 +355,9 @@ void Planner::MakePath(const WorldPath& driven) {
 Status Planner::StartCheck() {
   Status status = ToActuator<PlanarModel>(plan_.path, plan_.actuator);
   if (IsUsable(status)) {
-    status = check_.Begin(params_.vehicle, params_.optimizer, plan_.path,
-                          own_start_.curvature_per_m, params_.path.margin_m);
+    status =
+        check_.Begin(params_.vehicle, params_.optimizer, plan_.path, own_start_.curvature_per_m,
+                     params_.path.margin_m, looks_across_ ? plan_.lead_points : 0);
   }
   if (IsUsable(status)) stage_ = PlanStage::kCheck;
   return status;

@@ -166,8 +166,8 @@ class Planner {
   static constexpr int kMaxRoutes = 3;
   static constexpr int kMaxUnits =
       CostmapBuilder::kUnits + ScanRing::kMaxColumns + kMaxRoutes * kMaxRouteUnits +
-      2 * (LeadOut::kBends + 1) * (LeadOut::kMaxUnits + 1) +
-      2 * LeadOut::kBends * PathCheck::kMaxUnits + SpeedCaps::kMaxUnits;
+      4 * (LeadOut::kBends + 1) * (LeadOut::kMaxUnits + 1) +
+      4 * LeadOut::kBends * PathCheck::kMaxUnits + SpeedCaps::kMaxUnits;
 
  private:
   // What the cells are made from: heights and, if there is one, the mapper that pends columns.
@@ -198,7 +198,7 @@ class Planner {
   void Stay();
   [[nodiscard]] bool MayPivot() const;
   [[nodiscard]] bool BeginLeadOut(Status failure);
-  void LookForLeadOut(bool straight_only);
+  void LookForLeadOut();
   bool SweepsUnseen() const;
   void StepLeadCheck(int units);
   void RefuseLead();
@@ -234,6 +234,7 @@ class Planner {
   LeadOut lead_out_;
   bool led_out_ = false;                       // a lead-out was looked for
   bool looks_bent_ = false;                    // the one that is looked for may be bent
+  bool looks_across_ = false;                  // and cells may lie across its flanks
   Status lead_failure_ = Status::kNotStarted;  // what it fails with without one; kOk: it does not
   CostmapBuilder builder_;
   AstarSearch search_;

@@ -39,13 +39,14 @@ bool Planner::BeginLeadOut(Status failure) {
   led_out_ = true;
   lead_failure_ = failure;
   looks_bent_ = !request_.has_unseen_start;
-  LookForLeadOut(!looks_bent_);
+  looks_across_ = false;
+  LookForLeadOut();
   stage_ = PlanStage::kLeadOut;
   return true;
 }
 
 // For what was not seen no further than it takes; for what is in the way as far as there is one.
-void Planner::LookForLeadOut(bool straight_only) {
+void Planner::LookForLeadOut() {
   float least_m = 0.0f;
   if (request_.has_unseen_start) {
     least_m =
@@ -61,7 +62,7 @@ void Planner::LookForLeadOut(bool straight_only) {
                          Abs(LeftOfHeading(request_.start.pose, goal)) < least_m + kGoalBehind_m;
   const float longest_m = is_beside ? 0.0f : Max(params_.path.lead_out_m, least_m);
   const int first = is_tried ? ClampInt(request_.lead_out - 1, 0, LeadOut::kBends - 1) : 0;
-  const int end = is_tried ? first + 1 : (straight_only ? 1 : LeadOut::kBends);
+  const int end = is_tried ? first + 1 : (looks_bent_ ? LeadOut::kBends : 1);
   lead_out_.Begin(params_.vehicle, params_.path, request_.start.pose, least_m, longest_m, first,
                   end);
 }
@@ -71,15 +72,21 @@ void Planner::StepLeadOut(int units) {
   if (lead_out_.Step(costmap(), units) == Progress::kBusy) return;
   if (lead_out_.found()) {
     lead_out_.Poses(lead_);
-    const Status status = check_.Begin(params_.vehicle, params_.optimizer, lead_,
-                                       own_start_.curvature_per_m, params_.path.margin_m);
+    const Status status =
+        check_.Begin(params_.vehicle, params_.optimizer, lead_, own_start_.curvature_per_m,
+                     params_.path.margin_m, looks_across_ ? lead_.size() - 1 : 0);
     if (!IsUsable(status)) RefuseLead();
     return;
   }
   const bool may_bend = lead_failure_ != Status::kOk && request_.lead_out == 0;
   if (!looks_bent_ && may_bend) {
     looks_bent_ = true;
-    return LookForLeadOut(false);
+    return LookForLeadOut();
+  }
+  if (!looks_across_ && lead_failure_ != Status::kOk) {
+    looks_across_ = true;
+    looks_bent_ = !request_.has_unseen_start;
+    return LookForLeadOut();
   }
   // Looked for before anything else, or behind a path that is free.
   if (plan_.path.empty() && lead_failure_ == Status::kOk) return BeginSearch();

@@ -317,8 +317,9 @@ void Replanner::BeginCheck() {
   rest_curvature_per_m_ = CurvatureAt(path, dropped_, committed_.start_curvature_per_m);
   rest_turn_rad_ = TurnAt(path, dropped_, committed_.start_turn_rad);
   late_ = anchored_ && place_.along_m > WayTo(path, anchor_);
-  const Status status = check_.Begin(params_.vehicle, params_.optimizer, rest_,
-                                     rest_curvature_per_m_, params_.path.kept_margin_m);
+  const Status status =
+      check_.Begin(params_.vehicle, params_.optimizer, rest_, rest_curvature_per_m_,
+                   params_.path.kept_margin_m, committed_.lead_points - dropped_);
   if (!IsUsable(status)) return Decide();
   phase_ = Phase::kCheck;
 }

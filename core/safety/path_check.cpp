@@ -12,6 +12,7 @@ namespace {
 constexpr float kSample_m = 0.5f / kCellsPerMeter;
 constexpr float kTurnSample_m = 0.25f / kCellsPerMeter;
 constexpr float kDeeper_cells = PathCheck::kDeeperTolerance_m * kCellsPerMeter;
+constexpr float kAcross_cells = PathCheck::kAcross_m * kCellsPerMeter;
 constexpr float kReach_cells = kClearanceReach_m * kCellsPerMeter;
 // A little above the square root of two: a cell's diagonal.
 constexpr float kDiagonal_cells = 1.41422f;
@@ -72,7 +73,8 @@ Status CheckInput(const VehicleParams& vehicle, const WorldPath& path, float sta
 }  // namespace
 
 Status PathCheck::Begin(const VehicleParams& vehicle, const OptimizerParams& limits,
-                        const WorldPath& path, float start_curvature_per_m, float margin_m) {
+                        const WorldPath& path, float start_curvature_per_m, float margin_m,
+                        int across_chords) {
   *this = PathCheck{};
   result_.status = CheckInput(vehicle, path, start_curvature_per_m, margin_m);
   if (!IsUsable(result_.status)) return result_.status;
@@ -80,6 +82,7 @@ Status PathCheck::Begin(const VehicleParams& vehicle, const OptimizerParams& lim
   footprint_ = FootprintOf(vehicle);
   limits_ = limits;
   margin_cells_ = margin_m * kCellsPerMeter;
+  across_chords_ = across_chords;
   nearest_cells_ = kReach_cells;
   middle2_cells2_ = Squared(kReach_cells);
   JudgeShape(path, start_curvature_per_m);
@@ -135,11 +138,15 @@ void PathCheck::StepOnce(const Costmap& map, const WorldPath& path) {
   }
   if (!JudgePose(map, pose)) {
     --sample_;
-  } else if (result_.leaves_map) {
+    return;
+  }
+  if (MayLieAcross()) --across_left_;
+  if (result_.leaves_map) {
     Finish(path);
   } else if (sample_ == samples_) {
     EnterNext(path);
   }
+  is_clear_ = was_clear_ && !MayLieAcross();
 }
 
 // From a turn to the chord behind it, where there is one; from a chord to the turn at its end.
@@ -256,6 +263,7 @@ void PathCheck::NoteClearance(float clearance_cells) {
   has_start_ = true;
   if (near_left_ == 0) Collide();
   is_clear_ = least_cells_ >= asked_cells;
+  was_clear_ = was_clear_ || is_clear_;
   if (is_clear_) return;
   NoteClearance(least_cells_ - between_cells_);
   // The chord's end too: until there it is not clear.
@@ -280,6 +288,7 @@ void PathCheck::NoteClearance(float clearance_cells) {
 
 // How near to a cell the outline may be, or how deep in it, while it leaves its start.
 float PathCheck::LeastLeft(const CellApart& now, const CellApart& at_start) const {
+  if (MayLieAcross() && now.aside_cells >= -kAcross_cells) return -kAcross_cells;
   if (at_start.least_cells <= 0.0f) return at_start.least_cells - kDeeper_cells;
   const bool is_beside = now.aside_cells >= 0.0f;
   const float from_cells =

@@ -27,9 +27,12 @@
 // Until the outline is clear for the first time:
 // - what it overlaps at the start it overlaps by no more than there and kDeeperTolerance_m;
 // - to what it does not overlap there, it keeps a distance: straight before the front and behind
-// the
-//   rear the margin, or what it has at the start; beside the flanks what it has at the start to the
-//   nearest of all. Less kDeeperTolerance_m, or half of it, of what it has at the start.
+//   the rear the margin, or what it has at the start; beside the flanks what it has at the start to
+//   the nearest of all. Less kDeeperTolerance_m, or half of it, of what it has at the start.
+//
+// On the first chords a cell may lie across the line of a flank, by kAcross_m at most: it is hard
+// all over here, and where in it something stands the sweep of the motion knows
+// (core/safety/motion_sweep.h), which stops for that.
 
 namespace hardpack {
 
@@ -65,15 +68,18 @@ struct PathCheckResult {
 class PathCheck {
  public:
   // path: poses of the path, pivots included (two points at one place). margin_m: distance that the
-  // outline has to keep. kPathTooShort: fewer than two points; kNotFinite; kParameterOutOfRange: an
-  // outline beyond Outline's limits or with the axle outside of it, a margin beyond kMaxMargin_m,
-  // or a negative one. result().status says the same. Cost: one pass over the points.
+  // outline has to keep. across_chords: on so many chords from the start on, and kMaxAcrossPoses
+  // poses, cells may lie across a flank's line. kPathTooShort: fewer than two points; kNotFinite;
+  // kParameterOutOfRange: an outline beyond Outline's limits or with the axle outside of it, a
+  // margin beyond kMaxMargin_m, or a negative one. result().status says the same. Cost: one pass
+  // over the points.
   Status Begin(const VehicleParams& vehicle, const OptimizerParams& limits, const WorldPath& path,
-               float start_curvature_per_m, float margin_m);
+               float start_curvature_per_m, float margin_m, int across_chords = 0);
 
   // A unit is one pose: the chord behind a point is cut evenly into pieces of at most half a cell,
   // and the turn at a point into pieces that move no point of the outline further than a quarter of
-  // a cell. One pose more, the last of the start, takes two. kMaxUnits units end any check. Cost of
+  // a cell. Two units take the first pose that is clear of the start, and poses where cells may lie
+  // across. kMaxUnits units end any check. Cost of
   // a unit: a search along the rows of (Outline::kMaxSpan_cells)^2 cells and of
   // (2 kMiddleReach_cells + 1)^2, or while it leaves its start kMaxNearCells cells.
   Progress Step(const Costmap& map, const WorldPath& path, int units);
@@ -82,6 +88,7 @@ class PathCheck {
 
   static constexpr float kLimitTolerance = 0.01f;     // of the limit itself
   static constexpr float kDeeperTolerance_m = 0.05f;  // a quarter of a cell
+  static constexpr float kAcross_m = 0.15f;           // less than a cell
   static constexpr float kMaxMargin_m = 0.5f;
   static constexpr int kMiddleReach_cells = 11;  // kClearanceReach_m, and one more
   static constexpr int kMaxNearCells = 256;      // at the start; more of them cannot be left
@@ -89,9 +96,11 @@ class PathCheck {
   // A chord within the map is at most its diagonal long, 512 sqrt(2) cells; a longer one is cut
   // into no more pieces, since it ends (or began) off the map.
   static constexpr int kMaxChordSamples = 1450;
+  static constexpr int kMaxAcrossPoses = 512;  // 51 m, straight on
   // Half a turn of the furthest corner, 6.33 m from an axle at an end, and one more.
   static constexpr int kMaxTurnSamples = 400;
-  static constexpr int kMaxUnits = kMaxPathPoints * (kMaxChordSamples + kMaxTurnSamples) + 1;
+  static constexpr int kMaxUnits =
+      kMaxPathPoints * (kMaxChordSamples + kMaxTurnSamples) + 1 + kMaxAcrossPoses;
 
  private:
   enum class Phase : uint8_t { kTurn, kChord, kDone };
@@ -99,6 +108,7 @@ class PathCheck {
   void JudgeShape(const WorldPath& path, float start_curvature_per_m);
   void StepOnce(const Costmap& map, const WorldPath& path);
   void EnterNext(const WorldPath& path);
+  bool MayLieAcross() const { return point_ < across_chords_ && across_left_ > 0; }
   bool JudgePose(const Costmap& map, const Pose2& pose);
   void JudgeClear(const Costmap& map, const Pose2& pose, const Outline& outline);
   void JudgeMiddle(const Costmap& map, const Pose2& pose);
@@ -113,6 +123,8 @@ class PathCheck {
   Footprint footprint_;
   OptimizerParams limits_;
   float margin_cells_ = 0.0f;
+  int32_t across_chords_ = 0;
+  int32_t across_left_ = kMaxAcrossPoses;
   Phase phase_ = Phase::kDone;
   int32_t point_ = 0;      // the one being turned at, or whose chord is being driven
   int32_t sample_ = 0;     // judged so far in this phase
@@ -122,7 +134,8 @@ class PathCheck {
       0.0f;  // half of what a point of the outline moves by from sample to sample
   float nearest_cells_ = 0.0f;      // of the outline to a hard square, over all poses so far
   float middle2_cells2_ = 0.0f;     // of the axle's centre to a hard cell's centre
-  bool is_clear_ = false;           // of the start, and may touch nothing from here on
+  bool was_clear_ = false;          // of the start
+  bool is_clear_ = false;           // the same, and this pose may touch nothing
   bool has_start_ = false;          // the first pose was judged
   Outline start_;                   // the first pose's
   float start_least_cells_ = 0.0f;  // to the nearest that it does not overlap

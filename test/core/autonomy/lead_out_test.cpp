@@ -55,17 +55,32 @@ TEST(LeadOut, IsPartOfWhatTheCheckSays) {
 
 //   ##########
 //         #               a cell of the wall that juts out by 0.2 m: straight on it would be
-//         touched
-//   [ > ]                 by 9 cm, though not in its middle
+//   [ > ]                 touched by 9 cm, though not in its middle
 // SR-GEO04
-TEST(LeadOut, TouchesNoPartOfACell) {
+TEST(LeadOut, TouchesNoPartOfACellWhereItCanBend) {
   Scene scene = WallBeside();
   scene.Add(15, 4, 15, 4);
   const Plan& plan = PlanIn(scene);
   ASSERT_TRUE(IsUsable(plan.status)) << StatusName(plan.status);
   EXPECT_GT(plan.lead_points, 2);
   EXPECT_GT(SweptOutline(scene, plan).Clearance_m(), 0.0);
-  scene.Add(-5, -5, 25, -5);  // and nowhere to bend to
+}
+
+// The same between two walls: where in its cell something stands the sweep of the motion knows, and
+// the plan says how it is. What juts out further is in the way.
+// SR-STA01
+TEST(LeadOut, CellsLieAcrossAFlankWhereNoOtherWayIsLeft) {
+  Scene scene = WallBeside();
+  scene.Add(15, 4, 15, 4);
+  scene.Add(-5, -5, 25, -5);
+  const Plan& plan = PlanIn(scene);
+  EXPECT_EQ(plan.status, Status::kNarrowGap);
+  EXPECT_GE(SweptOutline(scene, plan).Clearance_m(), -double{PathCheck::kAcross_m});
+  EXPECT_LT(plan.check.smallest_clearance_m, scene.params.path.margin_m);
+  for (int k = 0; k < plan.lead_points; ++k) {
+    EXPECT_LE(plan.speed[k], scene.params.speed.obstacle_start_speed_mps + 1e-4f);
+  }
+  scene.Add(15, 3, 15, 3);
   EXPECT_FALSE(IsUsable(PlanIn(scene).status));
 }
 

@@ -84,9 +84,11 @@ VehicleParams Square() {
 
 PathCheckResult Check(const Ground& ground, const WorldPath& path,
                       const VehicleParams& vehicle = {}, float start_curvature_per_m = 0.0f,
-                      const OptimizerParams& limits = {}, float margin_m = 0.0f) {
+                      const OptimizerParams& limits = {}, float margin_m = 0.0f,
+                      int across_chords = 0) {
   PathCheck check;
-  EXPECT_EQ(check.Begin(vehicle, limits, path, start_curvature_per_m, margin_m), Status::kOk);
+  EXPECT_EQ(check.Begin(vehicle, limits, path, start_curvature_per_m, margin_m, across_chords),
+            Status::kOk);
   EXPECT_EQ(check.Step(ground.map(), path, PathCheck::kMaxUnits), Progress::kDone);
   return check.result();
 }
@@ -423,6 +425,36 @@ TEST(PathCheck, LeavesAStartWithinTheMargin) {
   EXPECT_EQ(ahead.status, Status::kCollision);  // 3.25 + 0.76 > 4.0
   EXPECT_EQ(judge(StraightPath({0.0f, y_m, 0.0f}, 13, 0.25f)).status, Status::kNarrowGap);
   EXPECT_EQ(judge(StraightPath({0.15f, y_m, 0.0f}, 13, 0.25f)).status, Status::kCollision);
+}
+
+//   [ > ] - - -      flank at y = -0.69 m; a row of cells ahead whose upper edge lies at -0.6: what
+//        ########    stands in them may stand beside the flank
+// SR-STA01
+TEST(PathCheck, CellsMayLieAcrossAFlankOnTheFirstChords) {
+  const VehicleParams vehicle = Vehicle(1.52f, 1.38f);
+  const WorldPath path = StraightPath({0.0f, 0.0f, 0.0f}, 21, 0.25f);
+  const auto judge = [&](const Ground& ground, int across_chords) {
+    return Check(ground, path, vehicle, 0.0f, {}, 0.1f, across_chords);
+  };
+  Ground beside;
+  for (int x = 6; x <= 12; ++x) beside.SetHard({x, -4});
+  EXPECT_EQ(judge(beside, 0).status, Status::kCollision);
+  const PathCheckResult passed = judge(beside, 20);
+  EXPECT_EQ(passed.status, Status::kNarrowGap);
+  EXPECT_NEAR(passed.smallest_clearance_m, -0.09f, 1e-4f);
+  EXPECT_EQ(passed.overlap_points, 15);  // on chord 13 the rear leaves what ends at 2.6 m, and 0.1
+  // The rear has left it after 3.36 m, 14 chords.
+  EXPECT_EQ(judge(beside, 14).status, Status::kNarrowGap);
+  // Behind those chords nothing may lie across, whether it begins there or before.
+  EXPECT_EQ(judge(beside, 1).status, Status::kCollision);
+  EXPECT_EQ(judge(beside, 8).status, Status::kCollision);
+  // Further into the way than kAcross_m, or in its middle.
+  Ground deeper;
+  deeper.SetHard({10, -3});
+  EXPECT_EQ(judge(deeper, 20).status, Status::kCollision);
+  Ground ahead;
+  ahead.SetHard({10, 0});
+  EXPECT_EQ(judge(ahead, 20).status, Status::kCollision);
 }
 
 // SR-GEO03: the rear swings out behind an axle far ahead: 3 m long, the axle 1 m ahead of its
