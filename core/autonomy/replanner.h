@@ -80,10 +80,16 @@ struct VehicleState {
   // Age that what is known of the ground ahead will have when a plan of now is driven. Where that
   // is more than SpeedParams::reaction_time_s it is what speeds are made for.
   float reaction_s = 0.0f;
+  // How fast its wheels follow a turn, as a share of what the parameters say. A slower vehicle is
+  // further beside its path in a bend: where there is little room for that it gets as much less of
+  // SpeedParams::max_curvature_rate_per_s2, down to kLeastQuickness; a quicker one gets no more.
+  float turn_quickness = 1.0f;
   bool has_unseen_start = false;  // see PlanRequest
   Pose2 unseen_start = {};
   int32_t lead_out = 0;
 };
+
+inline constexpr float kLeastQuickness = 0.1f;
 
 // For an owner without a history of commands: the state after ahead_s at constant speed and
 // curvature.
@@ -185,6 +191,11 @@ class Replanner {
   static constexpr float kTail_m = 5.0f;
   static constexpr float kFarBlock_m = 10.0f;
   static constexpr float kNearerEnd_m = 0.5f;  // in the last kTail_m
+  // What a slow turn matters by: all of it up to so much room, none of it from so much on, in the
+  // next so many metres.
+  static constexpr float kNoRoomToTurnLate_m = 1.2f;
+  static constexpr float kRoomToTurnLate_m = 2.0f;
+  static constexpr float kTurnsAhead_m = 6.0f;
   static constexpr int kMaxUnits = 2 * Planner::kMaxUnits + PathCheck::kMaxUnits +
                                    3 * SpeedCaps::kMaxUnits + 4 * Planner::kPortion_units;
 
@@ -262,6 +273,7 @@ class Replanner {
   Status StopStatus() const;
   bool HasPassedJoint() const;
   void Commit(const PathPlace& place);
+  float TurnShare(int behind) const;
   Status TimeFrom(const PathPlace& place);
 
   PlannerParams params_;

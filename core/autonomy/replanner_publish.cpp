@@ -95,6 +95,22 @@ void Replanner::Commit(const PathPlace& place) {
   round_.status = plan.is_stop ? StopStatus() : (IsUsable(timed) ? plan.status : timed);
 }
 
+// Of the rate of curvature, by how slowly the vehicle turns and how much room it has for that on
+// what is timed, whose first point is the committed path's `behind`.
+float Replanner::TurnShare(int behind) const {
+  float room_m = kRoomToTurnLate_m;
+  float way_m = 0.0f;
+  HP_LOOP_BOUND(kMaxPathPoints - 1)
+  for (int k = 0; k < timed_.steps.size() && way_m <= kTurnsAhead_m; ++k) {
+    room_m = Min(room_m, committed_.room_m[behind + k]);
+    way_m += Abs(timed_.steps[k].dr_m);
+  }
+  const float spared =
+      Max((room_m - kNoRoomToTurnLate_m) / (kRoomToTurnLate_m - kNoRoomToTurnLate_m), 0.0f);
+  const float quickness = Clamp(state_.turn_quickness, kLeastQuickness, 1.0f);
+  return quickness + spared * (1.0f - quickness);
+}
+
 // Speeds from the vehicle's place on. The first chord is what is left of the one it is on, with the
 // same curvature at its end: the turn there shrinks with the mean of the chords that meet. What
 // lies behind the vehicle has its speed.
@@ -126,7 +142,9 @@ Status Replanner::TimeFrom(const PathPlace& place) {
   request.start_speed_mps = state_.speed_mps;
   request.slow_points = plan.slow_points - behind < 0 ? 0 : plan.slow_points - behind;
   request.cap_mps = caps_.cap_mps().subspan(static_cast<size_t>(place.point));
-  const Status timed = PlanSpeed(params_.speed, params_.vehicle, timed_, request, plan.speed);
+  SpeedParams speed = params_.speed;
+  speed.max_curvature_rate_per_s2 *= TurnShare(behind);
+  const Status timed = PlanSpeed(speed, params_.vehicle, timed_, request, plan.speed);
   if (!IsUsable(timed) || behind == 0) return timed;
   plan.speed.Resize(plan.path.size());
   HP_LOOP_BOUND(kMaxPathPoints)

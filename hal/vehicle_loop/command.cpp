@@ -71,6 +71,7 @@ void VehicleLoop::UpdatePlanner() {
                            .heading_rad = goal.heading_rad};
   VehicleState state = PredictedState();
   state.reaction_s = ReactionTime();
+  state.turn_quickness = tracker_.model().quickness();
   FillUnseenStart(state);
   is_located_ = IsUsable(replanner_.Update(now_ns_, state, wanted));
   if (!is_located_) ++counters_.refused_states;

@@ -74,6 +74,7 @@ TEST(Replanner, RefusesUnusableStatesAndChangesNothing) {
   EXPECT_EQ(update([](auto& s, auto&) { s.pose.theta_rad = kNaN; }), Status::kNotFinite);
   EXPECT_EQ(update([](auto& s, auto&) { s.curvature_per_m = 1.0f / 0.0f; }), Status::kNotFinite);
   EXPECT_EQ(update([](auto& s, auto&) { s.speed_mps = kNaN; }), Status::kNotFinite);
+  EXPECT_EQ(update([](auto& s, auto&) { s.turn_quickness = kNaN; }), Status::kNotFinite);
   EXPECT_EQ(update([](auto&, auto& g) { g.position_odom.y_m = kNaN; }), Status::kNotFinite);
   EXPECT_EQ(update([](auto&, auto& g) {
               g.has_heading = true;
@@ -88,7 +89,7 @@ TEST(Replanner, RefusesUnusableStatesAndChangesNothing) {
   EXPECT_EQ(replanner.Update(5u, good, goal), Status::kInvalidArgument) << "time runs backwards";
   EXPECT_EQ(HashOfCommitted(), before);
   EXPECT_EQ(replanner.place().along_m, place.along_m);
-  EXPECT_EQ(replanner.counters().refused, 12u);
+  EXPECT_EQ(replanner.counters().refused, 13u);
   EXPECT_EQ(update([](auto&, auto&) {}), Status::kOk);
   EXPECT_EQ(update([](auto&, auto&) {}), Status::kOk) << "the same time twice";
 }

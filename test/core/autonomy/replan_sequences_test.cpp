@@ -423,6 +423,33 @@ TEST(ReplanSequence, IsHeldForAPersonWhoComesUpTooNear) {
   }
 }
 
+//          ##          a gap of 4 m aside
+//   o ---         x    wheels that follow a turn half as fast: the same bends, driven more slowly,
+//          ##          by the square root of it where the rate of the curvature is what limits
+TEST(ReplanSequence, DrivesBendsMoreSlowlyWithWheelsThatFollowThemMoreSlowly) {
+  float bend_mps[3] = {};
+  constexpr float kQuickness[3] = {1.0f, 0.5f, 2.0f};
+  for (int i = 0; i < 3; ++i) {
+    Drive drive({30.1f, 0.1f});
+    drive.world.Add(30, -60, 33, 0);
+    drive.world.Add(30, 21, 33, 60);
+    drive.state.turn_quickness = kQuickness[i];
+    drive.follows = false;
+    drive.Start();
+    while (drive.rounds < 2) drive.Tick();
+    const CommittedPlan& plan = drive.committed();
+    ASSERT_GT(plan.path.size(), 2);
+    bend_mps[i] = 1e9f;
+    for (int k = 0; k < plan.path.size(); ++k) {
+      const bool is_beside = plan.path[k].x_m > 2.0f && plan.path[k].x_m < 9.0f;
+      if (is_beside) bend_mps[i] = std::min(bend_mps[i], plan.speed[k]);
+    }
+  }
+  EXPECT_LT(bend_mps[1], 0.85f * bend_mps[0]);
+  EXPECT_GT(bend_mps[1], 0.65f * bend_mps[0]);
+  EXPECT_EQ(bend_mps[2], bend_mps[0]) << "what is quicker gets no more";
+}
+
 // Rocks everywhere, flickering, and noisy poses: it arrives, and touches nothing.
 TEST(ReplanSequence, ArrivesThroughRocks) {
   Drive drive({80.1f, 60.1f});

@@ -216,7 +216,7 @@ Drive DriveOnce(uint32_t seed) {
 class RecordedDrives : public ::testing::TestWithParam<int> {};
 
 constexpr std::array<uint64_t, 8> kDecided = {
-    0xcd6bdabd5280743eu, 0x9e7c482e0f6f868u,  0x61b2a2c1441644b5u, 0x5f40ab6d0f45c8c1u,
+    0xcd6bdabd5280743eu, 0x9e7c482e0f6f868u,  0x61b2a2c1441644b5u, 0xf5e458e2c95eecf5u,
     0x9b3c667f22b456e9u, 0xa6892932b44472d3u, 0x9a571ca66adc182eu, 0xb8d05363e139bb94u};
 
 TEST_P(RecordedDrives, DecideAsTheyDid) {
