@@ -145,9 +145,9 @@ inline void JudgeOutlines(uint32_t first, uint32_t last, OutlineCounts& counts) 
     ++counts.plans;
     const VehicleParams& vehicle = scene.params.vehicle;
     const double clearance_m = SweptOutline(scene, plan).Clearance_m();
-    if (plan.status == Status::kOk) counts.least_m = std::min(counts.least_m, clearance_m);
-    // A way out may have cells across its flanks, and then says that it is narrow.
-    const bool may_lie_across = plan.lead_points > 0 && plan.status == Status::kNarrowGap;
+    // A way out may have cells across its flanks, and is not called ok then.
+    const bool may_lie_across = plan.lead_points > 0 && plan.status != Status::kOk;
+    if (!may_lie_across) counts.least_m = std::min(counts.least_m, clearance_m);
     const double least_m = may_lie_across ? -double{PathCheck::kAcross_m} - 1e-4 : 0.0;
     EXPECT_GT(clearance_m, least_m)
         << "seed " << seed << ": " << vehicle.length_m << " x " << vehicle.width_m << " m, axle "

@@ -27,11 +27,11 @@ LIMITS = {
     "gap": (5, 0),
     "corridor": (5, 0),
     "forest": (5, 0),
-    "crossing": (1, 0),
+    "crossing": (3, 0),
     "dead_end": (5, 0),
     "ditch": (5, 0),
     "thicket": (4, 0),
-    "tight_start": (4, 0),
+    "tight_start": (5, 0),
     "low": (5, 0),
 }
 
