@@ -323,6 +323,40 @@ TEST(VehicleLoopSafety, NothingButZeroLeavesUnlessTheModePermits) {
   EXPECT_EQ(drive.loop().gate().counters().above_change, 0u);
 }
 
+// Around the place where a map begins the ground counts as observed, and nobody has seen it: who
+// arms the vehicle says that it is clear. A map that begins anew, behind a gap, is not driven on
+// before it was armed there.
+// SR-STA03
+TEST(VehicleLoopSafety, AMapThatBeginsAnewIsNotDrivenOnBeforeSomebodyHasArmedItThere) {
+  for (const bool drives_before : {false, true}) {
+    for (const int missed : {21, 25, 100}) {
+      ClosedLoop drive;
+      drive.BringUpAndArm();
+      if (drives_before) {
+        ASSERT_EQ(drive.Goal(60.0f, 0.0f), Status::kOk);
+        ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Speed_mps() > 1.0; }));
+      }
+      drive.Miss(missed);
+      ASSERT_TRUE(drive.Until(2.0, [&] { return drive.loop().counters().odometry_gaps == 1; }));
+      ASSERT_TRUE(drive.Until(8.0, [&] { return std::fabs(drive.Speed_mps()) < 0.02; }));
+      const Vec3 here = drive.loop().odometry().pose().position;
+      static_cast<void>(drive.Goal(here.x_m + 20.0f, here.y_m));
+      drive.Ticks(300);
+      EXPECT_LT(std::fabs(drive.Speed_mps()), 0.02) << missed << ' ' << drives_before;
+      EXPECT_NE(drive.mode(), Mode::kDriving);
+      static_cast<void>(drive.Say(Kind::kDisarm));
+      for (int tries = 0; tries < 5 && drive.Say(Kind::kArm) != Status::kOk; ++tries) {
+        drive.Ticks(200);
+      }
+      ASSERT_TRUE(drive.Until(5.0, [&] { return drive.loop().drives().enabled(); }))
+          << static_cast<int>(drive.mode()) << ' ' << static_cast<int>(drive.reason());
+      const Vec3 armed = drive.loop().odometry().pose().position;
+      ASSERT_EQ(drive.Goal(armed.x_m + 20.0f, armed.y_m), Status::kOk);
+      EXPECT_TRUE(drive.Until(10.0, [&] { return drive.Speed_mps() > 1.0; }));
+    }
+  }
+}
+
 //  [>]==????????-------
 // Nobody has told it of the ground in the lidar's blind cone.
 // SR-SPD02
