@@ -82,14 +82,13 @@ struct VehicleState {
   float reaction_s = 0.0f;
   // How fast its wheels follow a turn, as a share of what the parameters say. A slower vehicle is
   // further beside its path in a bend: where there is little room for that it gets as much less of
-  // SpeedParams::max_curvature_rate_per_s2, down to kLeastQuickness; a quicker one gets no more.
+  // SpeedParams::max_curvature_rate_per_s2, down to Replanner::kLeastQuickness; a quicker one gets
+  // no more.
   float turn_quickness = 1.0f;
   bool has_unseen_start = false;  // see PlanRequest
   Pose2 unseen_start = {};
   int32_t lead_out = 0;
 };
-
-inline constexpr float kLeastQuickness = 0.1f;
 
 // For an owner without a history of commands: the state after ahead_s at constant speed and
 // curvature.
@@ -196,6 +195,7 @@ class Replanner {
   static constexpr float kNoRoomToTurnLate_m = 1.2f;
   static constexpr float kRoomToTurnLate_m = 2.0f;
   static constexpr float kTurnsAhead_m = 6.0f;
+  static constexpr float kLeastQuickness = 0.1f;
   static constexpr int kMaxUnits = 2 * Planner::kMaxUnits + PathCheck::kMaxUnits +
                                    3 * SpeedCaps::kMaxUnits + 4 * Planner::kPortion_units;
 

@@ -78,10 +78,10 @@ class PathCheck {
 
   // A unit is one pose: the chord behind a point is cut evenly into pieces of at most half a cell,
   // and the turn at a point into pieces that move no point of the outline further than a quarter of
-  // a cell. Two units take the first pose that is clear of the start, and poses where cells may lie
-  // across. kMaxUnits units end any check. Cost of
-  // a unit: a search along the rows of (Outline::kMaxSpan_cells)^2 cells and of
-  // (2 kMiddleReach_cells + 1)^2, or while it leaves its start kMaxNearCells cells.
+  // a cell. The first pose that is clear of the start takes two units, and so do clear poses where
+  // cells may lie across. kMaxUnits units end any check. Cost of a unit: a search along the rows of
+  // (Outline::kMaxSpan_cells)^2 cells and of (2 kMiddleReach_cells + 1)^2, or while it leaves its
+  // start, or cells may lie across, kMaxNearCells cells.
   Progress Step(const Costmap& map, const WorldPath& path, int units);
 
   const PathCheckResult& result() const { return result_; }
@@ -89,6 +89,7 @@ class PathCheck {
   static constexpr float kLimitTolerance = 0.01f;     // of the limit itself
   static constexpr float kDeeperTolerance_m = 0.05f;  // a quarter of a cell
   static constexpr float kAcross_m = 0.15f;           // less than a cell
+  static constexpr int kMaxAcrossPoses = 512;         // 51 m, straight on
   static constexpr float kMaxMargin_m = 0.5f;
   static constexpr int kMiddleReach_cells = 11;  // kClearanceReach_m, and one more
   static constexpr int kMaxNearCells = 256;      // at the start; more of them cannot be left
@@ -96,7 +97,6 @@ class PathCheck {
   // A chord within the map is at most its diagonal long, 512 sqrt(2) cells; a longer one is cut
   // into no more pieces, since it ends (or began) off the map.
   static constexpr int kMaxChordSamples = 1450;
-  static constexpr int kMaxAcrossPoses = 512;  // 51 m, straight on
   // Half a turn of the furthest corner, 6.33 m from an axle at an end, and one more.
   static constexpr int kMaxTurnSamples = 400;
   static constexpr int kMaxUnits =

@@ -107,6 +107,17 @@ struct Drive {
     if (on_round) on_round();
   }
 
+  // On the committed path between two places along x.
+  float SlowestBetween(float from_x_m, float to_x_m) {
+    const CommittedPlan& plan = committed();
+    float slowest_mps = 1e9f;
+    for (int k = 0; k < plan.path.size(); ++k) {
+      const bool is_there = plan.path[k].x_m > from_x_m && plan.path[k].x_m < to_x_m;
+      if (is_there) slowest_mps = std::min(slowest_mps, plan.speed[k]);
+    }
+    return slowest_mps;
+  }
+
   // Where it turns on the spot, nothing is joined: it stands.
   static bool BeginsWithTurn(const WorldPath& path) {
     return TurnsOnTheSpotAt(path, 0) || TurnsOnTheSpotAt(path, 1) || TurnsOnTheSpotAt(path, 2);

@@ -383,23 +383,14 @@ TEST(ReplanSequence, SlowsOnAKeptPathForAPerson) {
   Drive drive({40.1f, 0.1f});
   drive.Start();
   while (drive.truth.x_m < 3.0f || drive.replanner().busy()) drive.Tick();
-  const auto slowest_near = [&](float x_m) {
-    float slowest = 1e9f;
-    for (int k = 0; k < drive.committed().path.size(); ++k) {
-      if (std::abs(drive.committed().path[k].x_m - x_m) < 3.0f) {
-        slowest = std::min(slowest, drive.committed().speed[k]);
-      }
-    }
-    return slowest;
-  };
-  const float before_mps = slowest_near(15.0f);
+  const float before_mps = drive.SlowestBetween(12.0f, 18.0f);
   const uint32_t number = drive.committed().number;
   drive.world.Add(90, 18, 91, 19, Costmap::kPerson);
   const int rounds = drive.rounds;
   while (drive.rounds == rounds) drive.Tick();
   EXPECT_EQ(drive.committed().number, number);
   EXPECT_EQ(drive.outcome().decision, ReplanDecision::kKept);
-  EXPECT_LT(slowest_near(15.0f), 0.8f * before_mps);
+  EXPECT_LT(drive.SlowestBetween(12.0f, 18.0f), 0.8f * before_mps);
 }
 
 // So near that braking along the path leaves it too fast beside them, it is held; further away the
@@ -427,27 +418,21 @@ TEST(ReplanSequence, IsHeldForAPersonWhoComesUpTooNear) {
 //   o ---         x    wheels that follow a turn half as fast: the same bends, driven more slowly,
 //          ##          by the square root of it where the rate of the curvature is what limits
 TEST(ReplanSequence, DrivesBendsMoreSlowlyWithWheelsThatFollowThemMoreSlowly) {
-  float bend_mps[3] = {};
-  constexpr float kQuickness[3] = {1.0f, 0.5f, 2.0f};
-  for (int i = 0; i < 3; ++i) {
+  const auto slowest_mps = [](float quickness) {
     Drive drive({30.1f, 0.1f});
     drive.world.Add(30, -60, 33, 0);
     drive.world.Add(30, 21, 33, 60);
-    drive.state.turn_quickness = kQuickness[i];
+    drive.state.turn_quickness = quickness;
     drive.follows = false;
     drive.Start();
     while (drive.rounds < 2) drive.Tick();
-    const CommittedPlan& plan = drive.committed();
-    ASSERT_GT(plan.path.size(), 2);
-    bend_mps[i] = 1e9f;
-    for (int k = 0; k < plan.path.size(); ++k) {
-      const bool is_beside = plan.path[k].x_m > 2.0f && plan.path[k].x_m < 9.0f;
-      if (is_beside) bend_mps[i] = std::min(bend_mps[i], plan.speed[k]);
-    }
-  }
-  EXPECT_LT(bend_mps[1], 0.85f * bend_mps[0]);
-  EXPECT_GT(bend_mps[1], 0.65f * bend_mps[0]);
-  EXPECT_EQ(bend_mps[2], bend_mps[0]) << "what is quicker gets no more";
+    EXPECT_GT(drive.committed().path.size(), 2);
+    return drive.SlowestBetween(2.0f, 9.0f);
+  };
+  const float typical_mps = slowest_mps(1.0f);
+  EXPECT_LT(slowest_mps(0.5f), 0.85f * typical_mps);
+  EXPECT_GT(slowest_mps(0.5f), 0.65f * typical_mps);
+  EXPECT_EQ(slowest_mps(2.0f), typical_mps) << "what is quicker gets no more";
 }
 
 // Rocks everywhere, flickering, and noisy poses: it arrives, and touches nothing.
