@@ -143,6 +143,13 @@ end_all() {
   # The machine leads a session of its own, so that no process of it is missed.
   for pid in ${machine:+"-$machine"} $clock "${readers[@]}"; do kill -KILL -- "$pid" || true; done
   wait || true
+  # Processes of the machine whose parent was killed with them are no children of this script, and a
+  # busy host takes a while to give their memory back. Not for ever: a host's first process may
+  # never bury them.
+  for _ in {1..200}; do
+    if [ -z "$machine" ] || ! kill -0 -- "-$machine"; then break; fi
+    sleep 0.05
+  done
   if [ -n "$work" ]; then rm -rf "$work"; fi
 }
 trap end_all EXIT
