@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstring>
@@ -50,7 +51,9 @@ class WrittenCostmap : public testing::Test {
     builder_->SetCell(window.Index({30, 0}), Costmap::kSoft | Costmap::kObserved);
     while (builder_->StepCells(CostmapBuilder::kUnits) == Progress::kBusy) {
     }
-    path_ = std::filesystem::temp_directory_path() / "hardpack_written_costmap.png";
+    // Another test of this fixture may run at the same time, in a process of its own.
+    path_ = std::filesystem::temp_directory_path() /
+            ("hardpack_written_costmap_" + std::to_string(getpid()) + ".png");
     Canvas canvas(kSize_px, kSize_px);
     const Axes axes(canvas, {0.0, 0.0, kSize_px, kSize_px}, {-10.0, 10.0}, {-10.0, 10.0});
     DrawCostmap(canvas, axes, builder_->result());
