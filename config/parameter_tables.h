@@ -261,9 +261,14 @@ inline constexpr std::array kSpeedTable = {
              "What stands as high as this is met by a beam, above segmentation.ground_band_m, "
              "before the vehicle is nearer than it needs to stop: the speed is limited so. More "
              "is faster, and what is lower may be seen too late (docs/assured_sight.md; ours)."),
+    HP_SPEED(assured_width_m, 0.05f, 10.0f,
+             "And what is as wide as this across the line of sight has as many of the lidar's "
+             "columns on it by then as tell it from growth. More is faster, and what is narrower "
+             "may be told too late (docs/assured_sight.md; ours)."),
     HP_SPEED(refuse_unassured, 0.0f, 1.0f,
-             "1: with a lidar that meets nothing of assured_height_m so far ahead that the vehicle "
-             "can stop, it does not drive; 0: it creeps at person_creep_mps (ours).")};
+             "1: with a lidar that meets nothing of assured_height_m and assured_width_m so far "
+             "ahead that the vehicle can stop, it does not drive; 0: it creeps at "
+             "person_creep_mps (ours).")};
 #undef HP_SPEED
 
 #define HP_REPLAN(...) HP_ENTRY("replan", ReplanParams, __VA_ARGS__)

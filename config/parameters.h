@@ -124,6 +124,7 @@ struct SpeedParams {
   // What has to be seen before the vehicle is nearer than it needs to stop, and whether a lidar
   // that never sees it so is refused.
   float assured_height_m = 0.2f;
+  float assured_width_m = 0.32f;  // as wide as the legs of somebody who lies there
   int32_t refuse_unassured = 1;
 };
 

@@ -46,6 +46,13 @@ float AssuredSight_m(const BeamModel& model, float sensor_height_m, float band_m
   return sight_m * -lowest > above_m ? sight_m : 0.0f;
 }
 
+float FirmSight_m(const BeamModel& model, float width_m) {
+  if (model.columns_per_revolution < 1 || !(width_m > 0.0f)) return 0.0f;
+  constexpr float kFirmColumns = 4.0f;
+  const float apart_rad = kTwoPi / static_cast<float>(model.columns_per_revolution);
+  return Min(width_m / (kFirmColumns * apart_rad), kMostSight_m);
+}
+
 float SensorHeight_m(const BeamModel& model, const LidarMountParams& mount) {
   return mount.z_m + model.sensor_from_lidar.translation.z_m;
 }
@@ -68,9 +75,9 @@ float LeastAssuredHeight_m(const BeamModel& model, const PerceptionParams& perce
 
 float AssuredSpeed_mps(const BeamModel& model, const PerceptionParams& perception,
                        const VehicleParams& vehicle, const SpeedParams& speed) {
-  const float sight_m =
-      AssuredSight_m(model, SensorHeight_m(model, perception.mount),
-                     perception.segmentation.ground_band_m, speed.assured_height_m);
+  const float met_m = AssuredSight_m(model, SensorHeight_m(model, perception.mount),
+                                     perception.segmentation.ground_band_m, speed.assured_height_m);
+  const float sight_m = Min(met_m, FirmSight_m(model, speed.assured_width_m));
   const float ahead_m = NeededSight_m(perception.mount, vehicle, speed, 0.0f);
   return ReactionSpeedCap(speed, sight_m - ahead_m);
 }

@@ -22,6 +22,10 @@
 //                    t    -----____ |h ---    |
 //   ____________________________|__-|_________|____
 //            nearest                d         sight
+//
+// To be told from growth it has to be firm as well: of one beam, a return with three of its four
+// neighbours in azimuth on the same surface (core/segmentation/texture.h), so four columns. They
+// are 2 pi d / W apart, W in a revolution.
 
 namespace hardpack {
 
@@ -32,6 +36,11 @@ namespace hardpack {
 inline constexpr float kMostSight_m = 100.0f;
 float AssuredSight_m(const BeamModel& model, float sensor_height_m, float band_m, float height_m);
 
+// The level distance from the sensor up to which everything that is width_m wide across the line of
+// sight has the columns on it that make a return firm; at most kMostSight_m. 0: a model without
+// columns, or a width that is not above 0.
+float FirmSight_m(const BeamModel& model, float width_m);
+
 // The height of the lidar's centre above level ground.
 float SensorHeight_m(const BeamModel& model, const LidarMountParams& mount);
 
@@ -40,9 +49,9 @@ float SensorHeight_m(const BeamModel& model, const LidarMountParams& mount);
 float LeastAssuredHeight_m(const BeamModel& model, const PerceptionParams& perception,
                            const VehicleParams& vehicle, const SpeedParams& speed, float speed_mps);
 
-// The speed from which the vehicle stops, its front unseen_margin_m before the thing, within what
-// it sees of things of speed.assured_height_m: at most max_speed_mps, 0 where it sees nothing far
-// enough.
+// The speed from which the vehicle stops, its front unseen_margin_m before the thing, within both
+// sights of things of speed.assured_height_m and assured_width_m: at most max_speed_mps, 0 where it
+// sees nothing far enough.
 float AssuredSpeed_mps(const BeamModel& model, const PerceptionParams& perception,
                        const VehicleParams& vehicle, const SpeedParams& speed);
 

@@ -16,6 +16,7 @@
 #include "core/scan/scan.h"
 #include "core/segmentation/label_table.h"
 #include "core/segmentation/segmentation.h"
+#include "core/segmentation/wire_finder.h"
 
 // The perception half of the chain: lidar columns, poses and labels in, heights out
 // (docs/algorithm.md sections 1 and 8). Joins core/scan, core/segmentation and core/costmap; owns
@@ -208,7 +209,9 @@ class Mapper {
   void ClassReturn(const Direction& direction, int beam, const DirectionClasses& classes);
   ReturnClass FiledClass(PackedReturn packed) const;
   bool IsOverhead(PackedReturn packed) const;
+  bool StandsLow(const DirectionClasses& classes, int beam) const;
   bool IsLow(const DirectionClasses& classes, int beam) const;
+  void FileWires(const Direction& direction, const DirectionClasses& classes);
   uint32_t RevolutionOf(int64_t sequence) const;
   Vec3 PointOdom(const ScanColumn& column, int row, PackedReturn packed) const;
   void Fold(int slot);
@@ -249,6 +252,7 @@ class Mapper {
   BeamModel model_;
   PoseHistory poses_;
   Segmenter segmenter_;
+  WireFinder wires_;
   ScanRing ring_;
   HeightGrid heights_;
 };

@@ -69,6 +69,14 @@ Status Segmenter::Push(const DirectionView& view) {
   return status;
 }
 
+bool Segmenter::IsThin(int beam) const {
+  const float* own_m = Classed().ranges.range_m + RangeColumn::kReach_beams + beam;
+  const float past_m = *own_m + kThinPast_m;
+  const float left_m = Back(kLag + 1).ranges.range_m[RangeColumn::kReach_beams + beam];
+  const float right_m = Back(kLag - 1).ranges.range_m[RangeColumn::kReach_beams + beam];
+  return (left_m > past_m && right_m > past_m) || (own_m[-1] > past_m && own_m[1] > past_m);
+}
+
 // False when a number is not finite.
 bool Segmenter::Take(const DirectionView& view, Direction& direction) const {
   float* range_m = direction.ranges.range_m + RangeColumn::kReach_beams;

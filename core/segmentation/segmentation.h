@@ -103,6 +103,11 @@ class Segmenter {
   // nothing. Preconditions: ready(), 0 <= beam < beams.
   bool IsFirm(int beam) const { return Classed().texture.Is(Texture::kFirm, beam); }
   bool IsLoose(int beam) const { return Classed().texture.Is(Texture::kLoose, beam); }
+  // Whether a return of that direction is thin: its neighbours on both sides, to the left and right
+  // or above and below, came back from kThinPast_m further away at least. Preconditions: the same,
+  // and the direction has a return there.
+  static constexpr float kThinPast_m = 0.6f;
+  bool IsThin(int beam) const;
 
  private:
   static constexpr int kSlots = 2 * kLag + 1;
@@ -122,8 +127,9 @@ class Segmenter {
     Texture texture;
   };
 
-  const Direction& Classed() const { return directions_[(newest_ + kSlots - kLag) % kSlots]; }
+  const Direction& Classed() const { return Back(kLag); }
   // The direction pushed `back` before the last one.
+  const Direction& Back(int back) const { return directions_[(newest_ + kSlots - back) % kSlots]; }
   Direction& Back(int back) { return directions_[(newest_ + kSlots - back) % kSlots]; }
   bool Take(const DirectionView& view, Direction& direction) const;
   void FindTexture();

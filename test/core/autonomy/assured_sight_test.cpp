@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -17,14 +18,14 @@ namespace {
 
 constexpr float kSensor_m = 1.32f;
 
-BeamModel EvenBeams(int beams) {
+BeamModel EvenBeams(int beams, int columns = 1024) {
   std::vector<float> altitude_deg;
   for (int i = 0; i < beams; ++i) {
     altitude_deg.push_back(16.6f - 33.2f * static_cast<float>(i) / static_cast<float>(beams - 1));
   }
   const std::vector<float> azimuth_deg(static_cast<size_t>(beams), 0.0f);
   BeamModel model;
-  EXPECT_EQ(MakeBeamModel(altitude_deg, azimuth_deg, 1024, 0.012f, Transform3{}, model),
+  EXPECT_EQ(MakeBeamModel(altitude_deg, azimuth_deg, columns, 0.012f, Transform3{}, model),
             Status::kOk);
   return model;
 }
@@ -73,6 +74,11 @@ TEST(AssuredSight, NothingComesOfHeightsOrBeamsThatMakeNoSense) {
   EXPECT_EQ(AssuredSight_m(model, kSensor_m, 0.2f, 0.2f), 0.0f);
   EXPECT_EQ(AssuredSight_m(model, 0.1f, 0.08f, 0.2f), 0.0f);
   EXPECT_EQ(AssuredSight_m(model, kSensor_m, -0.1f, 0.2f), 0.0f);
+  EXPECT_EQ(FirmSight_m(BeamModel{}, 0.32f), 0.0f);
+  EXPECT_EQ(FirmSight_m(model, 0.0f), 0.0f);
+  EXPECT_EQ(FirmSight_m(model, -1.0f), 0.0f);
+  EXPECT_EQ(FirmSight_m(model, NAN), 0.0f);
+  EXPECT_EQ(FirmSight_m(model, INFINITY), kMostSight_m);
 }
 
 // The vehicle stops before what it meets; with 64 beams at 5 m/s, with 32 more slowly.
@@ -95,6 +101,11 @@ TEST(AssuredSight, TheSpeedStopsWithinIt) {
   }
   EXPECT_GT(AssuredSpeed_mps(EvenBeams(64), perception, vehicle, speed), 4.9f);
   EXPECT_LT(AssuredSpeed_mps(EvenBeams(32), perception, vehicle, speed), 3.0f);
+  // With half the columns the same beams tell what is narrow half as far away.
+  const float coarse_mps = AssuredSpeed_mps(EvenBeams(64, 512), perception, vehicle, speed);
+  EXPECT_LT(coarse_mps, 3.2f);
+  EXPECT_LE(StoppingDistance(speed, coarse_mps) + 0.5f * vehicle.length_m + speed.unseen_margin_m,
+            FirmSight_m(EvenBeams(64, 512), speed.assured_width_m));
 }
 
 // SR-LOW02
@@ -113,49 +124,88 @@ TEST(AssuredSight, LowersTheLimitsOrRefuses) {
   EXPECT_EQ(refused.max_speed_mps, SpeedParams{}.person_creep_mps);
 }
 
+// A thing on level ground, seen by the segmenter with all beams of one pitch.
+struct Thing {
+  double distance_m = 0.0;
+  double aside_m = 0.0;  // of its middle, to the left
+  double width_m = 0.0;
+  double height_m = 0.0;
+};
+
+DirectionView LookAt(const Thing& thing, double azimuth_rad, int beams) {
+  const double side_m = std::tan(azimuth_rad) * thing.distance_m;
+  DirectionView view;
+  view.beams = beams;
+  view.sensor_height_m = kSensor_m;
+  for (int beam = 0; beam < beams; ++beam) {
+    const double slope = std::tan((-16.6 + 33.2 * beam / (beams - 1)) * M_PI / 180.0);
+    view.slope[beam] = static_cast<float>(slope);
+    const double ground_m = slope < 0.0 ? double{kSensor_m} / -slope : 1.0e9;
+    const double z_m = double{kSensor_m} + slope * thing.distance_m;
+    const bool on_it = std::abs(side_m - thing.aside_m) < thing.width_m / 2.0 && z_m > 0.0 &&
+                       z_m <= thing.height_m;
+    const double level_m = on_it ? thing.distance_m : ground_m;
+    if (level_m > 100.0) continue;
+    view.seen[beam] = true;
+    view.level_m[beam] = static_cast<float>(level_m);
+    view.height_m[beam] = static_cast<float>(double{kSensor_m} + slope * level_m);
+    view.range_m[beam] = static_cast<float>(level_m * std::sqrt(1.0 + slope * slope));
+  }
+  return view;
+}
+
+// Of the returns of one scan: those that stand and are firm.
+int StandingFirm(const Thing& thing, int beams, int columns) {
+  constexpr int kDirections = 41;
+  auto segmenter = std::make_unique<Segmenter>();
+  EXPECT_EQ(segmenter->Configure(SegmentationParams{}, beams), Status::kOk);
+  int standing = 0;
+  for (int direction = 0; direction < kDirections + Segmenter::kLag; ++direction) {
+    const double azimuth_rad = (direction - kDirections / 2) * 2.0 * M_PI / columns;
+    EXPECT_EQ(segmenter->Push(LookAt(thing, azimuth_rad, beams)), Status::kOk);
+    if (!segmenter->ready()) continue;
+    const DirectionClasses& classes = segmenter->result();
+    for (int beam = 0; beam < beams; ++beam) {
+      const bool stands = classes.what[beam] == ReturnClass::kHard && classes.ground_known[beam];
+      standing += stands && segmenter->IsFirm(beam) ? 1 : 0;
+    }
+  }
+  return standing;
+}
+
 // One beam on what is above the tolerated part is enough for the segmenter itself: a thing of 0.2 m
-// and as wide as it is high, everywhere from where the lowest beam meets it to the end of the
+// and twice as wide as it is high, everywhere from where the lowest beam meets it to the end of the
 // sight.
 // SR-LOW02
 TEST(AssuredSight, WhatIsMetIsClassedAsStanding) {
   constexpr int kBeams = 64;
-  constexpr int kDirections = 41;
-  constexpr double kSpacing_rad = 2.0 * M_PI / 1024.0;
-  const SegmentationParams params;
-  const double sight_m =
-      double{AssuredSight_m(EvenBeams(kBeams), kSensor_m, params.ground_band_m, 0.2f)};
+  const float band_m = SegmentationParams{}.ground_band_m;
+  const double sight_m = double{AssuredSight_m(EvenBeams(kBeams), kSensor_m, band_m, 0.2f)};
   for (double d_m = 5.0; d_m < sight_m; d_m += 0.05) {
-    auto segmenter = std::make_unique<Segmenter>();
-    ASSERT_EQ(segmenter->Configure(params, kBeams), Status::kOk);
-    int standing = 0;
-    for (int direction = 0; direction < kDirections + Segmenter::kLag; ++direction) {
-      const double side = std::tan((direction - kDirections / 2) * kSpacing_rad);
-      DirectionView view;
-      view.beams = kBeams;
-      view.sensor_height_m = kSensor_m;
-      for (int beam = 0; beam < kBeams; ++beam) {
-        const double slope = std::tan((-16.6 + 33.2 * beam / (kBeams - 1)) * M_PI / 180.0);
-        view.slope[beam] = static_cast<float>(slope);
-        const double ground_m = slope < 0.0 ? double{kSensor_m} / -slope : 1.0e9;
-        const double z_m = double{kSensor_m} + slope * d_m;
-        const bool on_it = std::abs(side * d_m) < 0.2 && z_m > 0.0 && z_m <= 0.2;
-        const double level_m = on_it ? d_m : ground_m;
-        if (level_m > 100.0) continue;
-        view.seen[beam] = true;
-        view.level_m[beam] = static_cast<float>(level_m);
-        view.height_m[beam] = static_cast<float>(double{kSensor_m} + slope * level_m);
-        view.range_m[beam] = static_cast<float>(level_m * std::sqrt(1.0 + slope * slope));
+    EXPECT_GE(StandingFirm({d_m, 0.0, 0.4, 0.2}, kBeams, 1024), 2) << "at " << d_m << " m";
+  }
+}
+
+// And the columns: a thing as wide as is assured is firm wherever it lies between the columns up to
+// the end of the sight, and somewhere between them it is not, a little further away.
+// SR-LOW02
+TEST(AssuredSight, WhatIsAsWideAsIsAssuredIsFirm) {
+  constexpr int kBeams = 32;  // of which one to three meet it: too few for an upright line
+  constexpr int kPlaces = 10;
+  for (const int columns : {512, 1024}) {
+    const double sight_m = double{FirmSight_m(EvenBeams(kBeams, columns), 0.24f)};
+    const auto least = [&](double d_m) {
+      int standing = kMaxBeams;
+      for (int place = 0; place < kPlaces; ++place) {
+        const double aside_m = d_m * 2.0 * M_PI / columns * place / kPlaces;
+        standing = std::min(standing, StandingFirm({d_m, aside_m, 0.24, 0.3}, kBeams, columns));
       }
-      ASSERT_EQ(segmenter->Push(view), Status::kOk);
-      if (!segmenter->ready()) continue;
-      const DirectionClasses& classes = segmenter->result();
-      for (int beam = 0; beam < kBeams; ++beam) {
-        const bool stands = classes.what[beam] == ReturnClass::kHard &&
-                            classes.ground_known[beam] && segmenter->IsFirm(beam);
-        standing += stands ? 1 : 0;
-      }
+      return standing;
+    };
+    for (const double share : {0.92, 0.96, 0.995}) {
+      EXPECT_GE(least(share * sight_m), 2) << columns << " columns, " << share * sight_m << " m";
     }
-    EXPECT_GE(standing, 2) << "at " << d_m << " m";
+    EXPECT_EQ(least(1.1 * sight_m), 0) << columns << " columns";
   }
 }
 

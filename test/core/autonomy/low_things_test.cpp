@@ -79,6 +79,31 @@ TEST(LowThings, AreHardFromWhereTheBeamsResolveThem) {
   }
 }
 
+// A wire of 20 mm at 0.35 m, about the middle of the things, at an angle to the line across the
+// way.
+std::vector<Body> SlantedWire(double angle_deg) {
+  constexpr double kHalf_m = 0.01;
+  constexpr double kLength_m = 2.0;
+  std::vector<Body> pieces;
+  for (double at_m = -kLength_m / 2.0; at_m <= kLength_m / 2.0; at_m += kHalf_m) {
+    const double x = kThing_m + at_m * std::sin(angle_deg * kDegree_rad);
+    const double y = at_m * std::cos(angle_deg * kDegree_rad);
+    pieces.push_back(Box({x - kHalf_m, y - kHalf_m, 0.34}, {x + kHalf_m, y + kHalf_m, 0.36}));
+  }
+  return pieces;
+}
+
+// From single returns of beam after beam, or of one column. No gap between the cells is as wide as
+// the vehicle.
+// SR-LOW05 wires are obstacles however they lie.
+TEST(LowThings, WiresAreHardHoweverTheyLie) {
+  for (const double angle_deg : {15.0, 30.0, 45.0, 60.0, 75.0, 85.0}) {
+    SCOPED_TRACE(std::to_string(angle_deg) + " degrees");
+    const auto chain = Approach(SlantedWire(angle_deg), 5.5);
+    EXPECT_GE(chain->Count(kThere, Costmap::kHard), 3) << chain->Picture(kThere);
+  }
+}
+
 // Up to where the lowest beam has long passed over it, and with a lidar that points half a degree
 // up or down.
 // SR-LOW01

@@ -64,6 +64,7 @@ class ClosedLoop {
     vehicle_ = std::make_unique<sim::ScriptedVehicle>(settings_, std::move(events), now_ns_);
     config_ =
         std::make_unique<VehicleConfig>(ConfigFor(settings_, vehicle_->lidar().MetadataJson()));
+    config_->planner.speed.assured_width_m = 0.64f;  // else its columns do not carry 5 m/s
     EXPECT_EQ(loop_->Configure(*config_), Status::kOk);
     counted_.Set(config_->lidar.beams);
   }
