@@ -9,7 +9,7 @@
 
 // The parameters of the onboard chain beyond perception and planning: what a tick needs besides.
 // Ranges and descriptions: config/onboard_tables.h. What only the Linux port needs (addresses,
-// paths, priorities) is the port's (port_linux/configuration.h).
+// paths, priorities) is the port's (port_linux/files/configuration.h).
 
 namespace hardpack {
 
@@ -143,7 +143,7 @@ struct SafetyParams {
   float sight_mask_to_rad = 0.0f;
 };
 
-// The work of one tick (hal/vehicle_loop.h).
+// The work of one tick (hal/onboard/vehicle_loop.h).
 struct TickParams {
   int32_t period_ms = 10;
   int32_t planning_units = 4000;  // of the stages, in every tick

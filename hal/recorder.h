@@ -17,8 +17,8 @@ struct RecorderCounters {
   uint64_t write_errors = 0;   // disk full, medium gone; recording goes on when it can
 };
 
-// Takes the records of a flight log (hal/flight_log says what is in them) and writes them to a
-// medium, in order. No call blocks or allocates: what cannot be taken is dropped and counted.
+// Takes the records of a flight log (hal/onboard/flight_log says what is in them) and writes them
+// to a medium, in order. No call blocks or allocates: what cannot be taken is dropped and counted.
 // test/hal/conformance holds every implementation to this page.
 class Recorder {
  public:

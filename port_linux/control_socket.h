@@ -11,14 +11,14 @@
 #include <string>
 
 #include "core/base/status.h"
-#include "hal/control/messages.h"
-#include "hal/control/status_report.h"
+#include "hal/onboard/control/messages.h"
+#include "hal/onboard/control/status_report.h"
 #include "port_linux/file_descriptor.h"
 #include "port_linux/open_outcome.h"
 
 // Where operators' programs connect: a Unix-domain SOCK_SEQPACKET socket in the file system, a
-// message of hal/control a packet (docs/control.md). It looks at headers only: what a command does
-// is the tick's business, what is answered the owner's.
+// message of hal/onboard/control a packet (docs/control.md). It looks at headers only: what a
+// command does is the tick's business, what is answered the owner's.
 //
 // Two locks keep others out. The file lets its owner and its group connect, nobody else; and of
 // those who connect, only root, the owner and members of the group may command, by what the kernel

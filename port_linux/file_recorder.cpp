@@ -14,8 +14,8 @@
 #include <system_error>
 
 #include "core/base/byte_reader.h"
-#include "hal/flight_log/packets.h"
-#include "hal/flight_log/records.h"
+#include "hal/onboard/flight_log/packets.h"
+#include "hal/onboard/flight_log/records.h"
 
 namespace hardpack {
 namespace {

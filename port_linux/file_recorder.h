@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "hal/recorder.h"
+#include "port_linux/files/read_outcome.h"
 #include "port_linux/log_folder.h"
-#include "port_linux/read_outcome.h"
 #include "port_linux/record_ring.h"
 
 // A Recorder into files: pcap captures of link type LINUX_SLL2 with stamps in nanoseconds, one
@@ -20,8 +20,9 @@
 //
 // While the medium is full, gone or slow the thread keeps trying, and nothing is lost until the
 // ring is full. Then records are dropped and counted; the first one that is taken again comes
-// behind a Gap record (hal/flight_log) that says how many are missing. It is taken again once an
-// eighth of the ring is free, so that a slow medium makes few long gaps and not many short ones.
+// behind a Gap record (hal/onboard/flight_log) that says how many are missing. It is taken again
+// once an eighth of the ring is free, so that a slow medium makes few long gaps and not many short
+// ones.
 //
 // After Start neither thread allocates.
 

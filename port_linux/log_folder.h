@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "port_linux/read_outcome.h"
+#include "port_linux/files/read_outcome.h"
 
 // The folder of the flight logs: names new files, and deletes the oldest of ours when there are too
 // many. A file of ours is named flight_YYYYMMDD_HHMMSS_NNN.pcap by the run's start (UTC) and its

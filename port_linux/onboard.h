@@ -9,11 +9,11 @@
 
 #include "hal/can_bus.h"
 #include "hal/clock.h"
-#include "hal/control/status_report.h"
 #include "hal/datagram_socket.h"
-#include "hal/flight_log/flight_log.h"
+#include "hal/onboard/control/status_report.h"
+#include "hal/onboard/flight_log/flight_log.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
 #include "hal/recorder.h"
-#include "hal/vehicle_loop/vehicle_loop.h"
 #include "hal/watchdog.h"
 #include "port_linux/control_socket.h"
 

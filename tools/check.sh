@@ -219,10 +219,10 @@ tests() {
   step "$1 tests" run_tests "$@" || true
 }
 
-step "requirements" tools/check_requirements.py || true
+step "requirements" tools/proof/check_requirements.py || true
 if build release; then
   # Tests with a vcan run one at a time and wait most of the time.
-  beside "clang-tidy" nice -n 19 tools/check_tidy.sh build/release
+  beside "clang-tidy" nice -n 19 tools/proof/check_tidy.sh build/release
   tests release -LE slow
   join
 fi
@@ -231,7 +231,7 @@ if $all; then
   rm -f build/loops
   if build asan; then
     HARDPACK_LOOP_REPORT=$root/build/loops tests asan -LE slow
-    step "loops" tools/loop_report.py build/loops || true
+    step "loops" tools/proof/loop_report.py build/loops || true
   fi
   # Each has a chain of tests that wait for each other.
   of_cortex_m7=false
@@ -242,7 +242,7 @@ if $all; then
   if $of_aarch64; then tests aarch64; fi
   if $of_cortex_m7; then join; fi
   everywhere='^decision\.equal_on_all_targets$'
-  step "fuzz" tools/fuzz.sh --minutes 1 --seed 1 || true
+  step "fuzz" tools/proof/fuzz.sh --minutes 1 --seed 1 || true
   # It builds with all processors, and writes: not beside a vcan.
   step "same decisions" ctest --preset release -R "$everywhere" || true
   # One more at a time than there are processors: those with a vcan (a chain of their own) wait.

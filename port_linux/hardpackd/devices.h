@@ -5,12 +5,12 @@
 #include <string>
 #include <string_view>
 
-#include "hal/flight_log/flight_log.h"
+#include "hal/onboard/flight_log/flight_log.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
 #include "hal/ouster/ouster.h"
-#include "hal/vehicle_loop/vehicle_loop.h"
-#include "port_linux/configuration.h"
 #include "port_linux/control_socket.h"
 #include "port_linux/file_recorder.h"
+#include "port_linux/files/configuration.h"
 #include "port_linux/monotonic_clock.h"
 #include "port_linux/onboard.h"
 #include "port_linux/realtime.h"

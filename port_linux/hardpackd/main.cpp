@@ -11,11 +11,11 @@
 #include <string_view>
 
 #include "core/base/assert.h"
+#include "port_linux/files/ouster_metadata.h"
+#include "port_linux/files/read_file.h"
 #include "port_linux/hardpackd/allocation_guard.h"
 #include "port_linux/hardpackd/devices.h"
 #include "port_linux/hardpackd/revision.h"
-#include "port_linux/ouster_metadata.h"
-#include "port_linux/read_file.h"
 
 // The onboard program: reads its configuration, opens everything, ticks until it is told to end.
 

@@ -25,7 +25,7 @@ import bus_log  # noqa: E402
 
 WORLD, GOAL_M = "open", (12.0, 0.0)
 PROGRAMS = [pathlib.Path(os.environ[name])
-            for name in ("HARDPACKD", "SCRIPTED_VEHICLE", "HARDPACK_CTL")]
+            for name in ("HARDPACKD", "SCRIPTED_VEHICLE", "HARDPACKCTL")]
 STRIP = os.environ["STRIP"]
 REPLAY_LOG = ["qemu-aarch64", os.environ["REPLAY_LOG"]]
 HOST_COMMAND = pathlib.Path(os.environ["HOST_COMMAND"])

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "tools/mission/mission.h"
-#include "tools/sim/vehicle_model_file.h"
+#include "tools/sim/mission/mission.h"
+#include "tools/sim/vehicle/vehicle_model_file.h"
 
 int main(int argc, char** argv) {
   using namespace hardpack;

@@ -6,7 +6,7 @@
 
 #include "core/base/assert.h"
 #include "core/base/status.h"
-#include "hal/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
 #include "test/bare_metal/instruction_clock.h"
 #include "test/bare_metal/print.h"
 #include "test/bare_metal/semihosting.h"

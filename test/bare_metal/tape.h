@@ -6,7 +6,7 @@
 #include <type_traits>
 
 #include "hal/can_frame.h"
-#include "hal/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
 
 // A tape: the ticks of a flight log as a processor without an operating system can take them. The
 // host writes it from a log (write_tape.cpp), which holds the configuration as text. Structures go

@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "hal/labels/labels.h"
-#include "hal/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
 #include "test/bare_metal/tape_writer.h"
-#include "test/hal/control/command_bytes.h"
+#include "test/hal/onboard/control/command_bytes.h"
 #include "test/hal/ouster/ouster_packets.h"
-#include "tools/sim/scripted_vehicle.h"
+#include "tools/sim/script/scripted_vehicle.h"
 
 // Writes a tape of ticks that are as dear as a test can make them, so that their instructions can
 // be held against the static bound of a tick. A vehicle stands, its drives are brought up, and then

@@ -8,8 +8,8 @@
 #include <system_error>
 #include <vector>
 
-#include "port_linux/configuration.h"
-#include "port_linux/ouster_metadata.h"
+#include "port_linux/files/configuration.h"
+#include "port_linux/files/ouster_metadata.h"
 #include "test/bare_metal/tape_writer.h"
 #include "tools/capture/flight_reader.h"
 #include "tools/replay/replay.h"

@@ -14,7 +14,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(os.environ["HARDPACK_SOURCE"])
-sys.path.insert(0, str(ROOT / "tools" / "wcet"))
+sys.path.insert(0, str(ROOT / "tools" / "proof" / "wcet"))
 from timing import FACTS, Facts, evaluate  # noqa: E402: it is found by the line above
 
 # What no tape of seconds comes to.

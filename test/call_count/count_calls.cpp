@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
 #include "test/bare_metal/tape.h"
 #include "test/call_count/call_counter.h"
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Shows that tools/check_requirements.py can fail: one planted violation of each kind, in a small
+"""Shows that tools/proof/check_requirements.py can fail: one planted violation of each kind, in a small
 tree whose log and tests fit together."""
 
 import pathlib
@@ -10,7 +10,7 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-SCRIPT = ROOT / "tools" / "check_requirements.py"
+SCRIPT = ROOT / "tools" / "proof" / "check_requirements.py"
 
 HAZARDS = """# Hazard log
 ## Hazards

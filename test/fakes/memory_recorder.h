@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "hal/flight_log/packets.h"
+#include "hal/onboard/flight_log/packets.h"
 #include "hal/recorder.h"
 
 namespace hardpack::fakes {

@@ -10,8 +10,8 @@
 namespace hardpack {
 
 // Counts by kind what a target accepts, and at the end of the program writes a line `kind count`
-// for each to the file that the environment variable HARDPACK_FUZZ_ACCEPTED names: tools/fuzz.sh
-// holds the seeds to it, since those that are all refused are none.
+// for each to the file that the environment variable HARDPACK_FUZZ_ACCEPTED names:
+// tools/proof/fuzz.sh holds the seeds to it, since those that are all refused are none.
 class AcceptedKinds {
  public:
   ~AcceptedKinds() {

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "config/validate.h"
-#include "port_linux/configuration.h"
+#include "port_linux/files/configuration.h"
 #include "test/fuzz/accepted.h"
 
 namespace {

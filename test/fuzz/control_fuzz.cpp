@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "hal/control/messages.h"
-#include "hal/control/status_report.h"
+#include "hal/onboard/control/messages.h"
+#include "hal/onboard/control/status_report.h"
 #include "test/fuzz/accepted.h"
 
 using namespace hardpack;

@@ -5,7 +5,7 @@
 usage: test/fuzz/make_seeds.py OUT [DATA]
 
 A folder a target under OUT; a seed is named KIND_NUMBER by what its target is to accept it as (see
-test/fuzz/accepted.h; tools/fuzz.sh holds the targets to it), any_NUMBER where that is open. DATA is
+test/fuzz/accepted.h; tools/proof/fuzz.sh holds the targets to it), any_NUMBER where that is open. DATA is
 the folder of recordings (ouster/*.pcap and *.json, vectornav, ...); without it, what the sources
 hold and what can be put together by hand is used.
 """
@@ -19,11 +19,11 @@ import sys
 import zlib
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-MAX_BYTES = 25000  # of an input (tools/fuzz.sh)
+MAX_BYTES = 25000  # of an input (tools/proof/fuzz.sh)
 PROFILES = {"LEGACY": (0, "legacy"), "RNG19_RFL8_SIG16_NIR16": (1, "rng19"),
             "RNG15_RFL8_NIR8": (2, "rng15"), "RNG19_RFL8_SIG16_NIR16_DUAL": (3, "dual")}
 IMU_BYTES = 48
-FIRST_WITH_CRC = (3, 2, 0)  # port_linux/ouster_metadata.cpp
+FIRST_WITH_CRC = (3, 2, 0)  # port_linux/files/ouster_metadata.cpp
 ETHERNET, CAN_SOCKETCAN, LINUX_SLL2 = 1, 227, 276  # link types
 
 
@@ -97,7 +97,7 @@ def cooked(protocol, hardware, outward, packet):
 
 
 def record(kind, body):
-    """Of a flight log (hal/flight_log/records.h)."""
+    """Of a flight log (hal/onboard/flight_log/records.h)."""
     payload = b"HPFL" + struct.pack("<BBH", 1, kind, 0) + body
     udp = struct.pack(">HHHH", 47100, 47100, 8 + len(payload), 0) + payload
     return cooked(0x0800, 772, False, ipv4(0x7f000001, 0x7f000001, 0x4000, udp))

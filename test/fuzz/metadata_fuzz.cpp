@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "core/scan/scan.h"
-#include "port_linux/ouster_metadata.h"
+#include "port_linux/files/ouster_metadata.h"
 #include "test/fuzz/accepted.h"
 
 namespace {

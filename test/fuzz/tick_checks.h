@@ -8,8 +8,8 @@
 #include <memory>
 #include <vector>
 
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
 #include "hal/sevcon/process_data.h"
-#include "hal/vehicle_loop/vehicle_loop.h"
 #include "test/fuzz/mapper_script.h"
 
 // What is required of every tick (docs/safety.md), seen from outside: from the bytes that go out,

@@ -24,8 +24,8 @@
 #include <utility>
 #include <vector>
 
-#include "hal/control/messages.h"
-#include "hal/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/control/messages.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
 #include "test/fuzz/accepted.h"
 #include "test/fuzz/mapper_script.h"
 #include "test/fuzz/tick_checks.h"

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "hal/flight_log/flight_log.h"
-#include "hal/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/flight_log/flight_log.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
 #include "test/fakes/memory_recorder.h"
 #include "test/fuzz/mapper_script.h"
 #include "test/fuzz/temporary_file.h"

@@ -9,14 +9,14 @@
 #include <span>
 #include <vector>
 
-#include "hal/vehicle_loop/vehicle_loop.h"
-#include "port_linux/ouster_metadata.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+#include "port_linux/files/ouster_metadata.h"
 #include "test/fuzz/mapper_script.h"
-#include "test/hal/control/command_bytes.h"
+#include "test/hal/onboard/control/command_bytes.h"
 #include "test/loop_count/counted_beams.h"
-#include "tools/sim/scripted_vehicle.h"
-#include "tools/world/features.h"
-#include "tools/world/world.h"
+#include "tools/sim/script/scripted_vehicle.h"
+#include "tools/sim/world/features.h"
+#include "tools/sim/world/world.h"
 
 // What the tick's fuzz target plays: a simulated vehicle that has driven for some seconds, as the
 // state of its VehicleLoop, and what came in the ticks behind that.

@@ -9,7 +9,7 @@ import sys
 import tempfile
 import unittest
 
-TOOLS = pathlib.Path(os.environ["HARDPACK_SOURCE"]) / "tools"
+TOOLS = pathlib.Path(os.environ["HARDPACK_SOURCE"]) / "tools" / "proof"
 sys.path.insert(0, str(TOOLS))
 
 import check_instructions  # pylint: disable=wrong-import-position

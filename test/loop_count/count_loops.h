@@ -4,8 +4,8 @@
 // Force-included before every source of the counting build: first the headers of others, then the
 // keywords `for` and `while` with a tick of the counter that HP_LOOP_BOUND has just declared as
 // hp_loop. In core and hal a loop without HP_LOOP_BOUND before it does not compile here, as there
-// is no hp_loop (a loop inside another's body would take the outer one's: tools/check_layers.py
-// finds those).
+// is no hp_loop (a loop inside another's body would take the outer one's:
+// tools/proof/check_layers.py finds those).
 //
 // Tests (HP_COUNT_LOOPS_OF_TESTS) may have loops of their own without a bound: an hp_loop that
 // counts nothing is there for them.

@@ -4,7 +4,7 @@
 // was entered to the file that the environment variable HARDPACK_LOOP_REPORT names. A loop has a
 // line a program run (ctest runs each test on its own) and a line a bound; the largest counts.
 //
-//   HARDPACK_LOOP_REPORT=/tmp/loops ctest -R counted/ && tools/loop_report.py /tmp/loops
+//   HARDPACK_LOOP_REPORT=/tmp/loops ctest -R counted/ && tools/proof/loop_report.py /tmp/loops
 //
 // For libFuzzer (HP_REWARD_NEARNESS, test/fuzz) it also says how near each loop came to its bound:
 // an input that brings one nearer is new to it, though no other code was reached, and is built

@@ -27,7 +27,7 @@ CAN = "vcan0"
 NODES = {"left": 2, "right": 3}
 PATIENCE_S = 30.0  # for what is no matter of time
 REST_MPS = 0.03
-DEAD_TIME_S = 0.15  # of the simulated drives (tools/sim/wheel_motor.h)
+DEAD_TIME_S = 0.15  # of the simulated drives (tools/sim/vehicle/wheel_motor.h)
 LAG_S = 0.48
 
 # Written to by many small writes while the vehicle drives: in memory, not on a disk.
@@ -405,7 +405,7 @@ class OnboardCase(unittest.TestCase):
 
     def coasting_s(self, event_s):
         """How long the drives take from the fastest speed after the event to rest once they are told
-        to stop: their dead time and first-order lag (tools/sim/wheel_motor.h), and 0.1 s."""
+        to stop: their dead time and first-order lag (tools/sim/vehicle/wheel_motor.h), and 0.1 s."""
         self.rest_after(event_s)
         fastest_mps = max(abs(one["v"]) for one in self.vehicle.samples(event_s))
         return DEAD_TIME_S + LAG_S * math.log(max(fastest_mps / REST_MPS, 1.0)) + 0.1

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A vehicle on real sockets, in real time: drives on a SocketCAN interface, a lidar and an INS by
-// UDP, with a script of what goes wrong (tools/sim/script.h). Writes what happened as JSON lines.
+// UDP, with a script of what goes wrong (tools/sim/script/script.h). Writes what happened as JSON
+// lines.
 #include <csignal>
 #include <fstream>
 #include <iostream>
@@ -10,10 +11,10 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
-#include "tools/sim/script.h"
-#include "tools/sim/scripted_vehicle.h"
-#include "tools/wire/real_time.h"
-#include "tools/world/named_worlds.h"
+#include "tools/sim/script/script.h"
+#include "tools/sim/script/scripted_vehicle.h"
+#include "tools/sim/wire/real_time.h"
+#include "tools/sim/world/named_worlds.h"
 
 namespace hardpack::sim {
 namespace {
@@ -48,7 +49,7 @@ void AddOptions(CLI::App& app, Options& options) {
   app.add_option("--foreign-address", options.wire.foreign_address,
                  "where lidar-foreign and ins-foreign come from");
   app.add_option("--seconds", options.seconds, "ends after so long; 0: at SIGTERM or quit");
-  app.add_option("--script", options.script, "file of events (tools/sim/script.h)");
+  app.add_option("--script", options.script, "file of events (tools/sim/script/script.h)");
   app.add_option("--at", options.at, "one event, as \"5.0 drive-silent left on\"; may be repeated")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -63,7 +64,7 @@ void AddOptions(CLI::App& app, Options& options) {
   app.add_option("--metadata", options.metadata, "file to write the lidar's metadata to");
   std::vector<std::string> worlds = world::WorldNames();
   worlds.emplace_back("lane");
-  app.add_option("--world", options.world, "lane, or one of tools/world/named_worlds.h")
+  app.add_option("--world", options.world, "lane, or one of tools/sim/world/named_worlds.h")
       ->check(CLI::IsMember(worlds));
   app.add_option("--world-seed", options.world_seed, "its variations (1)");
   app.add_option("--lidar-profile", options.profile, "legacy or rng19")

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "core/base/byte_reader.h"
-#include "hal/flight_log/packets.h"
-#include "hal/flight_log/records.h"
+#include "hal/onboard/flight_log/packets.h"
+#include "hal/onboard/flight_log/records.h"
 #include "test/fakes/memory_recorder.h"
 
 // A folder for logs that goes when the test does, and what is in such files.

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "test/fakes/memory_datagram_socket.h"
-#include "test/hal/vehicle_loop/closed_loop.h"
+#include "test/hal/onboard/vehicle_loop/closed_loop.h"
 
 // Onboard::Run on a simulated vehicle: how it ends.
 

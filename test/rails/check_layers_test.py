@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Shows that tools/check_layers.py can fail: one planted violation a rule, in a small tree."""
+"""Shows that tools/proof/check_layers.py can fail: one planted violation a rule, in a small tree."""
 
 import pathlib
 import sys
@@ -8,7 +8,7 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path.insert(0, str(ROOT / "tools" / "proof"))
 import check_layers  # noqa: E402
 
 SPDX = "// SPDX-License-Identifier: Apache-2.0\n"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Linked with the whole of core and hal, the compiler's own library, the four functions of
 // test/bare_metal/memory_functions.cpp and nothing else: -nostdlib -ffreestanding.
-#include "hal/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
 
 namespace {
 

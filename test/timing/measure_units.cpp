@@ -6,7 +6,7 @@
 #include "core/autonomy/planner.h"
 #include "core/base/assert.h"
 #include "core/safety/motion_sweep.h"
-#include "hal/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
 #include "test/bare_metal/instruction_clock.h"
 #include "test/bare_metal/print.h"
 #include "test/bare_metal/semihosting.h"
@@ -14,9 +14,9 @@
 #include "test/timing/adversarial_maps.h"
 
 // The most instructions that one step of each of the planner's stages takes on the adversarial
-// maps, counted exactly: tools/wcet/timing.py holds the static bounds against them. Each map for
-// the default vehicle and for the largest one, in steps of one unit and in whole portions, from the
-// middle to a corner and, with a heading there, to a side, by either optimizer.
+// maps, counted exactly: tools/proof/wcet/timing.py holds the static bounds against them. Each map
+// for the default vehicle and for the largest one, in steps of one unit and in whole portions, from
+// the middle to a corner and, with a heading there, to a side, by either optimizer.
 
 namespace hardpack::decision {
 

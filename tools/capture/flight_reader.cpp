@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "hal/flight_log/flight_log.h"
-#include "hal/flight_log/packets.h"
+#include "hal/onboard/flight_log/flight_log.h"
+#include "hal/onboard/flight_log/packets.h"
 
 namespace hardpack::capture {
 namespace {

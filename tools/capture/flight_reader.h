@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "hal/can_frame.h"
-#include "hal/flight_log/records.h"
-#include "hal/vehicle_loop/vehicle_loop.h"
-#include "port_linux/read_outcome.h"
+#include "hal/onboard/flight_log/records.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+#include "port_linux/files/read_outcome.h"
 #include "tools/capture/pcap_reader.h"
 
-// One file of a flight log (hal/flight_log, docs/flight_log.md), tick by tick, and what it opens
-// with. Believes nothing: ticks that are not as their own records say are told apart from whole
-// ones, and a file may end anywhere.
+// One file of a flight log (hal/onboard/flight_log, docs/flight_log.md), tick by tick, and what it
+// opens with. Believes nothing: ticks that are not as their own records say are told apart from
+// whole ones, and a file may end anywhere.
 
 namespace hardpack::capture {
 

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "hal/can_frame.h"
-#include "hal/flight_log/packets.h"
-#include "port_linux/read_outcome.h"
+#include "hal/onboard/flight_log/packets.h"
+#include "port_linux/files/read_outcome.h"
 #include "tools/capture/duplicate_filter.h"
 #include "tools/capture/ipv4_reassembly.h"
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "port_linux/read_file.h"
+#include "port_linux/files/read_file.h"
 
 namespace hardpack::capture {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "port_linux/read_outcome.h"
+#include "port_linux/files/read_outcome.h"
 
 // Semantic labels of recorded returns, as codes of 0 .. 255. What a code means for driving is the
 // label table's business (core/segmentation/label_table.h; RELLIS-3D's ontology by default).

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/base/math.h"
-#include "port_linux/ouster_metadata.h"
+#include "port_linux/files/ouster_metadata.h"
 #include "tools/capture/pcap_reader.h"
 #include "tools/capture/rellis_labels.h"
 

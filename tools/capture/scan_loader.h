@@ -11,7 +11,7 @@
 #include "core/measurements/measurements.h"
 #include "core/segmentation/label_table.h"
 #include "hal/ouster/ouster.h"
-#include "port_linux/read_outcome.h"
+#include "port_linux/files/read_outcome.h"
 
 // One revolution of a recorded lidar through the mapper: a capture (pcap), the sensor's metadata
 // (JSON) and, where there are any, the labels of its returns (CSV). Joins the readers of this

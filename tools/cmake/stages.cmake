@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-# A stage is a folder of core or hal: its sources, and the stages whose types it may use. The same
-# list is what the layering check (tools/check_layers.py) holds the includes to.
+# A stage is a folder of core or hal, or of a folder there (onboard/control): its sources, and the stages
+# whose types it may use. The same list is what the layering check (tools/proof/check_layers.py) holds the includes to.
 
 # hp_stage(<layer> <name> [DEPENDS <stage>...])
 #   makes the library hardpack_<layer>_<name> from every .cpp of the current folder's <name>/
 function(hp_stage layer name)
   cmake_parse_arguments(ARG "" "" "DEPENDS" ${ARGN})
-  set(target hardpack_${layer}_${name})
+  string(REPLACE "/" "_" target hardpack_${layer}_${name})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
   if(sources)
     add_library(${target} OBJECT ${sources})

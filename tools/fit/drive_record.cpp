@@ -9,7 +9,7 @@
 #include <numbers>
 #include <system_error>
 
-#include "port_linux/read_file.h"
+#include "port_linux/files/read_file.h"
 
 namespace hardpack::fit {
 namespace {

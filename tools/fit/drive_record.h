@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "port_linux/read_outcome.h"
-#include "tools/sim/wheel_dynamics.h"
+#include "port_linux/files/read_outcome.h"
+#include "tools/sim/vehicle/wheel_dynamics.h"
 
 // A recording of a driven vehicle at a fixed rate, in segments: what was commanded, what the
 // wheels' encoders said, and where a lidar saw it. The format is that of config/vehicles' source, a

@@ -8,7 +8,7 @@
 #include <initializer_list>
 #include <limits>
 
-#include "tools/sim/vehicle_model_file.h"
+#include "tools/sim/vehicle/vehicle_model_file.h"
 
 namespace hardpack::fit {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "tools/sim/exact_math.h"
+#include "tools/sim/vehicle/exact_math.h"
 
 namespace hardpack::fit {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tools/fit/drive_record.h"
-#include "tools/sim/vehicle_model.h"
+#include "tools/sim/vehicle/vehicle_model.h"
 
 // What a model makes of a segment's setpoints: from the wheel speeds at its begin, open loop.
 

@@ -6,7 +6,7 @@
 
 #include "tools/fit/drive_record.h"
 #include "tools/fit/evaluation.h"
-#include "tools/sim/vehicle_model_params.h"
+#include "tools/sim/vehicle/vehicle_model_params.h"
 
 // Fits the vehicle model to a recording: the numbers with which open-loop predictions from the
 // setpoints come nearest to the wheels' fresh speeds and to what the poses moved and turned by in

@@ -7,7 +7,7 @@
 
 #include "core/base/grid.h"
 #include "core/base/pose.h"
-#include "port_linux/read_outcome.h"
+#include "port_linux/files/read_outcome.h"
 
 // Occupancy maps in the format of ROS map_server (a YAML file and a PGM or PNG image) and their way
 // onto the planning grid. Decides what a grey value stands for; does not plan.

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "port_linux/read_outcome.h"
+#include "port_linux/files/read_outcome.h"
 
 // A picture in memory, drawn with cairo and written as PNG. Lengths are pixels, y points down.
 

@@ -10,10 +10,10 @@
 #include "core/autonomy/replanner.h"
 #include "core/base/pose.h"
 #include "core/safety/supervisor.h"
-#include "hal/flight_log/records.h"
-#include "hal/vehicle_loop/vehicle_loop.h"
-#include "port_linux/configuration.h"
-#include "port_linux/read_outcome.h"
+#include "hal/onboard/flight_log/records.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+#include "port_linux/files/configuration.h"
+#include "port_linux/files/read_outcome.h"
 
 // Runs a recorded drive through VehicleLoop again (docs/flight_log.md). Of a flight log the ticks
 // are known, and so is what they decided: it has to be decided again, bit for bit. Of a plain

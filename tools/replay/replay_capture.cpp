@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "hal/sevcon/canopen.h"
-#include "port_linux/ouster_metadata.h"
+#include "port_linux/files/ouster_metadata.h"
 #include "tools/capture/pcap_reader.h"
 #include "tools/replay/replay.h"
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string_view>
 
-#include "hal/flight_log/flight_log.h"
-#include "port_linux/ouster_metadata.h"
+#include "hal/onboard/flight_log/flight_log.h"
+#include "port_linux/files/ouster_metadata.h"
 #include "tools/capture/flight_reader.h"
 #include "tools/replay/replay.h"
 

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "tools/ctl/code_names.h"
+#include "port_linux/hardpackctl/code_names.h"
 
 namespace hardpack::replay {
 namespace {

@@ -3,7 +3,7 @@
 # One mission in the emulated machine: WORLD, X and Y of the goal. What it leaves lies in out. Exit
 # status 1: it did not come to where it should, and the last line says where it was.
 mkdir -p out/log
-ctl() { ./hardpack_ctl ctl --socket /tmp/control.sock "$@"; }
+ctl() { ./hardpackctl --socket /tmp/control.sock "$@"; }
 
 # wait_for <what> <seconds> <command>...  until the command succeeds
 wait_for() {

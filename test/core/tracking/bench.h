@@ -15,13 +15,13 @@
 #include "core/autonomy/path_target.h"
 #include "core/speed/speed.h"
 #include "core/tracking/tracking.h"
-#include "tools/sim/vehicle_model.h"
-#include "tools/sim/vehicle_model_file.h"
+#include "tools/sim/vehicle/vehicle_model.h"
+#include "tools/sim/vehicle/vehicle_model_file.h"
 
 // Vehicles to try the tracker on, in double precision and steps of a millisecond, with parameters
 // of their own, which the tracker does not know, and noise in what it is told: those of the fit to
-// the recordings (tools/sim/vehicle_model.h), and simpler ones, which the tracker's model is not
-// made for.
+// the recordings (tools/sim/vehicle/vehicle_model.h), and simpler ones, which the tracker's model
+// is not made for.
 
 namespace hardpack::testing {
 
@@ -247,7 +247,8 @@ BodyMotion BodyOf(const VehicleBench& bench, const DriveNoise& noise, Random& ra
               static_cast<float>(bench.yaw_rate_radps() + noise.yaw_rate_radps * normal(random))};
 }
 
-// Drives the path to its end, ticks of 10 ms: the loop of hal/vehicle_loop with a fixed plan.
+// Drives the path to its end, ticks of 10 ms: the loop of hal/onboard/vehicle_loop with a fixed
+// plan.
 inline Driven Drive(const WorldPath& path, const DriveSetup& setup, unsigned seed) {
   constexpr uint64_t kTick_ns = 10'000'000;
   std::mt19937 random(seed);

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "test/fakes/memory_recorder.h"
-#include "test/hal/flight_log/made_up_run.h"
+#include "test/hal/onboard/flight_log/made_up_run.h"
 #include "test/port_linux/log_files.h"
 
 namespace hardpack::capture {

@@ -14,7 +14,7 @@
 #include "core/base/byte_reader.h"
 #include "core/scan/scan.h"
 #include "hal/ouster/ouster.h"
-#include "port_linux/ouster_metadata.h"
+#include "port_linux/files/ouster_metadata.h"
 #include "test/tools/capture/capture_files.h"
 #include "tools/capture/pcap_reader.h"
 

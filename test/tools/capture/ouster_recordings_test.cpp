@@ -13,7 +13,7 @@
 
 #include "hal/ouster/ouster.h"
 #include "hal/ouster/packet_monitor.h"
-#include "port_linux/ouster_metadata.h"
+#include "port_linux/files/ouster_metadata.h"
 #include "test/tools/capture/capture_files.h"
 #include "tools/capture/pcap_reader.h"
 

@@ -8,7 +8,7 @@
 #include "core/scan/scan.h"
 #include "core/scan/sight_watch.h"
 #include "hal/ouster/ouster.h"
-#include "port_linux/ouster_metadata.h"
+#include "port_linux/files/ouster_metadata.h"
 #include "test/tools/capture/capture_files.h"
 #include "tools/capture/pcap_reader.h"
 

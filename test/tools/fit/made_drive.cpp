@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <random>
 
-#include "tools/sim/vehicle_model.h"
+#include "tools/sim/vehicle/vehicle_model.h"
 
 namespace hardpack::fit {
 namespace {

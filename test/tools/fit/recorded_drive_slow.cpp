@@ -3,7 +3,7 @@
 
 #include "test/tools/fit/recorded_drive.h"
 #include "tools/fit/fit_report.h"
-#include "tools/sim/vehicle_model_file.h"
+#include "tools/sim/vehicle/vehicle_model_file.h"
 
 namespace hardpack::fit {
 namespace {

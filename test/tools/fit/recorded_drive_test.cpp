@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tools/fit/fit_report.h"
-#include "tools/sim/vehicle_model_file.h"
+#include "tools/sim/vehicle/vehicle_model_file.h"
 
 namespace hardpack::fit {
 namespace {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""tools/worlds.py: its figures from runs that are made up, and itself on short missions."""
+"""tools/sim/worlds.py: its figures from runs that are made up, and itself on short missions."""
 
 import contextlib
 import io
@@ -15,7 +15,7 @@ import unittest
 
 SOURCE = pathlib.Path(os.environ["HARDPACK_SOURCE"])
 COMMAND = os.environ["HARDPACK_COMMAND"]
-sys.path.insert(0, str(SOURCE / "tools"))
+sys.path.insert(0, str(SOURCE / "tools" / "sim"))
 import worlds  # noqa: E402
 
 # A few columns and a short time: what is looked at is the table, not the driving.
@@ -63,7 +63,7 @@ class Figures(unittest.TestCase):
     def test_the_least_clearance_has_its_seed_and_open_ground_has_none(self):
         figures = worlds.figures_of(by_seed(run(1), run(7, clearance_m=0.25), run(9)))
         self.assertEqual((figures["clearance_m"], figures["clearance_seed"]), (0.25, 7))
-        contact_h = (SOURCE / "tools" / "world" / "contact.h").read_text("utf-8")
+        contact_h = (SOURCE / "tools" / "sim" / "world" / "contact.h").read_text("utf-8")
         far_m = float(re.search(r"kFar_m = ([\d.]+);", contact_h).group(1))
         figures = worlds.figures_of(by_seed(run(1, clearance_m=far_m)))
         self.assertIsNone(figures["clearance_m"])
@@ -83,7 +83,7 @@ class Figures(unittest.TestCase):
         self.assertIsNone(worlds.figures_of(runs | by_seed(older))["fault_alarms"])
 
     def test_the_alarms_are_those_of_the_table_of_an_experiment(self):
-        source = (SOURCE / "tools" / "experiment" / "summary.cpp").read_text("utf-8")
+        source = (SOURCE / "tools" / "sim" / "experiment" / "summary.cpp").read_text("utf-8")
         listed = re.search(r"kFaultAlarms\[\] = \{(.*?)\};", source, re.DOTALL).group(1)
         self.assertEqual(set(re.findall(r'"(\w+)"', listed)), worlds.FAULT_ALARMS)
 

@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "hal/flight_log/flight_log.h"
-#include "port_linux/configuration.h"
-#include "port_linux/ouster_metadata.h"
+#include "hal/onboard/flight_log/flight_log.h"
+#include "port_linux/files/configuration.h"
+#include "port_linux/files/ouster_metadata.h"
 #include "test/fakes/memory_recorder.h"
-#include "test/hal/vehicle_loop/closed_loop.h"
+#include "test/hal/onboard/vehicle_loop/closed_loop.h"
 #include "test/port_linux/log_files.h"
 #include "tools/replay/report_json.h"
 

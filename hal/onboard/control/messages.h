@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+#include "core/base/pose.h"
+#include "core/base/status.h"
+
+// What an operator's program and the onboard program say to each other: one message a packet of a
+// local, connection-oriented, packet-keeping socket (docs/control.md). Encodes and decodes; who may
+// command is the port's to decide, what a command does hal/onboard/vehicle_loop's.
+//
+//   @0 magic "HPCT"  @4 version u8  @5 kind u8  @6 size u16 of the whole  @8 sequence u32  @12 body
+//
+// All numbers little-endian.
+
+namespace hardpack::control {
+
+inline constexpr uint32_t kMagic = 0x54435048u;
+inline constexpr uint8_t kVersion = 1;
+inline constexpr int kHeaderBytes = 12;
+inline constexpr int kMaxMessageBytes = 4096;
+inline constexpr int kMaxWaypoints = 64;
+
+enum class Kind : uint8_t {
+  // Commands: they go into the tick and into the flight log.
+  kArm = 1,
+  kDisarm = 2,
+  kGoal = 3,  // one waypoint or several, to be reached in turn
+  kStop = 4,
+  kEmergencyStop = 5,
+  kAlive = 6,  // the operator is there: has pressed something since
+  // Questions: they change nothing, and are answered outside the tick.
+  kGetStatus = 64,
+  kGetParameters = 65,
+  // Answers.
+  kDone = 128,        // body: status u8, stop reason u8
+  kStatus = 129,      // body: a StatusReport
+  kParameters = 130,  // body: offset u32, whole size u32, a part of the configuration as TOML
+};
+constexpr bool IsCommand(Kind kind) {
+  return kind <= Kind::kAlive;
+}
+constexpr bool IsQuestion(Kind kind) {
+  return kind == Kind::kGetStatus || kind == Kind::kGetParameters;
+}
+constexpr bool IsAnswer(Kind kind) {
+  return kind >= Kind::kDone;
+}
+
+// What a number of a message may be.
+inline constexpr float kMaxPosition_m = 1.0e6f;  // either way, x and y
+inline constexpr float kMaxHeading_rad = 3.1415927f;
+inline constexpr int64_t kMaxLatitude_ndeg = 90'000'000'000;
+inline constexpr int64_t kMaxLongitude_ndeg = 180'000'000'000;
+inline constexpr int kMaxParametersBytes = 1 << 20;  // of the whole configuration
+
+enum class GoalFrame : uint8_t {
+  kOdom = 0,      // metres in the local frame
+  kBody = 1,      // metres ahead and to the left of the vehicle, as it stands when this is taken
+  kGeodetic = 2,  // latitude and longitude, WGS 84
+};
+
+struct Waypoint {
+  GoalFrame frame = GoalFrame::kOdom;
+  Vec2 position_m;            // kOdom, kBody
+  int64_t latitude_ndeg = 0;  // kGeodetic: 1e-9 degree
+  int64_t longitude_ndeg = 0;
+};
+
+struct OperatorCommand {
+  Kind kind = Kind::kAlive;
+  uint32_t sequence = 0;
+  // kAlive: another number at every press of the operator's; 0: none was pressed. Without a new one
+  // a program that was left over proves nobody's presence.
+  uint32_t press = 0;
+  // kGoal:
+  int32_t waypoints = 0;  // 1 .. kMaxWaypoints
+  Waypoint waypoint[kMaxWaypoints] = {};
+  bool has_heading = false;                    // at the last one
+  GoalFrame heading_frame = GoalFrame::kOdom;  // kOdom or kBody
+  float heading_rad = 0.0f;                    // (-pi, pi]
+};
+static_assert(std::is_trivially_copyable_v<OperatorCommand>);
+
+struct Question {
+  Kind kind = Kind::kGetStatus;
+  uint32_t sequence = 0;
+  uint32_t offset = 0;  // kGetParameters: the first byte that is wanted
+};
+
+// What became of a command.
+struct Done {
+  uint32_t sequence = 0;
+  Status status = Status::kOk;
+  uint8_t reason = 0;  // StopReason: why it was not permitted
+};
+
+// A part of the configuration's text.
+struct ParametersPart {
+  uint32_t sequence = 0;
+  uint32_t offset = 0;             // of its first byte
+  uint32_t whole_bytes = 0;        // of the text, at most kMaxParametersBytes
+  std::span<const uint8_t> bytes;  // empty only where the offset is the end
+};
+inline constexpr int kMaxPartBytes = kMaxMessageBytes - kHeaderBytes - 8;
+
+struct Header {
+  Kind kind = Kind::kAlive;
+  uint32_t sequence = 0;
+};
+
+// Of which kind a message is; its body is not looked at. Of several things that are wrong the first
+// of this list is told. kTruncated: no whole header; kWrongPacketType: another magic number;
+// kUnsupported: another version; kInvalidArgument: a kind that there is not; kTruncated,
+// kOversized: not of the size that it says, or of more than kMaxMessageBytes. On failure
+// header.kind is untouched; header.sequence is the message's, so that its sender can be answered,
+// but after the first three. Constant cost.
+Status ReadHeader(std::span<const uint8_t> message, Header& header);
+
+// Each reads one message, given whole and alone, and checks every byte of it: what is taken would
+// be encoded to the same bytes again. The statuses of ReadHeader; kWrongPacketType: a message of
+// another sort; kTruncated, kOversized: not of the size that its body has to have; kNotFinite;
+// kInvalidArgument: a number out of its range (above), a frame that there is not, no waypoint or
+// too many, or a byte that has to be 0 and is not. Then what it would fill is untouched. The
+// numbers of an answer's codes are taken as they are. Cost: one pass over the bytes, two of a goal.
+// (Of a command that is no goal the waypoints stay as they were.)
+Status Decode(std::span<const uint8_t> message, OperatorCommand& command);
+Status Decode(std::span<const uint8_t> message, Question& question);
+Status Decode(std::span<const uint8_t> message, Done& answer);
+Status Decode(std::span<const uint8_t> message, ParametersPart& answer);  // bytes: of `message`
+
+// Each writes one message and sets `size_bytes`. kCapacityExceeded: the buffer is too small (it
+// never is with kMaxMessageBytes); kInvalidArgument, kNotFinite: what Decode would not take. Then
+// nothing is written, and `size_bytes` is 0. Cost: as above.
+Status Encode(const OperatorCommand& command, std::span<uint8_t> buffer, int& size_bytes);
+Status Encode(const Question& question, std::span<uint8_t> buffer, int& size_bytes);
+Status Encode(const Done& answer, std::span<uint8_t> buffer, int& size_bytes);
+Status Encode(const ParametersPart& answer, std::span<uint8_t> buffer, int& size_bytes);
+
+}  // namespace hardpack::control

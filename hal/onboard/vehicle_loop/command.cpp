@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/base/math.h"
+#include "core/base/units.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+
+// VehicleLoop: what is done about it. Plans, follows the one that is committed as far as the
+// supervisor lets it, and tells the drives.
+
+namespace hardpack {
+
+// Where this tick's command takes effect. The speed is the one that it has been told to have then.
+VehicleState VehicleLoop::PredictedState() const {
+  VehicleState state;
+  state.pose = tracker_.predicted().pose;
+  state.speed_mps = tracker_.speed_mps();
+  state.driven_mps = tracker_.predicted().speed_mps;
+  state.curvature_per_m = tracker_.curvature_per_m();
+  return state;
+}
+
+bool VehicleLoop::HasPlan() const {
+  const CommittedPlan& plan = replanner_.committed();
+  const ReplanDecision decision = replanner_.outcome().decision;
+  return !goals_.empty() && is_located_ && plan.number != 0 && !plan.is_stop &&
+         decision != ReplanDecision::kNone && decision != ReplanDecision::kStop &&
+         IsUsable(replanner_.outcome().status);
+}
+
+SupervisorInput VehicleLoop::Situation(const TickInput& input) const {
+  SupervisorInput situation;
+  situation.now_ns = now_ns_;
+  situation.lidar_ns = lidar_ns_;
+  const SightLook look = OldestLook();
+  situation.look_ns = look.time_ns;
+  situation.blind_by = BlindBy(look);
+  // Of the wheel speeds themselves, since a tick may have used old ones; seen from the tick before,
+  // as the drives are when nothing comes from them: their silence is told rather than its effect.
+  const uint64_t wheels_ns = drives_.feedback(now_ns_).time_ns + now_ns_ - before_ns_;
+  situation.odometry_ns = odometry_.moved_ns();
+  if (wheels_ns < situation.odometry_ns) situation.odometry_ns = wheels_ns;
+  if (is_gap_) situation.odometry_ns = 0;
+  situation.ins_ns = ins_ns_;
+  situation.operator_ns = operator_ns_;
+  situation.plan_checked_ns = replanner_.committed().checked_ns;
+  situation.bus_active = input.bus == CanBusState::kActive || input.bus == CanBusState::kWarning ||
+                         input.bus == CanBusState::kPassive;
+  situation.drives_ready = drives_.ready();
+  situation.drives_enabled = drives_.enabled();
+  situation.drives_faulty = !IsUsable(drives_.health()) && !drives_.ready();
+  situation.foreign_sender = drives_.foreign_sender();
+  situation.at_rest = drives_.standstill();
+  situation.has_goal = !goals_.empty();
+  situation.has_plan = HasPlan();
+  situation.has_path = replanner_.committed().number != 0;
+  situation.arrived = HasArrived();
+  situation.ahead = Ahead();
+  situation.ahead_is_person = corridor_.is_person();
+  situation.sweep = sweep_advice_;
+  situation.held_by = situation.arrived ? StopReason::kNone : HeldBy();
+  situation.misbehaves = Misbehaves();
+  situation.wishes = wishes_;
+  return situation;
+}
+
+// The state that the next plan is made from.
+void VehicleLoop::UpdatePlanner() {
+  if (goals_.empty()) return;
+  const Goal& goal = goals_[goal_index_];
+  const PlanGoal wanted = {.position_odom = goal.position_odom,
+                           .has_heading = goal.has_heading,
+                           .heading_rad = goal.heading_rad};
+  VehicleState state = PredictedState();
+  state.reaction_s = ReactionTime();
+  state.turn_quickness = tracker_.model().quickness();
+  FillUnseenStart(state);
+  is_located_ = IsUsable(replanner_.Update(now_ns_, state, wanted));
+  if (!is_located_) ++counters_.refused_states;
+}
+
+// The wheels' commands of this tick. A path that cannot be followed is not.
+void VehicleLoop::Move() {
+  const bool follows = permission_.motion == Motion::kFollow;
+  const bool has_path = replanner_.committed().path.size() >= 2;
+  if ((!follows && permission_.motion != Motion::kStopAlong) || !has_path) {
+    tracker_.Zero(tracking_output_);
+    return;
+  }
+  const bool stands = tracker_.speed_mps() <= Replanner::kStanding_mps &&
+                      Abs(odometry_.speed_mps()) <= kStandsSpeed_mps;
+  const PathFollower follower = {.pose = tracker_.predicted().pose,
+                                 .place = replanner_.place(),
+                                 .speed_mps = tracker_.speed_mps(),
+                                 .turn_ahead_m = tracker_.TurnAhead_m(),
+                                 .wheel_ahead_m = tracker_.WheelAhead_m(),
+                                 .stands = stands};
+  TrackingInput target;
+  static_cast<void>(PathTarget(replanner_.committed(), follower, config_.onboard.tracking, target));
+  const Status status = follows ? tracker_.Follow(target, tick_s_, tracking_output_)
+                                : tracker_.StopAlong(target, tick_s_, tracking_output_);
+  if (!IsUsable(status)) tracker_.Zero(tracking_output_);
+}
+
+void VehicleLoop::Command(TickOutput& output) {
+  sevcon::DriveDemand demand;
+  demand.reset_faults = permission_.reset_faults;  // the tick before they are enabled
+  demand.enable = permission_.motion != Motion::kOff && !demand.reset_faults;
+  demand.wheels = PassGate();
+  drives_.Tick(now_ns_, demand, output.frames);
+}
+
+// A fixed number of units, never measured time: so a replay repeats. A safe stop keeps the path
+// that it has.
+void VehicleLoop::StepPlanner() {
+  if (goals_.empty() || permission_.mode == Mode::kSafeStop) return;
+  const bool was_busy = replanner_.busy();
+  const bool is_judged =
+      replanner_.Step(mapper_, config_.onboard.tick.planning_units) == Progress::kDone;
+  NoteRound(was_busy, is_judged);
+  if (!is_judged) return;
+  ++counters_.plans;
+  hardpack::AddToHash(replanner_, hash_);
+}
+
+}  // namespace hardpack

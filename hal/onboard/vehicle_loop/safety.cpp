@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/base/footprint.h"
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
+#include "core/base/saturate.h"
+#include "core/base/units.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+
+// VehicleLoop: what is looked after besides planning. Returns against the corridor of the path,
+// motion against commands, why there is no way, how long it takes to react, and the gate.
+
+namespace hardpack {
+namespace {
+
+// Beyond the corridor's reach no return matters to it.
+constexpr float kBeyondReach_m = 3.0f;
+// A person so near is why there is no way.
+constexpr int32_t kPersonNear_cells = 25;
+// Somebody so near to what a turn on the spot sweeps can reach the vehicle.
+constexpr float kBeside_m = 0.5f;
+// The path is looked along at so many places for the oldest look at it.
+constexpr int kLooks = 5;
+
+}  // namespace
+
+Status VehicleLoop::ConfigureSafety() {
+  const VehicleParams& vehicle = config_.planner.vehicle;
+  const SafetyParams& safety = config_.onboard.safety;
+  corridor_.Reset();
+  ConfigureSweep();
+  reaction_.Reset();
+  no_way_ = StopReason::kNone;
+  round_tick_ = 0;
+  seen_plan_ = 0;
+  seen_check_ns_ = 0;
+  Status status =
+      gate_.Configure({vehicle.max_wheel_speed_radps, safety.max_wheel_acceleration_radps2});
+  if (IsUsable(status)) status = motion_.Configure(safety);
+  return status;
+}
+
+CorridorSize VehicleLoop::SizeOfCorridor() const {
+  const VehicleParams& vehicle = config_.planner.vehicle;
+  const SpeedParams& speed = config_.planner.speed;
+  // Out of where there is no room to turn the way is slow, and as wide as the vehicle.
+  const float margin_m = IsOnLeadOut() ? 0.0f : config_.onboard.safety.corridor_margin_m;
+  return {.half_width_m = 0.5f * vehicle.width_m + margin_m,
+          .pivot_radius_m = PivotRadiusOf(vehicle) + margin_m,
+          .reach_m = Min(StoppingDistance(speed, speed.max_speed_mps) + FrontOf(vehicle) +
+                             0.5f * vehicle.length_m,
+                         Corridor::kMaxReach_m)};
+}
+
+// What the mapper has just classed. A column counts as filed when it comes, not when its labels do.
+void VehicleLoop::TestReturns(bool are_new) {
+  const float reach_mm =
+      (SizeOfCorridor().reach_m + kBeyondReach_m) * static_cast<float>(kMillisecondsPerSecond);
+  const auto max_range_mm = static_cast<uint32_t>(RoundToInt(reach_mm));
+  HP_LOOP_BOUND(Mapper::kMaxFresh)
+  for (const int16_t slot : mapper_.fresh()) {
+    if (are_new && !goals_.empty()) reaction_.Filed(mapper_.ring().column(slot).time_ns);
+    TestColumn(slot, max_range_mm);
+    if (are_new) WatchMount(slot);
+  }
+}
+
+bool VehicleLoop::IsBeside(Vec2 point_odom) const {
+  const Vec3& here = odometry_.pose().position;
+  const float dx_m = point_odom.x_m - here.x_m;
+  const float dy_m = point_odom.y_m - here.y_m;
+  const float reach_m = sweep_.footprint().pivot_radius_m + kBeside_m;
+  return dx_m * dx_m + dy_m * dy_m < reach_m * reach_m;
+}
+
+// Not inlined: its calls are counted (config/timing.toml).
+[[gnu::noinline]] void VehicleLoop::TestColumn(int slot, uint32_t max_range_mm) {
+  const int beams = mapper_.model().beams;
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
+  for (int row = 0; row < beams; ++row) {
+    Vec2 point_odom;
+    const uint8_t flags = mapper_.ObstacleOf(slot, row, max_range_mm, point_odom);
+    if ((flags & Costmap::kHard) == 0) continue;
+    const bool is_person = (flags & Costmap::kPerson) != 0;
+    if (is_person && IsBeside(point_odom)) person_beside_ns_ = now_ns_;
+    static_cast<void>(corridor_.File(point_odom, is_person));
+    sweep_.File(point_odom);
+  }
+}
+
+// The corridor is of the plan that was checked last, whose map may lack what came while it was
+// made.
+void VehicleLoop::FollowPlan() {
+  const CommittedPlan& plan = replanner_.committed();
+  if (plan.number == seen_plan_ && plan.checked_ns == seen_check_ns_) return;
+  seen_plan_ = plan.number;
+  seen_check_ns_ = plan.checked_ns;
+  if (plan.number == 0) return corridor_.Clear();
+  // Beside a way out of where there is no room to turn stand things that whole cells would put in
+  // the way: it is the sweep that knows better where they are.
+  const uint32_t since = IsOnLeadOut() ? static_cast<uint32_t>(index_) : round_tick_;
+  // A path that is none has no corridor, and is not followed either.
+  static_cast<void>(
+      corridor_.Build(plan.path, replanner_.place().along_m, SizeOfCorridor(), since));
+}
+
+WayAhead VehicleLoop::Ahead() const {
+  if (replanner_.committed().number == 0) return WayAhead::kClear;
+  return corridor_.Ahead(config_.planner.speed, config_.planner.vehicle, replanner_.place().along_m,
+                         odometry_.speed_mps(), tracker_.speed_mps());
+}
+
+// The yaw rate about the body's z axis, of the INS's own (whose z points down).
+float VehicleLoop::MeasuredYawRate() const {
+  const InsParams& mount = config_.onboard.ins;
+  const SinCosPair pitch = SinCos(mount.pitch_rad);
+  const SinCosPair roll = SinCos(mount.roll_rad);
+  const Vec3& rate = ins_rate_radps_;
+  return pitch.sin * rate.x_m - pitch.cos * (roll.sin * rate.y_m + roll.cos * rate.z_m);
+}
+
+// Only while the drives have torque: else anybody may push the vehicle.
+void VehicleLoop::WatchMotion() {
+  const Mode mode = permission_.mode;
+  const bool has_torque = mode == Mode::kArmed || mode == Mode::kDriving || mode == Mode::kSafeStop;
+  if (!has_torque) {
+    if (mode == Mode::kStandby) {
+      motion_.Reset();
+      gate_.ClearFault();
+    }
+    return;
+  }
+  static_cast<void>(motion_.Judge(SampleMotion(), tick_s_));
+}
+
+MotionSample VehicleLoop::SampleMotion() const {
+  const VehicleParams& vehicle = config_.planner.vehicle;
+  const float max_age_s = config_.onboard.safety.max_ins_age_s;
+  const float rim_m = vehicle.wheel_radius_m * config_.onboard.odometry.ground_per_wheel;
+  const WheelFeedback wheels = drives_.feedback(now_ns_);
+  const WheelCommand& told = gate_.last();
+  MotionSample sample;
+  sample.commanded_mps = 0.5f * (told.left_radps + told.right_radps) * rim_m;
+  sample.commanded_radps = (told.right_radps - told.left_radps) * rim_m / vehicle.skid_baseline_m;
+  sample.has_wheels = wheels.valid;
+  sample.wheels_mps = 0.5f * (wheels.left_radps + wheels.right_radps) * rim_m;
+  sample.wheels_radps = (wheels.right_radps - wheels.left_radps) * rim_m / vehicle.skid_baseline_m;
+  sample.has_yaw_rate = ins_rate_ns_ != 0 && SecondsBetween(ins_rate_ns_, now_ns_) <= max_age_s;
+  sample.yaw_rate_radps = MeasuredYawRate();
+  sample.has_ground = ins_speed_ns_ != 0 && SecondsBetween(ins_speed_ns_, now_ns_) <= max_age_s;
+  sample.ground_mps = ins_speed_mps_;
+  return sample;
+}
+
+StopReason VehicleLoop::Misbehaves() const {
+  if (gate_.has_fault()) return StopReason::kBadCommand;
+  switch (motion_.fault()) {
+    case MotionFault::kRunaway:
+      return StopReason::kRunaway;
+    case MotionFault::kWrongTurn:
+      return StopReason::kWrongTurn;
+    case MotionFault::kStuck:
+      return StopReason::kStuck;
+    case MotionFault::kSpin:
+      return StopReason::kWheelSpin;
+    case MotionFault::kNone:
+      break;
+  }
+  return StopReason::kNone;
+}
+
+bool VehicleLoop::IsPersonNear() const {
+  const Costmap& map = replanner_.planner().costmap();
+  const Vec3& here = odometry_.pose().position;
+  const Cell middle = CellAt({here.x_m, here.y_m});
+  const Cell low = map.window.Nearest({middle.x - kPersonNear_cells, middle.y - kPersonNear_cells});
+  const Cell high =
+      map.window.Nearest({middle.x + kPersonNear_cells, middle.y + kPersonNear_cells});
+  HP_LOOP_BOUND(2 * kPersonNear_cells + 1)
+  for (int32_t y = low.y; y <= high.y; ++y) {
+    HP_LOOP_BOUND(2 * kPersonNear_cells + 1)
+    for (int32_t x = low.x; x <= high.x; ++x) {
+      if ((map.flags[map.window.Index({x, y})] & Costmap::kPerson) != 0) return true;
+    }
+  }
+  return false;
+}
+
+// While the map of the round that has just been judged is still there.
+void VehicleLoop::NoteNoWay() {
+  const ReplanOutcome& outcome = replanner_.outcome();
+  no_way_ = StopReason::kNone;
+  const bool has_map = outcome.plan_status != Status::kNotStarted;
+  if (!has_map || IsUsable(outcome.plan_status) || HasPlan()) return;
+  no_way_ = IsPersonNear() ? StopReason::kPerson : StopReason::kNoWay;
+  if (outcome.plan_status == Status::kGoalInObstacle) no_way_ = StopReason::kGoalInObstacle;
+}
+
+StopReason VehicleLoop::HeldBy() const {
+  if (goals_.empty() || replanner_.outcome().status == Status::kNotStarted) {
+    return StopReason::kNone;
+  }
+  if (!HasPlan()) return no_way_;
+  const ReplanOutcome& outcome = replanner_.outcome();
+  if (!outcome.held) return StopReason::kNone;
+  return outcome.held_by == CapCause::kPerson ? StopReason::kPerson : StopReason::kUnseenGround;
+}
+
+// How old what is known of the ground ahead will be when a plan that begins now is driven: the age
+// of the oldest newest column among those that looked along the path, and what a plan takes. Where
+// none did for long the vehicle stops by itself once that is as old as a look may be.
+float VehicleLoop::ReactionTime() const {
+  const CommittedPlan& plan = replanner_.committed();
+  if (plan.number == 0) return 0.0f;
+  const Vec3& here = odometry_.pose().position;
+  const float reach_m = SizeOfCorridor().reach_m;
+  float oldest_s = 0.0f;
+  HP_LOOP_BOUND(kLooks)
+  for (int look = 1; look <= kLooks; ++look) {
+    const float ahead_m = reach_m * static_cast<float>(look) / static_cast<float>(kLooks);
+    const Pose2 place = StateAt(plan, replanner_.place().along_m + ahead_m).pose;
+    const uint64_t seen_ns = mapper_.NewestLook_ns({place.x_m - here.x_m, place.y_m - here.y_m});
+    const float age_s = seen_ns == 0
+                            ? config_.onboard.safety.max_look_age_s
+                            : (seen_ns < now_ns_ ? SecondsBetween(seen_ns, now_ns_) : 0.0f);
+    oldest_s = Max(oldest_s, age_s);
+  }
+  return oldest_s + replanner_.latency_s();
+}
+
+// Around StepPlanner's one step: what it began is what everything that was filed until now is in.
+void VehicleLoop::NoteRound(bool was_busy, bool is_judged) {
+  if (!was_busy) {
+    sweep_.MapBegun();
+    round_tick_ = static_cast<uint32_t>(index_);
+    reaction_.RoundBegun();
+  }
+  if (!is_judged) return;
+  if (replanner_.outcome().plan_status != Status::kNotStarted) {
+    sweep_.MapDone(replanner_.planner().costmap());
+  }
+  NoteNoWay();
+  // A round that could not begin has checked nothing.
+  if (replanner_.committed().checked_ns != seen_check_ns_) reaction_.RoundJudged();
+}
+
+// The one way to the drives.
+WheelCommand VehicleLoop::PassGate() {
+  const bool may_move =
+      (permission_.mode == Mode::kDriving && permission_.motion == Motion::kFollow) ||
+      ((permission_.mode == Mode::kDriving || permission_.mode == Mode::kSafeStop) &&
+       permission_.motion == Motion::kStopAlong);
+  const WheelCommand passed = gate_.Pass(tracking_output_.wheels, may_move, tick_s_);
+  if (permission_.mode == Mode::kDriving) {
+    reaction_.Commanded(now_ns_, odometry_.speed_mps());
+  } else {
+    reaction_.Pause();
+  }
+  return passed;
+}
+
+}  // namespace hardpack

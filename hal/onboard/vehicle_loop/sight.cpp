@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/base/footprint.h"
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
+#include "core/speed/speed.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+
+// VehicleLoop: whether the lidar has looked along the way that is driven, lately, and over the
+// vehicle's width.
+
+namespace hardpack {
+namespace {
+
+// The way to a stop is looked along at so many places.
+constexpr int kPlaces = 12;
+constexpr int kEveryColumn = 4;
+constexpr uint32_t kGroundReach_mm = 12'000;
+// A turn on the spot within so many points is the next thing that is driven.
+constexpr int kTurnAhead = 3;
+
+}  // namespace
+
+// With the map that it is seen into.
+Status VehicleLoop::ConfigureSight() {
+  mount_.Reset();
+  if (const Status status = ConfigureMapper(); !IsUsable(status)) return status;
+  const ouster::Metadata& lidar = config_.lidar;
+  return sight_.Configure(config_.perception.mount, config_.onboard.safety, beam_model_,
+                          lidar.columns_per_packet, lidar.column_window_first,
+                          lidar.column_window_last);
+}
+
+bool VehicleLoop::TurnsNext() const {
+  const CommittedPlan& plan = replanner_.committed();
+  const int here = replanner_.place().point;
+  HP_LOOP_BOUND(kTurnAhead)
+  for (int k = 0; k < kTurnAhead && here + k + 1 < plan.path.size(); ++k) {
+    if (TurnsOnTheSpotAt(plan.path, here + k)) return true;
+  }
+  return false;
+}
+
+// Of the directions in which the vehicle's front moves until it stands, all around where it turns
+// on the spot. Without a path of any direction.
+SightLook VehicleLoop::OldestLook() const {
+  SightLook oldest;
+  sight_.LookAtFaults(oldest);
+  if (mount_.has_turned() && mount_.turned_since_ns() < oldest.time_ns) {
+    oldest = {mount_.turned_since_ns(), SightCause::kNone};
+  }
+  const CommittedPlan& plan = replanner_.committed();
+  if (plan.number == 0) {
+    // A fault that is known tells more than that nothing is seen.
+    if (oldest.cause == SightCause::kNone) oldest.cause = SightCause::kSilent;
+    if (sight_.newest_ns() < oldest.time_ns) oldest.time_ns = sight_.newest_ns();
+    return oldest;
+  }
+  if (TurnsNext()) {
+    sight_.LookAround(now_ns_, oldest);
+    return oldest;
+  }
+  const float speed_mps = Max(Abs(odometry_.speed_mps()), tracker_.speed_mps());
+  const float reach_m = StoppingDistance(config_.planner.speed, speed_mps);
+  HP_LOOP_BOUND(kPlaces)
+  for (int i = 0; i < kPlaces; ++i) {
+    const float ahead_m = reach_m * static_cast<float>(i) / static_cast<float>(kPlaces - 1);
+    LookAt(StateAt(plan, replanner_.place().along_m + ahead_m).pose, oldest);
+  }
+  return oldest;
+}
+
+// The vehicle's front at one place of the path, as it lies in the body frame.
+void VehicleLoop::LookAt(const Pose2& place, SightLook& oldest) const {
+  const VehicleParams& vehicle = config_.planner.vehicle;
+  const float front_m = FrontOf(vehicle);
+  const float side_m = SizeOfCorridor().half_width_m;
+  const StampedPose& here = odometry_.pose();
+  const SinCosPair body = SinCos(here.yaw_rad);
+  const SinCosPair ahead = SinCos(place.theta_rad - here.yaw_rad);
+  const float dx_m = place.x_m - here.position.x_m;
+  const float dy_m = place.y_m - here.position.y_m;
+  const Vec2 middle = {body.cos * dx_m + body.sin * dy_m + front_m * ahead.cos,
+                       body.cos * dy_m - body.sin * dx_m + front_m * ahead.sin};
+  const Vec2 aside = {-side_m * ahead.sin, side_m * ahead.cos};
+  sight_.LookBetween({middle.x_m - aside.x_m, middle.y_m - aside.y_m},
+                     {middle.x_m + aside.x_m, middle.y_m + aside.y_m}, now_ns_, oldest);
+}
+
+// One column in kEveryColumn, which is enough of a revolution. Not inlined: its calls are counted
+// (config/timing.toml).
+[[gnu::noinline]] void VehicleLoop::WatchMount(int slot) {
+  if (slot % kEveryColumn != 0) return;
+  const StampedPose& here = odometry_.pose();
+  const SinCosPair body = SinCos(here.yaw_rad);
+  const int beams = mapper_.model().beams;
+  HP_LOOP_BOUND_BEAMS(kMaxBeams)
+  for (int row = 0; row < beams; ++row) {
+    Vec2 point;
+    float step_m = 0.0f;
+    if (!mapper_.GroundStepOf(slot, row, kGroundReach_mm, point, step_m)) continue;
+    const float dx_m = point.x_m - here.position.x_m;
+    const float dy_m = point.y_m - here.position.y_m;
+    mount_.Add({body.cos * dx_m + body.sin * dy_m, body.cos * dy_m - body.sin * dx_m}, step_m);
+  }
+}
+
+// The operator who arms anew has looked at it.
+void VehicleLoop::AdvanceMount() {
+  if (permission_.mode == Mode::kStandby || is_gap_) mount_.Reset();
+  mount_.Advance(now_ns_);
+}
+
+StopReason VehicleLoop::BlindBy(const SightLook& look) const {
+  if (mount_.has_turned() && look.time_ns == mount_.turned_since_ns()) {
+    return StopReason::kLidarTurned;
+  }
+  switch (look.cause) {
+    case SightCause::kEmpty:
+    case SightCause::kCovered:
+      return StopReason::kLidarCovered;
+    case SightCause::kFrozen:
+      return StopReason::kLidarFrozen;
+    case SightCause::kNone:
+    case SightCause::kSilent:
+      break;
+  }
+  return StopReason::kBlindAhead;
+}
+
+}  // namespace hardpack

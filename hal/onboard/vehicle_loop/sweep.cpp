@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
+#include "core/base/units.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+
+// VehicleLoop: where the vehicle goes until it is at rest, rolled out in every tick from its actual
+// state and held against what stands around it; and what nobody has seen where it starts.
+
+namespace hardpack {
+namespace {
+
+// What it does below these is no motion.
+constexpr float kMoves_mps = 0.02f;
+constexpr float kMoves_radps = 0.02f;
+// So far ahead the way is looked at before it is set out on, at about so many poses, with the
+// margin of about this speed.
+constexpr float kFirstWay_m = 1.2f;
+constexpr int kFirstPoses = 12;
+constexpr float kFirstSpeed_mps = 0.2f;
+// So long it stands before another plan is made from where it is.
+constexpr float kHeld_s = 0.5f;
+// So long it stands after somebody was seen beside it: who comes nearer still is where no beam
+// falls, or taken for the vehicle itself.
+constexpr float kPersonBeside_s = 2.0f;
+
+bool MayMove(Mode mode) {
+  return mode == Mode::kDriving || mode == Mode::kSafeStop;
+}
+
+}  // namespace
+
+void VehicleLoop::ConfigureSweep() {
+  sweep_.Configure(FootprintOf(config_.planner.vehicle), config_.onboard.safety.sweep_margin_m);
+  sweep_advice_ = WayAhead::kClear;
+  swept_plan_ = 0;
+  held_since_ns_ = 0;
+  lead_out_ = 0;
+  has_start_ = false;
+  person_beside_ns_ = 0;
+}
+
+// At rest nothing is swept, so the way that is about to be driven is looked at instead: else each
+// beginning of a motion would bring the vehicle a little nearer.
+WayAhead VehicleLoop::JudgeSweep() {
+  if (!MayMove(permission_.mode)) {
+    held_since_ns_ = 0;
+    return WayAhead::kClear;
+  }
+  const DriveModel& model = tracker_.model();
+  const bool stands = Abs(model.speed_mps()) < kMoves_mps && tracker_.speed_mps() <= 0.0f &&
+                      Abs(model.yaw_rate_radps()) < kMoves_radps;
+  if (stands) return JudgeSettingOut();
+  held_since_ns_ = 0;
+  lead_out_ = 0;
+  const WayAhead advice = JudgeStop();
+  if (advice != WayAhead::kClear) swept_plan_ = replanner_.committed().number;
+  return advice;
+}
+
+// Either stop will do, as long as there is one: so this brakes in the last tick in which it can. Of
+// two that touch the one that does so more slowly.
+WayAhead VehicleLoop::JudgeStop() {
+  const DriveModel& model = tracker_.model();
+  const StampedPose& here = odometry_.pose();
+  const Pose2 pose = {here.position.x_m, here.position.y_m, here.yaw_rad};
+  StopWay way;
+  way.error = tracker_.prediction_error();
+  RollOutStop(model, pose, way, StopKind::kZero, swept_);
+  const SweepResult zero = sweep_.Try({swept_.begin(), static_cast<size_t>(swept_.size())});
+  if (zero.clear) return WayAhead::kClear;
+  if (replanner_.committed().number == 0) return WayAhead::kTooNear;
+  way.reference_mps = tracker_.speed_mps();
+  way.deceleration_mps2 = config_.planner.speed.max_deceleration_mps2;
+  CurvaturesFrom(replanner_.committed(), replanner_.place().along_m, StopWay::kStep_m,
+                 way.curvature_per_m);
+  RollOutStop(model, pose, way, StopKind::kAlong, swept_);
+  const SweepResult along = sweep_.Try({swept_.begin(), static_cast<size_t>(swept_.size())});
+  if (along.clear) return WayAhead::kClear;
+  return along.impact_mps < zero.impact_mps ? WayAhead::kObstacle : WayAhead::kTooNear;
+}
+
+// Where it would touch, or has just stopped for that, it waits for another plan, and has one made
+// from where it stands.
+WayAhead VehicleLoop::JudgeSettingOut() {
+  const CommittedPlan& plan = replanner_.committed();
+  if (permission_.mode != Mode::kDriving || plan.number == 0) {
+    held_since_ns_ = 0;
+    return WayAhead::kClear;
+  }
+  if (person_beside_ns_ != 0 && SecondsBetween(person_beside_ns_, now_ns_) < kPersonBeside_s) {
+    held_since_ns_ = 0;
+    return WayAhead::kObstacle;
+  }
+  LayFirstWay();
+  const bool clear = plan.number != swept_plan_ &&
+                     sweep_.Try({swept_.begin(), static_cast<size_t>(swept_.size())}).clear;
+  if (clear) {
+    held_since_ns_ = 0;
+    return WayAhead::kClear;
+  }
+  if (held_since_ns_ == 0) held_since_ns_ = now_ns_;
+  if (SecondsBetween(held_since_ns_, now_ns_) > kHeld_s) {
+    replanner_.Forget();
+    held_since_ns_ = 0;
+    lead_out_ = (lead_out_ + 1) % (LeadOut::kBends + 1);  // one of them may not touch
+  }
+  return WayAhead::kObstacle;
+}
+
+// From where the vehicle is: the turn on the spot that is due, or the next stretch of its path.
+void VehicleLoop::LayFirstWay() {
+  const CommittedPlan& plan = replanner_.committed();
+  const StampedPose& here = odometry_.pose();
+  const Pose2 pose = {here.position.x_m, here.position.y_m, here.yaw_rad};
+  swept_.Clear();
+  static_cast<void>(swept_.PushBack({pose, 0.0f}));
+  const PathPlace& place = replanner_.place();
+  const int standing = StandingPoint(plan.path, place.point);
+  const float left_m = WayTo(plan.path, standing) - place.along_m;
+  const bool turns = TurnsOnTheSpotAt(plan.path, standing) && left_m <= kAtPoint_m;
+  const float turn_rad =
+      turns ? WrapAngle(plan.path[standing + 1].theta_rad - pose.theta_rad) : 0.0f;
+  HP_LOOP_BOUND(kFirstPoses)
+  for (int k = 1; k <= kFirstPoses; ++k) {
+    const float share = static_cast<float>(k) / static_cast<float>(kFirstPoses);
+    Pose2 next = pose;
+    if (turns) {
+      next.theta_rad = WrapAngle(pose.theta_rad + share * turn_rad);
+    } else {
+      next = hardpack::StateAt(plan, place.along_m + Min(share * kFirstWay_m, left_m)).pose;
+    }
+    static_cast<void>(swept_.PushBack({next, kFirstSpeed_mps}));
+  }
+}
+
+// Near the place where the map began nothing beside the vehicle has been seen yet.
+void VehicleLoop::FillUnseenStart(VehicleState& state) const {
+  const Vec3& here = odometry_.pose().position;
+  const float dx_m = here.x_m - start_odom_.x_m;
+  const float dy_m = here.y_m - start_odom_.y_m;
+  const float reach_m = config_.planner.path.unseen_start_m;
+  state.has_unseen_start = has_start_ && dx_m * dx_m + dy_m * dy_m < reach_m * reach_m;
+  state.unseen_start = start_odom_;
+  state.lead_out = lead_out_;
+}
+
+bool VehicleLoop::IsOnLeadOut() const {
+  const CommittedPlan& plan = replanner_.committed();
+  return plan.number != 0 && replanner_.place().point < plan.lead_points;
+}
+
+}  // namespace hardpack

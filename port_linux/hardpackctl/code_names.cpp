@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "port_linux/hardpackctl/code_names.h"
+
+#include <span>
+
+#include "core/autonomy/replanner.h"
+#include "core/measurements/measurements.h"
+#include "core/odometry/map_from_odom.h"
+#include "core/safety/supervisor.h"
+#include "hal/can_bus.h"
+#include "hal/sevcon/sevcon.h"
+
+namespace hardpack::ctl {
+namespace {
+
+using control::FieldKind;
+
+constexpr CodeName kModeNames[] = {
+    {"standby", "", false},  {"armed", "", false},         {"driving", "", false},
+    {"safe_stop", "", true}, {"emergency_stop", "", true}, {"fault", "", true},
+};
+static_assert(std::size(kModeNames) == kModes);
+static_assert(static_cast<int>(Mode::kFault) + 1 == kModes);
+
+constexpr CodeName kStopReasonNames[] = {
+    {"none", "", false},
+    {"operator", "told to stop by the operator", false},
+    {"lidar_old", "no lidar column lately", true},
+    {"odometry_old", "no wheel speeds lately", true},
+    {"ins_old", "no message of the INS lately", true},
+    {"plan_old", "the plan has not been checked lately", true},
+    {"no_plan", "there is no way, or none yet", true},
+    {"operator_silent", "the operator's program was to speak, and does not", true},
+    {"stop_too_long", "a safe stop took longer than it may", true},
+    {"drives", "a drive has a fault, is silent or not ready", true},
+    {"foreign_sender", "another node sends with our CAN identifiers", true},
+    {"bus", "the CAN bus is down or off", true},
+    {"emergency", "stopped by the operator's emergency stop", true},
+    {"moving", "it still moves", false},
+    {"no_way", "planning finds no way", true},
+    {"unseen_ground", "the ground ahead has not been observed", true},
+    {"person", "a person stands in the way, or too near to it", true},
+    {"obstacle", "something stands in the way of the path", true},
+    {"goal_in_obstacle", "the goal lies in an obstacle", true},
+    {"runaway", "it moves when it was told to stand, or much faster", true},
+    {"wrong_turn", "it turns against its command", true},
+    {"stuck", "it was told to move, and does not", true},
+    {"bad_command", "a command was no number", true},
+    {"blind_ahead", "the lidar has not looked along the way lately", true},
+    {"lidar_covered", "the lidar's window is covered, or nothing comes back ahead", true},
+    {"lidar_frozen", "the lidar sends the same image again", true},
+    {"lidar_turned", "the lidar has turned in its mount", true},
+    {"wheel_spin", "the wheels do not hold the ground", true},
+};
+static_assert(std::size(kStopReasonNames) == kStopReasons);
+static_assert(static_cast<int>(StopReason::kWheelSpin) + 1 == kStopReasons);
+
+constexpr CodeName kMotionNames[] = {
+    {"off", "", false},        {"hold", "", false}, {"follow", "", false},
+    {"stop_along", "", false}, {"zero", "", false},
+};
+static_assert(std::size(kMotionNames) == static_cast<int>(Motion::kZero) + 1);
+
+constexpr CodeName kReplanDecisionNames[] = {
+    {"none", "", false},     {"kept", "", false}, {"extended", "", false},
+    {"replaced", "", false}, {"stop", "", true},
+};
+static_assert(std::size(kReplanDecisionNames) == static_cast<int>(ReplanDecision::kStop) + 1);
+
+constexpr CodeName kReplanReasonNames[] = {
+    {"none", "", false},         {"first", "", false},      {"off_path", "", false},
+    {"goal_changed", "", false}, {"after_stop", "", false}, {"blocked", "", false},
+    {"ends", "", false},         {"cheaper", "", false},
+};
+static_assert(std::size(kReplanReasonNames) == kReplanReasons);
+static_assert(kReplanReasons == control::kReplanReasonCount);
+
+constexpr CodeName kMapStatusNames[] = {
+    {"none", "no place on earth yet", false},
+    {"tracking", "", false},
+    {"rejecting", "the INS's position does not fit", true},
+    {"held", "the INS does not say where it is", true},
+};
+static_assert(std::size(kMapStatusNames) == static_cast<int>(MapStatus::kHeld) + 1);
+
+constexpr CodeName kInsModeNames[] = {
+    {"not_tracking", "", true},
+    {"aligning", "", true},
+    {"tracking", "", false},
+    {"gnss_lost", "", true},
+};
+static_assert(std::size(kInsModeNames) == static_cast<int>(InsMode::kGnssLost) + 1);
+
+constexpr CodeName kDriveStateNames[] = {
+    {"silent", "", true},     {"identifying", "", false}, {"configuring", "", false},
+    {"verifying", "", false}, {"ready", "", false},       {"enabling", "", false},
+    {"enabled", "", false},   {"disabling", "", false},   {"fault", "", true},
+};
+static_assert(std::size(kDriveStateNames) == static_cast<int>(sevcon::DriveState::kFault) + 1);
+
+constexpr CodeName kDriveFaultNames[] = {
+    {"none", "", false},
+    {"silent", "heartbeat or process data missed", true},
+    {"rebooted", "started anew", true},
+    {"emergency", "EMCY", true},
+    {"status_fault", "fault bit of the statusword", true},
+    {"wrong_identity", "another device than the configured one", true},
+    {"sdo_abort", "refused a question or a setting", true},
+    {"sdo_timeout", "does not answer", true},
+    {"read_back", "a setting does not read back as written", true},
+    {"wrong_mapping", "process data mapped otherwise", true},
+    {"wrong_mode", "another mode of operation", true},
+    {"opposite_motion", "the wheel turns against its command", true},
+    {"foreign_sender", "another node sends with our identifiers", true},
+    {"lost_enable", "left operation enabled unasked", true},
+    {"login_refused", "user and password do not give the access that settings need", true},
+    {"state_refused", "did not come into the state that it was told to, in time", true},
+    {"double_reports", "more reports than SYNCs: two nodes send them", true},
+};
+static_assert(std::size(kDriveFaultNames) == sevcon::kDriveFaults);
+
+constexpr CodeName kCanBusStateNames[] = {
+    {"down", "", true},    {"active", "", false}, {"warning", "", true},
+    {"passive", "", true}, {"bus_off", "", true},
+};
+static_assert(std::size(kCanBusStateNames) == kCanBusStates);
+static_assert(static_cast<int>(CanBusState::kBusOff) + 1 == kCanBusStates);
+
+CodeName Among(std::span<const CodeName> names, uint8_t code) {
+  return code < names.size() ? names[code] : CodeName{};
+}
+
+// CiA 301.
+CodeName NmtStateName(uint8_t code) {
+  switch (code) {
+    case 0x00:
+      return {"boot_up", "", false};
+    case 0x04:
+      return {"stopped", "", false};
+    case 0x05:
+      return {"operational", "", false};
+    case 0x7f:
+      return {"pre_operational", "", false};
+    case 0xff:
+      return {"not_heard", "", false};
+    default:
+      return {};
+  }
+}
+
+}  // namespace
+
+CodeName NameOf(FieldKind kind, uint8_t code) {
+  switch (kind) {
+    case FieldKind::kMode:
+      return Among(kModeNames, code);
+    case FieldKind::kStopReason:
+      return Among(kStopReasonNames, code);
+    case FieldKind::kMotion:
+      return Among(kMotionNames, code);
+    case FieldKind::kReplanDecision:
+      return Among(kReplanDecisionNames, code);
+    case FieldKind::kReplanReason:
+      return Among(kReplanReasonNames, code);
+    case FieldKind::kMapStatus:
+      return Among(kMapStatusNames, code);
+    case FieldKind::kInsMode:
+      return Among(kInsModeNames, code);
+    case FieldKind::kDriveState:
+      return Among(kDriveStateNames, code);
+    case FieldKind::kDriveFault:
+      return Among(kDriveFaultNames, code);
+    case FieldKind::kCanBusState:
+      return Among(kCanBusStateNames, code);
+    case FieldKind::kNmtState:
+      return NmtStateName(code);
+    case FieldKind::kStatus: {
+      // That nothing has been started is no problem: there was no goal yet.
+      const auto status = static_cast<Status>(code);
+      return {StatusName(status), WordsOf(status),
+              !IsUsable(status) && status != Status::kNotStarted};
+    }
+    case FieldKind::kValue:
+    case FieldKind::kDuration:
+    case FieldKind::kHex:
+    case FieldKind::kNanodegree:
+    case FieldKind::kAge:
+      break;
+  }
+  return {};
+}
+
+const char* WordsOf(Status status) {
+  switch (status) {
+    case Status::kNotPermitted:
+      return "only the owner and the group of the control socket may command";
+    case Status::kNotStarted:
+      return "it has not started yet";
+    case Status::kStale:
+      return "the INS does not give a position and a heading that it vouches for";
+    case Status::kInvalidArgument:
+      return "a number is out of its range";
+    case Status::kNotFinite:
+      return "a number is not finite";
+    case Status::kUnsupported:
+      return "this command and the onboard program are not of the same version";
+    case Status::kTruncated:
+    case Status::kOversized:
+    case Status::kWrongPacketType:
+      return "the message was not understood";
+    case Status::kNoPath:
+      return "every way to the goal is closed";
+    case Status::kCollision:
+      return "the way is blocked";
+    case Status::kGoalInObstacle:
+      return "the goal lies in an obstacle";
+    case Status::kStartEnclosed:
+      return "the vehicle stands in an obstacle";
+    default:
+      return "";
+  }
+}
+
+}  // namespace hardpack::ctl

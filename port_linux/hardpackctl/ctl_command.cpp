@@ -1,0 +1,401 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "port_linux/hardpackctl/ctl_command.h"
+
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <ctime>
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include "port_linux/command_line/arguments.h"
+#include "port_linux/command_line/command.h"
+#include "port_linux/files/configuration.h"
+#include "port_linux/hardpackctl/code_names.h"
+#include "port_linux/hardpackctl/connection.h"
+#include "port_linux/hardpackctl/status_view.h"
+#include "port_linux/hardpackctl/waypoints.h"
+
+namespace hardpack::command {
+namespace {
+
+using control::Kind;
+
+struct CtlOptions {
+  std::string socket = ControlConfiguration{}.socket;
+  double timeout_s = 2.0;
+  bool json = false;
+
+  // status
+  bool watch = false;
+  bool all = false;
+  double interval_s = 1.0;
+
+  // goal, waypoints
+  std::vector<std::string> position;
+  std::string latitude;
+  std::string longitude;
+  std::string heading;
+  bool relative = false;
+  std::string file;
+};
+
+volatile std::sig_atomic_t interrupted = 0;
+
+// Ctrl-C ends the wait for an answer or for the next time, and the program then ends as it should.
+void CatchInterrupt() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupted = 1; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+void Sleep(double time_s) {
+  const double whole_s = std::floor(time_s);
+  const timespec time = {static_cast<time_t>(whole_s), static_cast<long>((time_s - whole_s) * 1e9)};
+  if (interrupted == 0) nanosleep(&time, nullptr);
+}
+
+// The connection to hardpackd of one run of the command.
+void Open(const CtlOptions& options, ctl::Connection& connection) {
+  const auto timeout = std::chrono::milliseconds(std::llround(options.timeout_s * 1e3));
+  Require(connection.Open(options.socket, timeout));
+}
+
+// "lidar_old: no lidar column lately".
+std::string WhyRefused(const control::Done& answer) {
+  const ctl::CodeName reason = ctl::NameOf(control::FieldKind::kStopReason, answer.reason);
+  const bool has_reason = answer.reason != 0;
+  const std::string name = has_reason ? reason.name : StatusName(answer.status);
+  const std::string words = has_reason ? reason.words : ctl::WordsOf(answer.status);
+  return words.empty() ? name : name + ": " + words;
+}
+
+nlohmann::ordered_json ToJson(const control::Done& answer) {
+  nlohmann::ordered_json json;
+  json["done"] = IsUsable(answer.status);
+  json["status"] = StatusName(answer.status);
+  json["reason"] = ctl::NameOf(control::FieldKind::kStopReason, answer.reason).name;
+  if (!IsUsable(answer.status)) json["text"] = "refused: " + WhyRefused(answer);
+  return json;
+}
+
+void RequireDone(const control::Done& answer) {
+  if (!IsUsable(answer.status)) {
+    throw CommandFailure(kWorkFailed, "refused: " + WhyRefused(answer));
+  }
+}
+
+void Command(const CtlOptions& options, control::OperatorCommand& command) {
+  ctl::Connection connection;
+  Open(options, connection);
+  control::Done answer;
+  Require(connection.Ask(command, answer));
+  if (options.json) std::cout << ToJson(answer).dump() << "\n";
+  RequireDone(answer);
+  if (!options.json) std::cout << "done\n";
+}
+
+void SimpleCommand(const CtlOptions& options, Kind kind) {
+  control::OperatorCommand command;
+  command.kind = kind;
+  Command(options, command);
+}
+
+control::Waypoint PositionGoal(const CtlOptions& options) {
+  control::Waypoint waypoint;
+  waypoint.frame = options.relative ? control::GoalFrame::kBody : control::GoalFrame::kOdom;
+  waypoint.position_m = {static_cast<float>(ParseNumber("X", options.position[0])),
+                         static_cast<float>(ParseNumber("Y", options.position[1]))};
+  return waypoint;
+}
+
+control::Waypoint GeodeticGoal(const CtlOptions& options) {
+  control::Waypoint waypoint;
+  waypoint.frame = control::GoalFrame::kGeodetic;
+  Require(ctl::ParseNanodegrees("--lat", options.latitude, control::kMaxLatitude_ndeg,
+                                waypoint.latitude_ndeg));
+  Require(ctl::ParseNanodegrees("--lon", options.longitude, control::kMaxLongitude_ndeg,
+                                waypoint.longitude_ndeg));
+  return waypoint;
+}
+
+void Goal(const CtlOptions& options) {
+  const bool geodetic = !options.latitude.empty() || !options.longitude.empty();
+  if (geodetic == !options.position.empty()) {
+    throw CommandFailure(kBadInput, "a goal is X Y, or --lat and --lon");
+  }
+  control::OperatorCommand command;
+  command.kind = Kind::kGoal;
+  command.waypoints = 1;
+  command.waypoint[0] = geodetic ? GeodeticGoal(options) : PositionGoal(options);
+  if (!options.heading.empty()) {
+    const auto heading_rad = static_cast<float>(ParseNumber("--heading", options.heading));
+    if (std::abs(heading_rad) > control::kMaxHeading_rad) {
+      throw CommandFailure(kBadInput, "--heading: " + options.heading + " is not within pi");
+    }
+    command.has_heading = true;
+    command.heading_frame = command.waypoint[0].frame;
+    command.heading_rad = heading_rad;
+  }
+  Command(options, command);
+}
+
+void Waypoints(const CtlOptions& options) {
+  control::OperatorCommand command;
+  Require(ctl::ReadWaypoints(options.file, command));
+  Command(options, command);
+}
+
+// Another number than any program said before, as good as surely; not 0.
+uint32_t FirstPress() {
+  std::random_device random;
+  return std::max(1u, random() & 0x7fffffffu);
+}
+
+// Whoever calls it is there. A program that calls it again and again is nobody.
+void Alive(const CtlOptions& options) {
+  control::OperatorCommand command;
+  command.kind = Kind::kAlive;
+  command.press = FirstPress();
+  Command(options, command);
+}
+
+// The terminal gives each key at once and shows none; as it was, in the end.
+class KeysOfTerminal {
+ public:
+  KeysOfTerminal() {
+    if (isatty(STDIN_FILENO) != 1 || tcgetattr(STDIN_FILENO, &before_) != 0) {
+      throw CommandFailure(kBadInput, "drive needs a terminal: somebody has to press its keys");
+    }
+    termios raw = before_;
+    raw.c_lflag &= static_cast<tcflag_t>(~(ICANON | ECHO));
+    raw.c_cc[VMIN] = 0;
+    raw.c_cc[VTIME] = 0;
+    tcsetattr(STDIN_FILENO, TCSAFLUSH, &raw);
+  }
+  ~KeysOfTerminal() { tcsetattr(STDIN_FILENO, TCSAFLUSH, &before_); }
+  KeysOfTerminal(const KeysOfTerminal&) = delete;
+  KeysOfTerminal& operator=(const KeysOfTerminal&) = delete;
+
+  // The last of those pressed since, and all before it dropped; none within the time. False: the
+  // terminal has gone.
+  bool Next(std::optional<char>& key, int wait_ms) {
+    key.reset();
+    pollfd ready{STDIN_FILENO, POLLIN, 0};
+    if (poll(&ready, 1, wait_ms) <= 0) return true;
+    if ((ready.revents & POLLIN) == 0) return false;
+    std::array<char, 256> keys;
+    const ssize_t got = read(STDIN_FILENO, keys.data(), keys.size());
+    if (got <= 0) return false;
+    key = keys[static_cast<size_t>(got) - 1];
+    for (ssize_t i = 0; i < got; ++i) {
+      if (keys[static_cast<size_t>(i)] == 'e') key = 'e';  // whatever came behind it
+    }
+    return true;
+  }
+
+ private:
+  termios before_{};
+};
+
+Kind MeaningOf(char key) {
+  if (key == 'e') return Kind::kEmergencyStop;
+  return key == 's' ? Kind::kStop : Kind::kAlive;
+}
+
+// Ends when the answer is no, or the connection: somebody who relies on it has to know.
+void Drive(const CtlOptions& options) {
+  CatchInterrupt();
+  ctl::Connection connection;
+  Open(options, connection);
+  KeysOfTerminal keys;
+  std::cout << "Press or hold any key while you watch the vehicle; s: stop, e: emergency stop, "
+               "q: leave\n"
+            << std::flush;
+  constexpr int kWait_ms = 50;
+  control::OperatorCommand command;
+  command.press = FirstPress();
+  while (interrupted == 0) {
+    std::optional<char> key;
+    if (!keys.Next(key, kWait_ms)) return;
+    if (!key) continue;
+    if (*key == 'q') return;
+    command.kind = MeaningOf(*key);
+    command.press = command.press == UINT32_MAX ? 1 : command.press + 1;
+    control::Done answer;
+    const ReadOutcome outcome = connection.Ask(command, answer);
+    if (interrupted != 0) return;
+    Require(outcome);
+    RequireDone(answer);
+  }
+}
+
+int TerminalWidth() {
+  winsize size{};
+  return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 100;
+}
+
+std::string StatusText(const CtlOptions& options, const control::StatusReport& report,
+                       const control::StatusReport* before) {
+  if (options.json) return ctl::ToJson(report).dump() + "\n";
+  const bool terminal = isatty(STDOUT_FILENO) == 1;
+  return ctl::ToText(report, before, {TerminalWidth(), options.all, terminal});
+}
+
+// One report after the other: each drawn over the one before on a terminal, one object a line with
+// --json. A connection that ends is made again: hardpackd may start anew.
+void WatchStatus(const CtlOptions& options) {
+  CatchInterrupt();
+  const bool redraw = !options.json && isatty(STDOUT_FILENO) == 1;
+  ctl::Connection connection;
+  Open(options, connection);
+  bool connected = true;
+  std::optional<control::StatusReport> before;
+  while (interrupted == 0) {
+    control::StatusReport report;
+    ReadOutcome outcome;
+    if (!connected) {
+      outcome = connection.Open(options.socket,
+                                std::chrono::milliseconds(std::llround(options.timeout_s * 1e3)));
+    }
+    if (outcome.ok()) outcome = connection.AskStatus(report);
+    if (interrupted != 0) break;
+    connected = outcome.ok();
+    if (redraw) std::cout << "\033[H\033[J";
+    if (connected) {
+      std::cout << StatusText(options, report, before ? &*before : nullptr);
+      before = report;
+    } else {
+      (redraw ? std::cout : std::cerr) << outcome.message << "; trying again\n";
+    }
+    if (!redraw && !options.json) std::cout << "\n";
+    std::cout.flush();
+    Sleep(options.interval_s);
+  }
+}
+
+void Status(const CtlOptions& options) {
+  if (options.watch) {
+    WatchStatus(options);
+    return;
+  }
+  ctl::Connection connection;
+  Open(options, connection);
+  control::StatusReport report;
+  Require(connection.AskStatus(report));
+  std::cout << StatusText(options, report, nullptr);
+}
+
+void Parameters(const CtlOptions& options) {
+  ctl::Connection connection;
+  Open(options, connection);
+  std::string toml;
+  Require(connection.AskParameters(toml));
+  if (options.json) toml = nlohmann::json{{"toml", toml}}.dump() + "\n";
+  std::cout << toml;
+}
+
+using Options = std::shared_ptr<CtlOptions>;
+
+CLI::App* AddSubcommand(CLI::App& ctl, const char* name, const char* description,
+                        const Options& options, std::function<void(const CtlOptions&)> run) {
+  CLI::App* command = ctl.add_subcommand(name, description);
+  command->fallthrough();  // --socket, --timeout and --json may stand behind it
+  command->callback([options, run = std::move(run)] { run(*options); });
+  return command;
+}
+
+void AddStatus(CLI::App& ctl, const Options& options) {
+  CLI::App* status =
+      AddSubcommand(ctl, "status",
+                    "Show what hardpackd knows of itself. ! marks what is wrong now, * what was\n"
+                    "lost or refused since the start. Counters that are 0 are left out.",
+                    options, Status);
+  status->add_flag("--all", options->all, "Counters that are 0, too");
+  CLI::Option* watch = status->add_flag(
+      "--watch", options->watch, "Again and again until Ctrl-C; counters say how they have grown");
+  status->add_option("--interval", options->interval_s, "Seconds between two (default 1)")
+      ->check(CLI::Range(0.05, 3600.0))
+      ->needs(watch);
+}
+
+void AddGoals(CLI::App& ctl, const Options& options) {
+  CLI::App* goal =
+      AddSubcommand(ctl, "goal", "Drive there, in the place of all earlier goals.", options, Goal);
+  CLI::Option* position =
+      goal->add_option("position", options->position, "X Y in metres, in the odom frame")
+          ->expected(2);
+  CLI::Option* heading =
+      goal->add_option("--heading", options->heading, "Heading at the goal, in radians");
+  CLI::Option* relative = goal->add_flag(
+      "--relative", options->relative,
+      "X Y (and the heading) are ahead and to the left of the vehicle, as it stands");
+  CLI::Option* latitude = goal->add_option("--lat", options->latitude,
+                                           "Latitude, WGS 84, in degrees, at most nine decimals");
+  CLI::Option* longitude = goal->add_option("--lon", options->longitude, "Longitude, the same");
+  latitude->needs(longitude)->excludes(position)->excludes(heading)->excludes(relative);
+  longitude->needs(latitude);
+
+  AddSubcommand(
+      ctl, "waypoints",
+      "Drive to the waypoints of a file in turn, in the place of all earlier goals.\n"
+      "First the word odom, relative or latlon, then a waypoint a line: x y in metres or\n"
+      "latitude and longitude in degrees; # begins a comment.",
+      options, Waypoints)
+      ->add_option("file", options->file, "The file")
+      ->required();
+}
+
+void AddPresence(CLI::App& ctl, const Options& options) {
+  AddSubcommand(ctl, "drive",
+                "Stay with the vehicle: every key pressed at this terminal says that the operator\n"
+                "is there. Without one for safety.operator_timeout_s the vehicle stops.",
+                options, Drive);
+  AddSubcommand(ctl, "alive", "Say once that the operator is there, as a key of `drive` does.",
+                options, Alive);
+}
+
+}  // namespace
+
+void AddCtlCommands(CLI::App& app) {
+  const auto options = std::make_shared<CtlOptions>();
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 done; 1 refused, with the reason; 2 bad usage, or hardpackd cannot be\n"
+      "reached.");
+  app.add_option("--socket", options->socket,
+                 "The control socket (default " + options->socket + ")");
+  app.add_option("--timeout", options->timeout_s, "Seconds to wait for an answer (default 2)")
+      ->check(CLI::Range(0.01, 3600.0));
+  app.add_flag("--json", options->json, "Print one JSON object");
+
+  AddStatus(app, options);
+  const auto add_simple = [&](const char* name, const char* description, Kind kind) {
+    AddSubcommand(app, name, description, options,
+                  [kind](const CtlOptions& chosen) { SimpleCommand(chosen, kind); });
+  };
+  add_simple("arm", "Let the vehicle drive, once it has a goal.", Kind::kArm);
+  add_simple("disarm", "Stop, then switch the drives off.", Kind::kDisarm);
+  add_simple("stop", "Come to rest along the path and drop the goals; stays armed.", Kind::kStop);
+  add_simple("estop", "Zero speed at once; only disarming leaves it.", Kind::kEmergencyStop);
+  AddGoals(app, options);
+  AddPresence(app, options);
+  AddSubcommand(app, "params", "Print the configuration that hardpackd runs with, as TOML.",
+                options, Parameters);
+}
+
+}  // namespace hardpack::command

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "port_linux/hardpackctl/waypoints.h"
+
+#include <charconv>
+#include <cmath>
+#include <sstream>
+#include <vector>
+
+#include "port_linux/files/read_file.h"
+
+namespace hardpack::ctl {
+namespace {
+
+using control::GoalFrame;
+
+constexpr size_t kFractionDigits = 9;
+
+ReadOutcome Wrong(const std::string& name, const std::string& what) {
+  return {Status::kInvalidArgument, name + ": " + what};
+}
+
+std::string Quoted(std::string_view text) {
+  // Not with operator+: GCC 12 warns of overlaps there (its bug 105329).
+  std::string quoted(1, '\'');
+  quoted.append(text);
+  quoted.push_back('\'');
+  return quoted;
+}
+
+bool AreDigits(std::string_view text) {
+  return text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+ReadOutcome ParseMeters(const std::string& name, std::string_view text, float& value_m) {
+  const char* first = text.data();
+  const char* last = first + text.size();
+  if (first != last && *first == '+') ++first;
+  const auto [end, error] = std::from_chars(first, last, value_m);
+  if (error != std::errc{} || end != last) return Wrong(name, Quoted(text) + " is not a number");
+  if (std::isfinite(value_m) && std::abs(value_m) <= control::kMaxPosition_m) return {};
+  return Wrong(name, Quoted(text) + " is not within 1e6 m");
+}
+
+// The words of a line, without its comment.
+std::vector<std::string> Words(std::string line) {
+  line.resize(std::min(line.size(), line.find('#')));
+  std::istringstream stream(line);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+ReadOutcome ParseHeader(const std::string& name, const std::vector<std::string>& words,
+                        GoalFrame& frame) {
+  const std::string& word = words.front();
+  if (words.size() == 1 && (word == "odom" || word == "relative" || word == "latlon")) {
+    frame = word == "odom"       ? GoalFrame::kOdom
+            : word == "relative" ? GoalFrame::kBody
+                                 : GoalFrame::kGeodetic;
+    return {};
+  }
+  return Wrong(name, "one of the words odom, relative or latlon has to come first");
+}
+
+ReadOutcome ParseWaypoint(const std::string& name, const std::vector<std::string>& words,
+                          GoalFrame frame, control::Waypoint& waypoint) {
+  const bool geodetic = frame == GoalFrame::kGeodetic;
+  waypoint = {};
+  waypoint.frame = frame;
+  if (words.size() != 2) {
+    return Wrong(name, geodetic ? "a latitude and a longitude are needed" : "x and y are needed");
+  }
+  if (geodetic) {
+    ReadOutcome outcome = ParseNanodegrees(name + ": latitude", words[0],
+                                           control::kMaxLatitude_ndeg, waypoint.latitude_ndeg);
+    return outcome.ok() ? ParseNanodegrees(name + ": longitude", words[1],
+                                           control::kMaxLongitude_ndeg, waypoint.longitude_ndeg)
+                        : outcome;
+  }
+  ReadOutcome outcome = ParseMeters(name + ": x", words[0], waypoint.position_m.x_m);
+  return outcome.ok() ? ParseMeters(name + ": y", words[1], waypoint.position_m.y_m) : outcome;
+}
+
+}  // namespace
+
+ReadOutcome ParseNanodegrees(const std::string& name, std::string_view text, int64_t limit_ndeg,
+                             int64_t& value_ndeg) {
+  std::string_view digits = text;
+  const bool negative = digits.starts_with('-');
+  if (negative || digits.starts_with('+')) digits.remove_prefix(1);
+  const size_t point = std::min(digits.find('.'), digits.size());
+  const std::string_view whole = digits.substr(0, point);
+  const std::string_view fraction = digits.substr(std::min(point + 1, digits.size()));
+  if (whole.empty() || !AreDigits(whole) || !AreDigits(fraction) ||
+      (point < digits.size() && fraction.empty())) {
+    return Wrong(name, Quoted(text) + " is not a number of degrees such as -96.338912345");
+  }
+  if (fraction.size() > kFractionDigits) {
+    return Wrong(name, Quoted(text) + " has more than nine digits behind the point");
+  }
+  std::string scaled = std::string(whole) + std::string(fraction);
+  scaled.append(kFractionDigits - fraction.size(), '0');
+  int64_t magnitude_ndeg = 0;
+  const auto [end, error] =
+      std::from_chars(scaled.data(), scaled.data() + scaled.size(), magnitude_ndeg);
+  if (error != std::errc{} || magnitude_ndeg > limit_ndeg) {
+    return Wrong(name, Quoted(text) + " is not within " +
+                           std::to_string(limit_ndeg / 1'000'000'000) + " degrees");
+  }
+  value_ndeg = negative ? -magnitude_ndeg : magnitude_ndeg;
+  return {};
+}
+
+ReadOutcome ReadWaypoints(const std::string& path, control::OperatorCommand& command) {
+  std::string text;
+  ReadOutcome read = ReadFile(path, kMaxWaypointsFileBytes, text);
+  if (!read.ok()) return read;
+  command = control::OperatorCommand{};
+  command.kind = control::Kind::kGoal;
+  bool has_frame = false;
+  GoalFrame frame = GoalFrame::kOdom;
+  std::istringstream lines(text);
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const std::string name = path + ":" + std::to_string(++number);
+    const std::vector<std::string> words = Words(line);
+    if (words.empty()) continue;
+    if (!has_frame) {
+      ReadOutcome header = ParseHeader(name, words, frame);
+      if (!header.ok()) return header;
+      has_frame = true;
+      continue;
+    }
+    if (command.waypoints == control::kMaxWaypoints) {
+      return {Status::kCapacityExceeded,
+              name + ": more than " + std::to_string(control::kMaxWaypoints) + " waypoints"};
+    }
+    ReadOutcome outcome = ParseWaypoint(name, words, frame, command.waypoint[command.waypoints]);
+    if (!outcome.ok()) return outcome;
+    ++command.waypoints;
+  }
+  if (command.waypoints == 0) return Wrong(path + ":" + std::to_string(number), "no waypoint");
+  return {};
+}
+
+}  // namespace hardpack::ctl

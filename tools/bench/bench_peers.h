@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tools/bench/bench_chain.h"
+#include "tools/bench/bench_timing.h"
+
+// Other libraries on the inputs of a StageChain, as many as this build has (tools/bench/peers):
+// what is not there is not in the list. The chain outlives what is returned.
+
+namespace hardpack::command {
+
+using PeerRuns = std::vector<std::unique_ptr<PeerRun>>;
+
+// The names of those that this build has, for the report.
+std::vector<std::string> PeerNames();
+
+// "opencv": the exact distance transform, once for each layer.
+PeerRuns DistancePeers(const StageChain& chain);
+
+// "boost": astar_search on the same costmap, the queries by turns. Solves each once: throws a
+// CommandFailure when a cost is not that of core/astar.
+PeerRuns SearchPeers(StageChain& chain, const std::string& scene);
+
+// "ceres_trust_region", "ceres_line_search": the same F from the same seed, at most 100 iterations.
+PeerRuns OptimizerPeers(const StageChain& chain);
+
+}  // namespace hardpack::command

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// Prints docs/memory.md: who takes how much memory, from the types themselves.
+#include <cstdio>
+
+#include "core/autonomy/mapper.h"
+#include "core/autonomy/planner.h"
+#include "core/autonomy/replanner.h"
+#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+
+namespace {
+
+constexpr const char* kIntroduction = R"(# Memory
+
+Every buffer is a member of an object whose size is known at compile time and held to a budget by a
+`static_assert`. The objects are owned by the caller; nothing is allocated in `core` or `hal`.
+This page is printed by `memory_doc` (a test compares them); sizes are those of a 64-bit build.
+
+| object | bytes | a cell | what for |
+|---|---:|---:|---|
+)";
+
+void PrintRow(const char* name, size_t bytes, const char* purpose) {
+  std::printf("| %s | %zu | %.2f | %s |\n", name, bytes,
+              static_cast<double>(bytes) / hardpack::kMapCells, purpose);
+}
+
+}  // namespace
+
+int main() {
+  using namespace hardpack;
+  std::fputs(kIntroduction, stdout);
+  PrintRow("`HeightGrid`", sizeof(HeightGrid), "heights of returns, a cell");
+  PrintRow("`Replanner`", sizeof(Replanner),
+           "all of planning but the heights: the committed plan, and of it:");
+  PrintRow("`Planner`", sizeof(Planner), "one plan; of it:");
+  PrintRow("&nbsp; `CostmapBuilder`", sizeof(CostmapBuilder),
+           "costs, flags, distances, and the scratch of their passes");
+  PrintRow("&nbsp; `AstarSearch`", sizeof(AstarSearch), "64 bits a cell and 4096 buckets");
+  PrintRow("&nbsp; `PathSampler`", sizeof(PathSampler), "the base path");
+  PrintRow("&nbsp; `Optimizer`", sizeof(Optimizer),
+           "both optimizers: paths, and what is tried on them");
+  PrintRow("&nbsp; `PathCheck`", sizeof(PathCheck), "the check's progress");
+  PrintRow("&nbsp; `Plan`", sizeof(Plan), "the result");
+  PrintRow("`Mapper`", sizeof(Mapper), "all of perception, `HeightGrid` included; of it:");
+  PrintRow("&nbsp; `ScanRing`", sizeof(ScanRing),
+           "at least three revolutions of columns; budget 2 MiB");
+  PrintRow("&nbsp; `Segmenter`", sizeof(Segmenter), "the directions that are looked at together");
+  PrintRow("&nbsp; `BeamModel`", sizeof(BeamModel), "the lidar's geometry");
+  PrintRow("&nbsp; `PoseHistory`", sizeof(PoseHistory), "poses for motion compensation");
+  PrintRow("`VehicleLoop`", sizeof(VehicleLoop),
+           "everything on board: `Mapper`, `Replanner`, and of the rest:");
+  PrintRow("&nbsp; `Corridor`", sizeof(Corridor),
+           "returns against the path: a coarse grid, and the cells of the last ticks");
+  PrintRow("&nbsp; `ReactionMeter`", sizeof(ReactionMeter), "columns that wait, and histograms");
+  PrintRow("&nbsp; `vectornav::StreamParser`", sizeof(vectornav::StreamParser),
+           "the INS's stream, until a message is whole");
+  PrintRow("&nbsp; `control::OperatorCommand`", sizeof(control::OperatorCommand), "waypoints");
+  PrintRow("&nbsp; `sevcon::DrivePair`", sizeof(sevcon::DrivePair), "both drives");
+  PrintRow("&nbsp; `ouster::PacketMonitor`", sizeof(ouster::PacketMonitor), "the lidar's stream");
+  PrintRow("&nbsp; `VehicleConfig`", sizeof(VehicleConfig), "parameters");
+  const size_t planning = sizeof(Replanner) + sizeof(HeightGrid);
+  std::printf(
+      "\nPlanning (`Replanner` and `HeightGrid`) takes %zu of its %d bytes (%.2f of 6 MiB).\n",
+      planning, kPlanningBudget_bytes, static_cast<double>(planning) / (1024.0 * 1024.0));
+  return 0;
+}

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/autonomy/mapper.h"
+#include "core/autonomy/planner.h"
+#include "nlohmann/json.hpp"
+#include "tools/plan/parameter_list.h"
+#include "tools/plan/planner_run.h"
+
+// The two things that a plan can be made on: a recorded revolution of the lidar, and an occupancy
+// map. Either fills a planner, runs it, and says what was read.
+
+namespace hardpack::command {
+
+struct LidarFiles {
+  std::string capture;
+  std::string metadata;
+  std::string labels;  // empty: none
+};
+
+struct MapFile {
+  std::string yaml;
+  std::string unknown_is;  // soft, hard or free
+};
+
+struct PlannedInput {
+  std::unique_ptr<Planner> planner = std::make_unique<Planner>();
+  std::unique_ptr<Mapper> mapper;             // the revolution, with --lidar
+  Status begin_status = Status::kNotStarted;  // the planner has run when it is usable
+  StageTimes times;
+  double load_us = 0.0;   // reading and filing the input, wall clock
+  nlohmann::json report;  // "input" of plan.json
+};
+
+// Both throw a CommandFailure (bad input) naming the file and the field when it cannot be read.
+PlannedInput PlanOnLidar(const LidarFiles& files, const Parameters& parameters,
+                         const PlanRequest& request);
+// Besides: when the start or the goal is off the map.
+PlannedInput PlanOnMap(const MapFile& file, const Parameters& parameters,
+                       const PlanRequest& request);
+
+}  // namespace hardpack::command

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/sim/command/mission_options.h"
+
+#include <fstream>
+#include <sstream>
+#include <vector>
+
+#include "port_linux/command_line/arguments.h"
+#include "port_linux/command_line/command.h"
+#include "tools/sim/script/script.h"
+#include "tools/sim/vehicle/vehicle_model_file.h"
+
+namespace hardpack::command {
+namespace {
+
+// A name is a file of config/vehicles, anything else a path.
+std::string VehiclePath(const std::string& name) {
+  if (name.ends_with(".toml")) return name;
+  return std::string(HARDPACK_VEHICLES) + "/" + name + ".toml";
+}
+
+void SetLabels(const std::string& text, mission::MissionSettings& settings) {
+  settings.labels.reset();
+  if (text == "none") return;
+  const double delay_ms = ParseNumber("--labels", text);
+  if (delay_ms < 0.0 || delay_ms > 10000.0) {
+    throw CommandFailure(kBadInput, "--labels " + text + ": 0 to 10000 ms, or none");
+  }
+  settings.labels.emplace();
+  settings.labels->delay_s = delay_ms / 1000.0;
+}
+
+// What the file says; a line that is no event is told with the file's name.
+std::string ReadScript(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw CommandFailure(kBadInput, path + ": cannot be read");
+  std::ostringstream text;
+  text << file.rdbuf();
+  std::vector<sim::ScriptEvent> events;
+  Require(sim::ParseScript(text.str(), path, events));
+  return text.str();
+}
+
+}  // namespace
+
+void AddMissionOptions(CLI::App& command, MissionOptions& options) {
+  mission::MissionSettings& mission = options.mission;
+  command.add_option("--planner", mission.planner, "optimizer (default) or astar");
+  command.add_option("--tracker", mission.tracker, "full (default) or pursuit");
+  command.add_option(
+      "--vehicle", options.vehicle,
+      "warthog_paper (default), warthog_recorded, or FILE.toml (docs/simulation.md)");
+  command.add_flag("!--typical", mission.spread,
+                   "The typical vehicle instead of one drawn by the seed");
+  command.add_option("--labels", options.labels,
+                     "External labels that come so many milliseconds after their returns; or none "
+                     "(default)");
+  command.add_option(
+      "--script", options.script,
+      "File of what goes wrong (tools/sim/script/script.h), at times from the goal's acceptance");
+  command.add_option("--config", options.configuration, "Configuration (TOML) of the vehicle");
+  command.add_option("--max-speed", options.max_speed_mps, "Instead of the configuration's [m/s]");
+  command.add_option("--limit", mission.limit_s, "On the mission's time [s] (default 120)");
+  command.add_option("--lidar-columns", mission.lidar_columns,
+                     "A revolution: 512, 1024 (default) or 2048");
+  command.add_option("--start", options.scenario.start, "X,Y[,THETA] on a map (default 0,0)");
+  command.add_option("--goal", options.scenario.goal, "X,Y on a map");
+}
+
+mission::MissionSettings SettingsOf(const MissionOptions& options) {
+  mission::MissionSettings settings = options.mission;
+  Require(sim::ReadVehicle(VehiclePath(options.vehicle), settings.vehicle));
+  settings.vehicle_name = options.vehicle;
+  SetLabels(options.labels, settings);
+  if (!options.script.empty()) settings.script = ReadScript(options.script);
+  if (!options.configuration.empty()) {
+    Require(ReadConfiguration(options.configuration, settings.configuration));
+  }
+  if (options.max_speed_mps > 0.0) {
+    settings.configuration.planner.speed.max_speed_mps = static_cast<float>(options.max_speed_mps);
+  }
+  return settings;
+}
+
+DrivenWay DrivenOf(const mission::MissionTrace& trace) {
+  DrivenWay driven;
+  for (const mission::MissionTrace::Sample& sample : trace.samples) {
+    driven.way.push_back({sample.x_m, sample.y_m});
+    driven.end_s = sample.t_s;
+  }
+  for (const mission::MissionTrace::Plan& plan : trace.plans) driven.plans.push_back(plan.path);
+  return driven;
+}
+
+}  // namespace hardpack::command

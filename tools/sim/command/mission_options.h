@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "CLI/CLI.hpp"
+#include "tools/sim/command/scenario_argument.h"
+#include "tools/sim/command/world_picture.h"
+#include "tools/sim/mission/mission.h"
+
+// What `hardpack sim` and `hardpack experiment` ask for of a mission.
+
+namespace hardpack::command {
+
+struct MissionOptions {
+  std::string vehicle = "warthog_paper";
+  std::string configuration;
+  std::string labels = "none";
+  std::string script;          // path; empty: nothing goes wrong
+  double max_speed_mps = 0.0;  // 0: the configuration's
+  ScenarioOptions scenario;
+  mission::MissionSettings mission;
+};
+
+// `options` outlives the command.
+void AddMissionOptions(CLI::App& command, MissionOptions& options);
+
+// Reads the files; everything but world and seed. Throws a CommandFailure (bad input).
+mission::MissionSettings SettingsOf(const MissionOptions& options);
+
+// What a picture shows of a mission.
+DrivenWay DrivenOf(const mission::MissionTrace& trace);
+
+}  // namespace hardpack::command

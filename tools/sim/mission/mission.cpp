@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/sim/mission/mission.h"
+
+#include <cmath>
+#include <memory>
+#include <span>
+
+#include "tools/replay/replay.h"
+#include "tools/sim/mission/lock_step.h"
+#include "tools/sim/mission/observer.h"
+#include "tools/sim/script/script.h"
+#include "tools/sim/vehicle/vehicle_model_file.h"
+
+namespace hardpack::mission {
+namespace {
+
+using experiment::Outcome;
+using experiment::RunResult;
+
+constexpr double kBootLimit_s = 20.0;
+constexpr double kSettle_s = 0.5;  // for the first columns to come in
+
+ReadOutcome Bad(const std::string& message) {
+  return {Status::kInvalidArgument, message};
+}
+
+ReadOutcome ChooseMethods(const MissionSettings& settings, Configuration& configuration) {
+  if (settings.planner == "astar") {
+    // No sweep of the descent: the base path as the search found it.
+    configuration.planner.optimizer.method = OptimizerParams::kPaperDescent;
+    configuration.planner.optimizer.max_sweeps = 0;
+  } else if (settings.planner != "optimizer") {
+    return Bad("there is no planner '" + settings.planner + "': optimizer or astar");
+  }
+  if (settings.tracker == "pursuit") {
+    configuration.onboard.tracking.method = TrackingParams::kPurePursuit;
+  } else if (settings.tracker != "full") {
+    return Bad("there is no tracker '" + settings.tracker + "': full or pursuit");
+  }
+  return {};
+}
+
+}  // namespace
+
+ReadOutcome DescribeMission(const MissionSettings& settings, sim::ScriptedVehicleSettings& vehicle,
+                            Configuration& configuration) {
+  configuration = settings.configuration;
+  const ReadOutcome outcome = ChooseMethods(settings, configuration);
+  if (!outcome.ok()) return outcome;
+  vehicle = {};
+  vehicle.world = settings.scenario.world;
+  vehicle.vehicle.start = {settings.scenario.start.position.x_m,
+                           settings.scenario.start.position.y_m, settings.scenario.start.yaw_rad};
+  vehicle.labels = settings.labels;
+  vehicle.vehicle.model =
+      settings.spread ? sim::Draw(settings.vehicle, settings.seed) : settings.vehicle.typical;
+  // Of its kind, as anybody who drives one has measured.
+  configuration.planner.vehicle.max_wheel_speed_radps =
+      static_cast<float>(settings.vehicle.typical.wheel_limit_radps);
+  const auto seed = static_cast<uint32_t>(settings.seed);
+  vehicle.lidar = sim::NoisyLidar();
+  vehicle.lidar.columns = settings.lidar_columns;
+  vehicle.lidar.seed = seed;
+  vehicle.lidar.off_roll_rad = settings.scenario.mount_roll_rad;
+  vehicle.lidar.off_pitch_rad = settings.scenario.mount_pitch_rad;
+  vehicle.brake_pitch_rad = settings.scenario.brake_pitch_rad;
+  vehicle.ins.errors = sim::Vn300Errors();
+  vehicle.ins.seed = seed;
+  vehicle.seed = seed;
+  if (vehicle.labels) {
+    vehicle.labels->seed = seed;
+    configuration.perception.mapping.use_labels = 1;
+  }
+  return {};
+}
+
+RunResult ResultOf(const MissionSettings& settings) {
+  RunResult result;
+  result.world = settings.scenario.name;
+  result.planner = settings.planner;
+  result.tracker = settings.tracker;
+  result.vehicle = settings.vehicle_name;
+  result.labels = LabelsName(settings.labels);
+  result.max_speed_set_mps = double{settings.configuration.planner.speed.max_speed_mps};
+  result.settings = DigestOf(settings);
+  result.seed = settings.seed;
+  result.reason = "none";
+  result.clearance_m = world::Contact::kFar_m;
+  result.person_clearance_m = world::Contact::kFar_m;
+  return result;
+}
+
+namespace {
+
+control::OperatorCommand Command(control::Kind kind) {
+  control::OperatorCommand command;
+  command.kind = kind;
+  return command;
+}
+
+Moment MomentOf(const LockStep& run) {
+  const VehicleLoop& loop = run.loop();
+  Moment now;
+  now.time_s = run.time_s();
+  now.vehicle = &run.vehicle();
+  now.mode = loop.permission().mode;
+  now.reason = loop.permission().reason;
+  now.goals = static_cast<uint32_t>(loop.goals());
+  now.commanded_mps = loop.tracking().speed_mps;
+  now.commanded_yaw_radps = loop.tracking().yaw_rate_radps;
+  now.reaction_m = loop.reaction().Radius_m(0.5f);
+  now.plan = loop.replanner().committed().number;
+  now.loop = &loop;
+  return now;
+}
+
+// The bins of a meter into a histogram with the same ones.
+void AddBins(std::span<const uint32_t> bins, experiment::Histogram& histogram) {
+  for (size_t i = 0; i < bins.size(); ++i) {
+    if (bins[i] > 0) histogram.Add((static_cast<double>(i) + 0.5) * histogram.width(), bins[i]);
+  }
+}
+
+// Ticks until it is true; false when it takes too long.
+template <typename Condition>
+bool Until(LockStep& run, double limit_s, Condition&& condition) {
+  const double end_s = run.time_s() + limit_s;
+  while (!condition()) {
+    if (run.time_s() > end_s || !IsUsable(run.Tick())) return false;
+  }
+  return true;
+}
+
+// Boots, arms and gives the goal. Empty, or why it was not accepted.
+std::string Begin(LockStep& run, world::Point2 goal) {
+  if (!Until(run, kBootLimit_s, [&] { return run.loop().drives().ready(); })) {
+    return "the drives do not become ready";
+  }
+  const double settled_s = run.time_s() + kSettle_s;
+  if (!Until(run, kBootLimit_s, [&] { return run.time_s() > settled_s; })) return "a tick failed";
+  const Status armed = run.Say(Command(control::Kind::kArm));
+  if (!IsUsable(armed) || run.output().answer != Status::kOk) return "arming was refused";
+  if (!Until(run, kBootLimit_s, [&] { return run.loop().drives().enabled(); })) {
+    return "the drives are not enabled";
+  }
+  const WorldFromOdom frame(run.vehicle().vehicle().pose(), run.loop().odometry().pose());
+  control::OperatorCommand command = Command(control::Kind::kGoal);
+  command.waypoints = 1;
+  command.waypoint[0].frame = control::GoalFrame::kOdom;
+  command.waypoint[0].position_m = frame.ToOdom(goal);
+  const Status sent = run.Say(command);
+  if (!IsUsable(sent) || run.output().answer != Status::kOk) return "the goal was refused";
+  return "";
+}
+
+}  // namespace
+
+std::string LabelsName(const std::optional<sim::LabelSettings>& labels) {
+  if (!labels) return "none";
+  return std::to_string(std::lround(1000.0 * labels->delay_s)) + " ms";
+}
+
+uint64_t DigestOf(const MissionSettings& settings) {
+  std::string text = ToToml(settings.configuration) + settings.script;
+  text += sim::VehicleToToml(settings.vehicle, "");
+  for (const double number : {settings.spread ? 1.0 : 0.0, settings.limit_s,
+                              static_cast<double>(settings.lidar_columns)}) {
+    text.append(" ").append(sim::NumberText(number));
+  }
+  if (settings.labels) {
+    for (const double number : {settings.labels->accuracy, settings.labels->delay_s,
+                                static_cast<double>(settings.labels->columns)}) {
+      text.append(" ").append(sim::NumberText(number));
+    }
+  }
+  uint64_t digest = 14695981039346656037u;  // FNV-1a
+  for (const char c : text) digest = (digest ^ static_cast<uint8_t>(c)) * 1099511628211u;
+  return digest;
+}
+
+Outcome WantedOutcome(const std::string& world) {
+  if (world.starts_with("blind_")) return Outcome::kSaid;
+  return world == "dead_end" ? Outcome::kSaid : Outcome::kReached;
+}
+
+ReadOutcome RunMission(const MissionSettings& settings, RunResult& result, MissionTrace* trace) {
+  LockStepSettings lock_step;
+  lock_step.log = settings.log;
+  ReadOutcome outcome = DescribeMission(settings, lock_step.vehicle, lock_step.configuration);
+  if (!outcome.ok()) return outcome;
+  std::vector<sim::ScriptEvent> script;
+  outcome = sim::ParseScript(settings.scenario.script + settings.script, "script", script);
+  if (!outcome.ok()) return outcome;
+  LockStep run;
+  outcome = run.Start(lock_step);
+  if (!outcome.ok()) return outcome;
+
+  result = ResultOf(settings);
+  const std::string refused = Begin(run, settings.scenario.goal);
+  if (!refused.empty()) {
+    result.outcome = Outcome::kFault;
+    result.reason = refused;
+    return run.End();
+  }
+  const double start_s = run.time_s();
+  Observer observer(settings.scenario, result, trace, start_s);
+  size_t next_event = 0;
+  while (!observer.ended() && run.time_s() - start_s < settings.limit_s) {
+    for (; next_event < script.size() && script[next_event].at_s <= run.time_s() - start_s;
+         ++next_event) {
+      run.vehicle().Act(script[next_event]);
+    }
+    if (!IsUsable(run.Tick())) return Bad("a tick was refused");
+    observer.Watch(MomentOf(run));
+  }
+  observer.Finish(run.loop().decision_hash());
+  AddBins(run.loop().reaction().time_bins(), result.reaction_s);
+  AddBins(run.loop().reaction().radius_bins(), result.reaction_m);
+  result.driven_m = run.vehicle().vehicle().driven_m();
+  result.success = result.outcome == WantedOutcome(settings.scenario.name);
+  return run.End();
+}
+
+ReadOutcome ReplaysTheSame(const std::string& log, uint64_t decision_hash,
+                           std::string& difference) {
+  replay::Request request;
+  request.files = {log};
+  const auto loop = std::make_unique<VehicleLoop>();
+  const auto configuration = std::make_unique<Configuration>();
+  replay::Report report;
+  const ReadOutcome outcome = replay::ReplayLog(request, *loop, *configuration, report);
+  if (!outcome.ok()) return outcome;
+  if (report.difference.found) {
+    difference = "tick " + std::to_string(report.difference.index) + ": " + report.difference.what;
+  } else if (!report.not_comparable.empty()) {
+    difference = report.not_comparable;
+  } else if (report.decision_hash != decision_hash) {
+    difference = "another decision hash";
+  }
+  return {};
+}
+
+}  // namespace hardpack::mission

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "port_linux/files/configuration.h"
+#include "port_linux/files/read_outcome.h"
+#include "tools/sim/experiment/run_result.h"
+#include "tools/sim/mission/map_record.h"
+#include "tools/sim/script/scripted_vehicle.h"
+#include "tools/sim/sensors/sim_labels.h"
+#include "tools/sim/vehicle/vehicle_model_params.h"
+#include "tools/sim/world/named_worlds.h"
+
+// One mission in a simulated world, from power-on to rest: the drives boot, the operator arms and
+// gives the goal, the vehicle drives, and it is noted what became of it.
+
+namespace hardpack::mission {
+
+struct MissionSettings {
+  world::Scenario scenario;
+  std::string planner = "optimizer";  // or "astar": the base path as it is
+  std::string tracker = "full";       // or "pursuit": pure pursuit without lag compensation
+  std::string vehicle_name = "warthog_paper";
+  sim::UncertainVehicle vehicle;  // one of its kind is drawn by the seed
+  bool spread = true;             // false: the typical one
+
+  uint64_t seed = 1;  // of all that is random but the scenario
+  // External labels, which the vehicle then waits for (mapping.use_labels); none: it classes all
+  // returns itself.
+  std::optional<sim::LabelSettings> labels;
+  int lidar_columns = 1024;
+  Configuration configuration;
+  std::string
+      script;  // events besides (tools/sim/script/script.h), counted from the goal's acceptance
+  double limit_s = 120.0;  // from the goal on
+  std::string log;         // path of the flight log; empty: none
+};
+
+// How the table of an experiment names them: "none", or by how much they are late, "100 ms".
+std::string LabelsName(const std::optional<sim::LabelSettings>& labels);
+
+// A digest of everything that decides about a mission but the world, the methods' names and the
+// seed.
+uint64_t DigestOf(const MissionSettings& settings);
+
+// What the experiment of a world is to end in.
+experiment::Outcome WantedOutcome(const std::string& world);
+
+// What happened, for pictures. Frame: the world's; times since the goal's acceptance.
+struct MissionTrace {
+  struct Sample {  // every 0.05 s
+    double t_s = 0.0;
+    double x_m = 0.0;
+    double y_m = 0.0;
+    double yaw_rad = 0.0;
+    double speed_mps = 0.0;
+    double commanded_mps = 0.0;  // that the tracker has told it to have by now
+    double planned_mps = 0.0;    // by the committed plan at that place; 0 without one
+    double yaw_rate_radps = 0.0;
+    double commanded_yaw_radps = 0.0;  // of the wheels' setpoints, without slip
+    double commanded_curvature_per_m = 0.0;
+    double cross_track_m = 0.0;
+    double clearance_m = 0.0;        // to anything hard, now
+    double reaction_median_m = 0.0;  // of the columns of the second before; 0 without any
+    double reaction_p99_m = 0.0;
+    std::vector<world::Point2> people;  // as in the world's list
+  };
+  struct Plan {
+    double t_s = 0.0;
+    std::vector<world::Point2> path;
+  };
+  struct Event {
+    double t_s = 0.0;
+    std::string text;  // "driving", "safe_stop: person", "touched a person at 0.2 m/s"
+  };
+  std::vector<Sample> samples;
+  std::vector<Plan> plans;  // each that was committed
+  std::vector<Event> events;
+  std::vector<MapRecord> maps;  // by time
+};
+
+// Failures are settings that cannot be run; a mission that goes wrong is a result. `trace` may be
+// null. The map of the last tick is left in `map` where it is wanted.
+ReadOutcome RunMission(const MissionSettings& settings, experiment::RunResult& result,
+                       MissionTrace* trace);
+
+// What there is to drive, and the configuration of who drives it: `settings` with its names
+// resolved and its seed drawn. kInvalidArgument: a method that there is not.
+ReadOutcome DescribeMission(const MissionSettings& settings, sim::ScriptedVehicleSettings& vehicle,
+                            Configuration& configuration);
+
+// A result in which nothing has happened yet.
+experiment::RunResult ResultOf(const MissionSettings& settings);
+
+// Replays the log of a run that was written: true when every tick was decided the same, else what
+// was not in `difference`.
+ReadOutcome ReplaysTheSame(const std::string& log, uint64_t decision_hash, std::string& difference);
+
+}  // namespace hardpack::mission

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/sim/mission/wire_operator.h"
+
+#include <utility>
+
+#include "core/safety/supervisor.h"
+#include "hal/sevcon/drive_report.h"
+#include "port_linux/hardpackctl/code_names.h"
+#include "tools/sim/mission/frame.h"
+
+namespace hardpack::mission {
+namespace {
+
+using std::chrono::duration;
+using std::chrono::duration_cast;
+using std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kAnswer{2000};
+constexpr std::chrono::milliseconds kSettle{500};  // for the first columns to come in
+constexpr const char* kInterrupted = "interrupted";
+
+bool Are(const control::StatusReport& status, sevcon::DriveState state) {
+  return status.left_drive.state == static_cast<uint8_t>(state) &&
+         status.right_drive.state == static_cast<uint8_t>(state);
+}
+
+bool HasTorque(const control::DrivePart& drive) {
+  const auto state = static_cast<sevcon::DriveState>(drive.state);
+  return state == sevcon::DriveState::kEnabling || state == sevcon::DriveState::kEnabled ||
+         state == sevcon::DriveState::kDisabling;
+}
+
+bool IsFresh(const control::Age& age) {
+  return age.limit_ns == 0 || age.age_ns <= age.limit_ns;
+}
+
+bool IsReady(const control::StatusReport& status) {
+  const control::AgePart& inputs = status.inputs;
+  return Are(status, sevcon::DriveState::kReady) && IsFresh(inputs.lidar_age) &&
+         IsFresh(inputs.ins_age) && IsFresh(inputs.odometry_age);
+}
+
+std::string WhyRefused(const control::Done& answer) {
+  if (answer.reason == static_cast<uint8_t>(StopReason::kNone)) return ctl::WordsOf(answer.status);
+  return ctl::NameOf(control::FieldKind::kStopReason, answer.reason).name;
+}
+
+}  // namespace
+
+WireOperator::~WireOperator() {
+  leaving_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+void WireOperator::Start() {
+  thread_ = std::thread([this] { Run(); });
+}
+
+WireOperator::Said WireOperator::said() const {
+  const std::lock_guard lock(mutex_);
+  return said_;
+}
+
+void WireOperator::Tell(Phase phase, const std::string& message) {
+  const std::lock_guard lock(mutex_);
+  said_.phase = phase;
+  said_.message = message;
+}
+
+bool WireOperator::AskStatus(std::string& failure) {
+  const ReadOutcome outcome = connection_.AskStatus(status_);
+  failure = outcome.message;
+  if (!outcome.ok()) return false;
+  const std::lock_guard lock(mutex_);
+  said_.status = status_;
+  ++said_.reports;
+  return true;
+}
+
+// Asks again and again; empty once it is true, else why it is not.
+std::string WireOperator::Until(const std::string& what, const std::function<bool()>& condition) {
+  std::string failure;
+  while (!leaving_) {
+    if (!AskStatus(failure)) return failure;
+    if (condition()) return "";
+    if (steady_clock::now() > patience_) return what;
+    std::this_thread::sleep_for(kPeriod);
+  }
+  return kInterrupted;
+}
+
+std::string WireOperator::Connect() {
+  while (!leaving_) {
+    const ReadOutcome outcome = connection_.Open(socket_, kAnswer);
+    if (outcome.ok()) return "";
+    if (steady_clock::now() > patience_) return outcome.message;
+    std::this_thread::sleep_for(4 * kPeriod);
+  }
+  return kInterrupted;
+}
+
+// What is asked for at a moment at which something is too old may be granted at the next.
+std::string WireOperator::Arm() {
+  while (!leaving_) {
+    control::OperatorCommand command;
+    command.kind = control::Kind::kArm;
+    control::Done answer;
+    const ReadOutcome outcome = connection_.Ask(command, answer);
+    if (!outcome.ok()) return outcome.message;
+    if (IsUsable(answer.status)) return "";
+    if (steady_clock::now() > patience_) return "arming was refused: " + WhyRefused(answer);
+    std::this_thread::sleep_for(4 * kPeriod);
+  }
+  return kInterrupted;
+}
+
+std::string WireOperator::Go() {
+  StampedPose odom;
+  odom.position = {status_.vehicle.x_m, status_.vehicle.y_m, 0.0f};
+  odom.yaw_rad = status_.vehicle.yaw_rad;
+  control::OperatorCommand command;
+  command.kind = control::Kind::kGoal;
+  command.waypoints = 1;
+  command.waypoint[0].frame = control::GoalFrame::kOdom;
+  command.waypoint[0].position_m = WorldFromOdom(start_, odom).ToOdom(goal_);
+  control::Done answer;
+  const ReadOutcome outcome = connection_.Ask(command, answer);
+  if (!outcome.ok()) return outcome.message;
+  return IsUsable(answer.status) ? "" : "the goal was refused: " + WhyRefused(answer);
+}
+
+// Up to the goal's acceptance. Empty, or what it failed for.
+std::string WireOperator::Begin() {
+  patience_ =
+      steady_clock::now() + duration_cast<steady_clock::duration>(duration<double>(wait_s_));
+  std::string failure = Connect();
+  if (!failure.empty()) return failure;
+  failure = Until("the drives and sensors are not ready", [this] { return IsReady(status_); });
+  if (!failure.empty()) return failure;
+  std::this_thread::sleep_for(kSettle);
+  failure = Arm();
+  if (!failure.empty()) return failure;
+  failure = Until("the drives are not enabled",
+                  [this] { return Are(status_, sevcon::DriveState::kEnabled); });
+  if (!failure.empty()) return failure;
+  failure = Go();
+  // The status of before knows of no goal.
+  if (failure.empty()) AskStatus(failure);
+  return failure;
+}
+
+void WireOperator::End(bool is_connected) {
+  control::OperatorCommand command;
+  command.kind = control::Kind::kDisarm;
+  control::Done answer;
+  is_connected = is_connected && connection_.Ask(command, answer).ok();
+  const auto until =
+      steady_clock::now() + duration_cast<steady_clock::duration>(duration<double>(kLeave_s));
+  std::string failure;
+  while (is_connected && steady_clock::now() < until) {
+    is_connected = AskStatus(failure);
+    if (!HasTorque(status_.left_drive) && !HasTorque(status_.right_drive)) break;
+    std::this_thread::sleep_for(kPeriod);
+  }
+  Tell(Phase::kLeft);
+}
+
+void WireOperator::Run() {
+  std::string failure = Begin();
+  if (!failure.empty()) {
+    Tell(Phase::kRefused, failure);
+    return;
+  }
+  Tell(Phase::kDriving);
+  bool is_connected = true;
+  while (!leaving_) {
+    std::this_thread::sleep_for(kPeriod);
+    if (!is_connected) continue;
+    is_connected = AskStatus(failure);
+    if (!is_connected) Tell(Phase::kLost, failure);
+  }
+  End(is_connected);
+}
+
+}  // namespace hardpack::mission

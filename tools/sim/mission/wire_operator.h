@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "hal/onboard/control/status_report.h"
+#include "port_linux/hardpackctl/connection.h"
+#include "tools/sim/vehicle/pose.h"
+#include "tools/sim/world/world.h"
+
+// The operator of a mission over the wire: says to a hardpackd over its control socket what
+// `hardpack ctl` would, and keeps its newest status. In a thread of its own, since an answer is
+// waited for and the vehicle's clock does not wait.
+
+namespace hardpack::mission {
+
+class WireOperator {
+ public:
+  enum class Phase : uint8_t {
+    kWaiting,  // for hardpackd, its drives and its sensors; then it is armed
+    kDriving,  // the goal was accepted
+    kRefused,  // it did not come to that; `message` says why
+    kLost,     // hardpackd does not answer any more
+    kLeft,     // disarmed, the drives are off; or they did not become so in kLeave_s
+  };
+  struct Said {
+    Phase phase = Phase::kWaiting;
+    std::string message;
+    uint64_t reports = 0;  // how many there were
+    control::StatusReport status;
+  };
+  // Between two questions for the status: a mode that lasts for less is not seen.
+  static constexpr std::chrono::milliseconds kPeriod{50};
+  static constexpr double kLeave_s = 12.0;
+
+  // The vehicle stands at `start` until the goal is accepted; both are of the world.
+  WireOperator(std::string socket, double wait_s, const sim::Pose& start, world::Point2 goal)
+      : socket_(std::move(socket)), wait_s_(wait_s), start_(start), goal_(goal) {}
+  ~WireOperator();
+  WireOperator(const WireOperator&) = delete;
+  WireOperator& operator=(const WireOperator&) = delete;
+
+  void Start();
+  Said said() const;
+  // Disarms, and waits until the drives are off; to be called once.
+  void Leave() { leaving_ = true; }
+
+ private:
+  void Run();
+  std::string Begin();
+  std::string Connect();
+  std::string Arm();
+  std::string Go();
+  std::string Until(const std::string& what, const std::function<bool()>& condition);
+  bool AskStatus(std::string& failure);
+  void End(bool is_connected);
+  void Tell(Phase phase, const std::string& message = "");
+
+  std::string socket_;
+  double wait_s_;
+  sim::Pose start_;
+  world::Point2 goal_;
+  ctl::Connection connection_;
+  control::StatusReport status_;  // the thread's own
+  std::chrono::steady_clock::time_point patience_;
+  std::atomic<bool> leaving_ = false;
+  mutable std::mutex mutex_;
+  Said said_;
+  std::thread thread_;
+};
+
+}  // namespace hardpack::mission

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "tools/sim/script/script_words.h"
+
+// The commands that are the lidar's alone: its clock, its faults and the weather.
+
+namespace hardpack::sim::script {
+
+void AddLidarCommands(std::map<std::string, Command>& commands);
+
+}  // namespace hardpack::sim::script

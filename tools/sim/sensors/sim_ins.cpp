@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/sim/sensors/sim_ins.h"
+
+#include <bit>
+#include <cmath>
+
+namespace hardpack::sim {
+namespace {
+
+using world::kPi;
+using world::Turn;
+using world::TurnOf;
+using world::Vector;
+
+constexpr double kSemiMajorAxis_m = 6'378'137.0;  // WGS 84 (REFERENCES.md)
+constexpr double kEccentricitySquared = 6.69437999014e-3;
+constexpr double kGravity_mps2 = 9.80665;
+constexpr uint64_t kDrawsPerMessage = 16;
+constexpr uint64_t kGpsStart_ns = 1'400'000'000'000'000'000;
+
+void Append(std::vector<uint8_t>& bytes, uint64_t value, int size) {
+  for (int i = 0; i < size; ++i) bytes.push_back(static_cast<uint8_t>(value >> (8 * i)));
+}
+void AppendFloat(std::vector<uint8_t>& bytes, double value) {
+  Append(bytes, std::bit_cast<uint32_t>(static_cast<float>(value)), 4);
+}
+void AppendDouble(std::vector<uint8_t>& bytes, double value) {
+  Append(bytes, std::bit_cast<uint64_t>(value), 8);
+}
+
+// CCITT, highest bit first, from zero.
+uint16_t Crc16(const std::vector<uint8_t>& bytes, size_t from) {
+  uint32_t crc = 0;
+  for (size_t i = from; i < bytes.size(); ++i) {
+    crc ^= uint32_t{bytes[i]} << 8;
+    for (int bit = 0; bit < 8; ++bit) crc = crc << 1 ^ ((crc & 0x8000u) != 0 ? 0x11021u : 0u);
+  }
+  return static_cast<uint16_t>(crc);
+}
+
+}  // namespace
+
+InsErrors Vn300Errors() {
+  constexpr double kRadPerDeg = kPi / 180.0;
+  InsErrors errors;
+  errors.gyro_bias_radps = {2.0e-5, -1.5e-5, 2.4e-5};
+  errors.accel_bias_mps2 = {4.0e-4, -3.0e-4, 4.0e-4};
+  errors.gyro_noise_radps = 0.0035 * kRadPerDeg * 10.0;
+  errors.accel_noise_mps2 = 0.14e-3 * kGravity_mps2 * 10.0;
+  errors.yaw_bias_rad = 0.2 * kRadPerDeg;
+  errors.attitude_noise_rad = 0.03 * kRadPerDeg;
+  errors.velocity_noise_mps = 0.05;
+  errors.position_wander_m = 1.0;
+  return errors;
+}
+
+BodyMotion MotionOf(const SimVehicle& vehicle, const world::World& world) {
+  const Pose& pose = vehicle.pose();
+  BodyMotion motion;
+  motion.pose = world::StandingPose(world, pose.x_m, pose.y_m, pose.theta_rad);
+  const auto to_world =
+      world::Rotation::FromAngles(motion.pose.roll_rad, motion.pose.pitch_rad, motion.pose.yaw_rad);
+  const auto to_body = [&m = to_world.m](const Vector& v) {
+    return Vector{m[0] * v.x_m + m[3] * v.y_m + m[6] * v.z_m,
+                  m[1] * v.x_m + m[4] * v.y_m + m[7] * v.z_m,
+                  m[2] * v.x_m + m[5] * v.y_m + m[8] * v.z_m};
+  };
+  const double speed_mps = vehicle.speed_mps();
+  const double rate_radps = vehicle.yaw_rate_radps();
+  motion.velocity_mps = to_world.Apply({speed_mps, 0.0, 0.0});
+  motion.rate_radps = to_body({0.0, 0.0, rate_radps});
+  motion.specific_force_mps2 = to_body({0.0, 0.0, kGravity_mps2});
+  motion.specific_force_mps2.y_m += speed_mps * rate_radps;  // towards the middle of the turn
+  return motion;
+}
+
+SimIns::SimIns(const InsSettings& settings, uint64_t start_ns)
+    : settings_(settings), start_ns_(start_ns) {}
+
+void SimIns::Advance(uint64_t now_ns, const BodyMotion& motion,
+                     std::vector<std::vector<uint8_t>>& datagrams) {
+  const auto per_s = static_cast<uint64_t>(settings_.messages_per_s);
+  while (start_ns_ + (sent_ + 1) * 1'000'000'000 / per_s <= now_ns) {
+    ++sent_;
+    drifted_north_m_ += settings_.errors.drift_north_mps / settings_.messages_per_s;
+    drifted_east_m_ += settings_.errors.drift_east_mps / settings_.messages_per_s;
+    const std::vector<uint8_t> message = Message(sent_ * 1'000'000'000 / per_s, motion, sent_);
+    buffer_.insert(buffer_.end(), message.begin(), message.end());
+  }
+  if (settings_.cut_bytes == 0) {
+    if (!buffer_.empty()) datagrams.push_back(buffer_);
+    buffer_.clear();
+    return;
+  }
+  const uint64_t key = ~world::KeyOf(settings_.seed, world::Stream::kIns);
+  while (true) {
+    if (next_cut_bytes_ == 0) {
+      next_cut_bytes_ =
+          1 + world::DrawBits(key, ++cuts_) % static_cast<uint64_t>(settings_.cut_bytes);
+    }
+    if (buffer_.size() < next_cut_bytes_) return;
+    const auto end = buffer_.begin() + static_cast<ptrdiff_t>(next_cut_bytes_);
+    datagrams.emplace_back(buffer_.begin(), end);
+    buffer_.erase(buffer_.begin(), end);
+    next_cut_bytes_ = 0;
+  }
+}
+
+double SimIns::Noise(uint64_t index, uint64_t what) const {
+  return world::DrawNormal(world::KeyOf(settings_.seed, world::Stream::kIns),
+                           index * kDrawsPerMessage + what);
+}
+
+// From one number to the next in 20 s, smoothly.
+double SimIns::Wander(uint64_t since_start_ns, uint64_t what) const {
+  constexpr uint64_t kBetween_ns = 20'000'000'000;
+  const uint64_t key = world::Mixed(world::KeyOf(settings_.seed, world::Stream::kIns) + 1);
+  const uint64_t index = since_start_ns / kBetween_ns * kDrawsPerMessage + what;
+  const double u =
+      static_cast<double>(since_start_ns % kBetween_ns) / static_cast<double>(kBetween_ns);
+  const double share = u * u * (3.0 - 2.0 * u);
+  return (1.0 - share) * world::DrawNormal(key, index) +
+         share * world::DrawNormal(key, index + kDrawsPerMessage);
+}
+
+std::vector<uint8_t> SimIns::Message(uint64_t since_start_ns, const BodyMotion& motion,
+                                     uint64_t index) const {
+  const InsErrors& errors = settings_.errors;
+  // The world's x axis from north, clockwise; north, east and yaw are clockwise, the world is not.
+  const Turn north = TurnOf(settings_.north_rad);
+  const auto to_north = [&](const Vector& v) { return north.cos * v.x_m + north.sin * v.y_m; };
+  const auto to_east = [&](const Vector& v) { return north.sin * v.x_m - north.cos * v.y_m; };
+  std::vector<uint8_t> bytes = {0xfa, 0x01, 0xeb,
+                                static_cast<uint8_t>(settings_.with_acceleration ? 0x11 : 0x10)};
+  Append(bytes, since_start_ns, 8);
+  Append(bytes, kGpsStart_ns + since_start_ns, 8);
+  AppendAttitude(motion, index, bytes);
+  const Vector& rate = motion.rate_radps;
+  const Vector& gyro = errors.gyro_bias_radps;
+  AppendFloat(bytes, rate.x_m + gyro.x_m + errors.gyro_noise_radps * Noise(index, 3));
+  AppendFloat(bytes, -rate.y_m + gyro.y_m + errors.gyro_noise_radps * Noise(index, 4));
+  AppendFloat(bytes, -rate.z_m + gyro.z_m + errors.gyro_noise_radps * Noise(index, 5));
+  AppendPosition(motion, since_start_ns, bytes);
+  const Vector& velocity = motion.velocity_mps;
+  const double noise_mps = errors.velocity_noise_mps;
+  AppendFloat(bytes, to_north(velocity) + errors.drift_north_mps + noise_mps * Noise(index, 6));
+  AppendFloat(bytes, to_east(velocity) + errors.drift_east_mps + noise_mps * Noise(index, 7));
+  AppendFloat(bytes, -velocity.z_m + noise_mps * Noise(index, 8));
+  if (settings_.with_acceleration) {
+    const Vector& force = motion.specific_force_mps2;
+    const Vector& bias = errors.accel_bias_mps2;
+    AppendFloat(bytes, force.x_m + bias.x_m + errors.accel_noise_mps2 * Noise(index, 9));
+    AppendFloat(bytes, -force.y_m + bias.y_m + errors.accel_noise_mps2 * Noise(index, 10));
+    AppendFloat(bytes, -force.z_m + bias.z_m + errors.accel_noise_mps2 * Noise(index, 11));
+  }
+  const uint32_t fix = settings_.mode == 2 ? 0x304u : 0u;  // satellites, and heading by them
+  Append(bytes, fix | settings_.mode, 2);
+  const uint16_t crc = Crc16(bytes, 1);
+  bytes.push_back(static_cast<uint8_t>(crc >> 8));
+  bytes.push_back(static_cast<uint8_t>(crc));
+  return bytes;
+}
+
+// Pitch is nose up here and nose down in the body frame; roll is the same about either x axis.
+void SimIns::AppendAttitude(const BodyMotion& motion, uint64_t index,
+                            std::vector<uint8_t>& bytes) const {
+  const double noise_rad = settings_.errors.attitude_noise_rad;
+  const auto append_deg = [&bytes](double angle_rad) {
+    AppendFloat(bytes, world::Wrapped(angle_rad) * 180.0 / kPi);
+  };
+  append_deg(settings_.north_rad - motion.pose.yaw_rad + settings_.errors.yaw_bias_rad +
+             noise_rad * Noise(index, 0));
+  append_deg(-motion.pose.pitch_rad + noise_rad * Noise(index, 1));
+  append_deg(motion.pose.roll_rad + noise_rad * Noise(index, 2));
+}
+
+// On the ellipsoid: radii of curvature of the meridian and across it at the world's origin.
+void SimIns::AppendPosition(const BodyMotion& motion, uint64_t since_start_ns,
+                            std::vector<uint8_t>& bytes) const {
+  const InsErrors& errors = settings_.errors;
+  const Turn north = TurnOf(settings_.north_rad);
+  const Vector& place = motion.pose.position;
+  const double wander_m = errors.position_wander_m;
+  const double north_m = north.cos * place.x_m + north.sin * place.y_m + errors.jump_north_m +
+                         drifted_north_m_ + wander_m * Wander(since_start_ns, 0);
+  const double east_m = north.sin * place.x_m - north.cos * place.y_m + errors.jump_east_m +
+                        drifted_east_m_ + wander_m * Wander(since_start_ns, 1);
+  const double sine = TurnOf(settings_.latitude_deg * kPi / 180.0).sin;
+  const double square = 1.0 - kEccentricitySquared * sine * sine;
+  const double across_m = kSemiMajorAxis_m / std::sqrt(square) + settings_.altitude_m;
+  const double meridian_m =
+      kSemiMajorAxis_m * (1.0 - kEccentricitySquared) / (square * std::sqrt(square)) +
+      settings_.altitude_m;
+  const double latitude_deg = settings_.latitude_deg + north_m / meridian_m * 180.0 / kPi;
+  const double cosine = TurnOf(latitude_deg * kPi / 180.0).cos;
+  AppendDouble(bytes, latitude_deg);
+  AppendDouble(bytes, settings_.longitude_deg + east_m / (across_m * cosine) * 180.0 / kPi);
+  AppendDouble(bytes, settings_.altitude_m + place.z_m + wander_m * Wander(since_start_ns, 2));
+}
+
+}  // namespace hardpack::sim

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tools/sim/vehicle/sim_vehicle.h"
+#include "tools/sim/world/contact.h"
+
+// A VN-300 on the vehicle, x forward and z down: binary messages FA 01 EB 10 (TimeStartup, TimeGps,
+// YawPitchRoll, AngularRate, PosLla, VelNed, InsStatus; 84 bytes), or FA 01 EB 11 with the
+// acceleration too (96 bytes), through a bridge from its serial line to UDP that cuts the stream
+// where its buffer is full. Bytes from the maker's description (REFERENCES.md), independent of
+// hal/vectornav. Positions on the WGS 84 ellipsoid. The same settings, motions and times give the
+// same bytes on every machine (tools/sim/world/portable_math.h).
+
+namespace hardpack::sim {
+
+// What it does wrong; as good as can be by default. One standard deviation each, in each message
+// anew; the position's error wanders within 20 s instead, as that of satellites does.
+struct InsErrors {
+  world::Vector gyro_bias_radps;  // in the sensor's axes: forward, right, down
+  world::Vector accel_bias_mps2;
+  double gyro_noise_radps = 0.0;
+  double accel_noise_mps2 = 0.0;
+  double yaw_bias_rad = 0.0;
+  double attitude_noise_rad = 0.0;
+  double velocity_noise_mps = 0.0;
+  double position_wander_m = 0.0;
+  // A jump of the position, and one that grows: to be changed while it runs.
+  double jump_north_m = 0.0;
+  double jump_east_m = 0.0;
+  double drift_north_mps = 0.0;
+  double drift_east_mps = 0.0;
+};
+
+// Of the order that is stated for a VN-300 with two antennas and satellites in view; the numbers
+// are ours: 0.03 deg of attitude, 0.2 deg of heading, 0.05 m/s, 1 m of position, gyroscopes off by
+// 5 deg/h and accelerometers by 0.04 mg, with the noise of 0.0035 deg/s and 0.14 mg a root hertz at
+// 100 Hz.
+InsErrors Vn300Errors();
+
+struct InsSettings {
+  int messages_per_s = 100;
+  // Of the world's x axis from north, clockwise: so that no frame is another's by chance.
+  double north_rad = 0.6;
+  double latitude_deg = 46.78;  // of the world's origin
+  double longitude_deg = -71.28;
+  double altitude_m = 98.0;
+  uint8_t mode = 2;  // InsStatus: 0 not tracking, 1 aligning, 2 tracking, 3 satellites lost
+  // 0: a message a datagram. Else the bridge's datagrams have 1 .. this many bytes, at random.
+  int cut_bytes = 0;
+  bool with_acceleration = false;
+  InsErrors errors;
+  uint32_t seed = 1;
+};
+
+// How the body moves, in truth. Body frame: x forward, y left, z up.
+struct BodyMotion {
+  world::BodyPose pose;                                     // in the world
+  world::Vector velocity_mps;                               // in the world
+  world::Vector rate_radps;                                 // about the body's axes
+  world::Vector specific_force_mps2 = {0.0, 0.0, 9.80665};  // along them; +9.81 upward at rest
+};
+
+// Of a vehicle that stands on the world's ground as its wheels do.
+BodyMotion MotionOf(const SimVehicle& vehicle, const world::World& world);
+
+class SimIns {
+ public:
+  SimIns(const InsSettings& settings, uint64_t start_ns);
+
+  // Appends the datagrams that were sent up to now_ns.
+  void Advance(uint64_t now_ns, const BodyMotion& motion,
+               std::vector<std::vector<uint8_t>>& datagrams);
+
+  InsSettings& settings() { return settings_; }
+  // As of `motion`, at a time since the sensor's start. index: of the message, for its noise.
+  std::vector<uint8_t> Message(uint64_t since_start_ns, const BodyMotion& motion,
+                               uint64_t index = 0) const;
+
+ private:
+  double Noise(uint64_t index, uint64_t what) const;
+  double Wander(uint64_t since_start_ns, uint64_t what) const;
+  void AppendAttitude(const BodyMotion& motion, uint64_t index, std::vector<uint8_t>& bytes) const;
+  void AppendPosition(const BodyMotion& motion, uint64_t since_start_ns,
+                      std::vector<uint8_t>& bytes) const;
+
+  InsSettings settings_;
+  uint64_t start_ns_;
+  uint64_t sent_ = 0;            // messages
+  std::vector<uint8_t> buffer_;  // of the bridge
+  size_t next_cut_bytes_ = 0;
+  uint64_t cuts_ = 0;
+  double drifted_north_m_ = 0.0;
+  double drifted_east_m_ = 0.0;
+};
+
+}  // namespace hardpack::sim

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "hal/can_frame.h"
+#include "tools/sim/vehicle/pose.h"
+#include "tools/sim/vehicle/sevcon_drive.h"
+#include "tools/sim/vehicle/vehicle_model.h"
+
+// Two simulated drives, and how a skid-steered vehicle moves over level ground by their wheels:
+//   v = ground_per_wheel r (w_l + w_r) / 2,  w = r (w_r - w_l) / baseline
+// or, where VehicleSettings has a model, as that model does (vehicle_model.h), which then moves the
+// wheels too. No wheel slips otherwise, nothing is hit. Frame: that of the world it drives in,
+// metres, x and y level, angles anticlockwise.
+
+namespace hardpack::sim {
+
+struct GroundModel {
+  double wheel_radius_m = 0.30;
+  double ground_per_wheel = 0.962;
+  double skid_baseline_m = 1.87;
+};
+
+struct VehicleSettings {
+  DriveSettings left;
+  DriveSettings right;
+  GroundModel ground;
+  Pose start;
+  std::optional<VehicleModelParams> model;  // in place of the drives' motors and of `ground`
+};
+
+// Both drives at their nodes 2 and 3.
+VehicleSettings DefaultVehicle();
+
+enum class Side : uint8_t { kLeft = 0, kRight = 1 };
+inline constexpr Side kBothSides[] = {Side::kLeft, Side::kRight};
+
+class SimVehicle {
+ public:
+  static constexpr uint64_t kStep_ns = SevconDrive::kStep_ns;
+
+  SimVehicle(const VehicleSettings& settings, uint64_t start_ns);
+
+  // A frame that somebody else sent: each drive hears it. Time does not run backwards.
+  void TakeFrame(const CanFrame& frame, uint64_t now_ns);
+  // Appends what the drives have sent until now_ns; they hear each other.
+  void Advance(uint64_t now_ns, std::vector<CanFrame>& sent);
+
+  // How much of what its wheels turn the vehicle moves by from now on: 1 all of it, 0 none (they
+  // spin in place).
+  void SetTraction(double share) { traction_ = share; }
+
+  SevconDrive& drive(Side side) { return side == Side::kLeft ? left_ : right_; }
+  const SevconDrive& drive(Side side) const { return side == Side::kLeft ? left_ : right_; }
+  const Pose& pose() const { return pose_; }
+  double speed_mps() const { return speed_mps_; }
+  double yaw_rate_radps() const { return yaw_rate_radps_; }
+  double driven_m() const { return driven_m_; }  // way covered, forwards or backwards
+
+ private:
+  void StepTo(uint64_t now_ns);
+  void CollectSent(uint64_t now_ns);
+  void Move(double seconds);
+
+  void MoveModel();
+  void Integrate(double seconds);
+
+  GroundModel ground_;
+  std::optional<VehicleModel> model_;
+  SevconDrive left_;
+  SevconDrive right_;
+  uint64_t now_ns_;
+  std::vector<CanFrame> outbox_;
+  Pose pose_;
+  double speed_mps_ = 0.0;
+  double yaw_rate_radps_ = 0.0;
+  double driven_m_ = 0.0;
+  double traction_ = 1.0;
+  bool has_slipped_ = false;  // the pose is no longer the model's
+};
+
+}  // namespace hardpack::sim

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "port_linux/files/read_outcome.h"
+
+// The numbers of the simulated vehicle (tools/sim/vehicle/vehicle_model.h says what each does),
+// what is known of how they vary, and vehicles drawn from that. Fitted to a recording by `hardpack
+// fit`, kept in config/vehicles (vehicle_model_file.h).
+
+namespace hardpack::sim {
+
+// Units in the names; the defaults are near config/vehicles/warthog_recorded.toml. Common and
+// differential wheel speed: (right + left) / 2 and (right - left) / 2.
+struct VehicleModelParams {
+  double dead_time_common_s = 0.147;
+  double dead_time_differential_s = 0.125;
+  double time_constant_common_s = 0.227;
+  double time_constant_differential_s = 0.431;
+  double slew_common_radps2 = 14.35;
+  double slew_differential_radps2 = 5.79;
+  double common_turn_loss = 0.152;
+  double scrub_radps = 1.82;
+  double scrub_width_radps = 1.04;
+  double integral_time_s = 3.72;
+  double differential_limit_radps = 7.06;
+  double differential_limit_slope = 0.117;
+  double wheel_limit_radps = 13.4;
+  double brake_radps2 = 30.0;
+  double wheel_radius_m = 0.30;
+  double ground_per_wheel = 0.961;
+  double turn_slip = 0.467;
+  double skid_baseline_m = 1.925;
+  double speed_time_constant_s = 0.305;
+  double yaw_time_constant_s = 0.21;
+  double turning_point_m = 0.797;
+  double turning_point_speed_mps = 1.67;
+};
+
+struct VehicleParameter {
+  const char* name;
+  double VehicleModelParams::*value;
+  double low;
+  double high;
+  const char* description;
+};
+
+// One row a member, in the order of the struct.
+std::span<const VehicleParameter> VehicleParameters();
+
+// kNotFinite or kParameterOutOfRange, and a line that names the parameter and its range.
+ReadOutcome CheckVehicleModel(const VehicleModelParams& params);
+
+// What is known of a vehicle: `typical`, and the standard deviation of each number about it; 0:
+// taken as exact.
+struct UncertainVehicle {
+  VehicleModelParams typical;
+  VehicleModelParams deviation;
+
+  UncertainVehicle();  // no deviations
+};
+
+// One such vehicle: each number from a normal distribution (a sum of twelve uniform ones) cut off
+// at two deviations and at its range. The same seed gives the same bits everywhere; a number's draw
+// depends on its name, not on what other numbers there are.
+VehicleModelParams Draw(const UncertainVehicle& vehicle, uint64_t seed);
+
+}  // namespace hardpack::sim
