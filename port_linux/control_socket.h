@@ -11,8 +11,7 @@
 #include <string>
 
 #include "core/base/status.h"
-#include "hal/onboard/control/messages.h"
-#include "hal/onboard/control/status_report.h"
+#include "hal/onboard/control/operator_link.h"
 #include "port_linux/file_descriptor.h"
 #include "port_linux/open_outcome.h"
 
@@ -32,21 +31,8 @@ struct ControlSocketOptions {
   std::string group;  // may connect and command besides the owner; empty: none
 };
 
-// Who asked.
-struct ControlClient {
-  int32_t place = -1;   // 0 .. ControlSocket::kMaxClients - 1
-  uint64_t number = 0;  // of its connection, from 1
-};
-
-struct ControlMessage {
-  ControlClient client;
-  uint32_t user = 0;               // its number, as the kernel tells it
-  control::Header header;          // a command's or a question's
-  std::span<const uint8_t> bytes;  // the whole message; valid until the next Receive
-};
-
 // About 22 KiB.
-class ControlSocket {
+class ControlSocket final : public OperatorLink {
  public:
   static constexpr int kMaxClients = 8;
 
@@ -62,20 +48,16 @@ class ControlSocket {
   // ".lock", a file that stays).
   OpenOutcome Open(const ControlSocketOptions& options);
 
-  // Takes connections and at most one message of each client, the clients in turn, until one is
-  // found that is to be given. False: there is none, and `message` is untouched. Commands of those
-  // who may not command and messages that are none are answered here (kDone) and counted. Does not
-  // block or allocate.
-  [[nodiscard]] bool Receive(ControlMessage& message);
+  // Takes connections, too.
+  [[nodiscard]] bool Receive(ControlMessage& message) override;
 
-  // Sends an answer; does not block. A client that has gone is none; one that does not take its
-  // answers is dropped.
-  void Answer(const ControlClient& client, std::span<const uint8_t> bytes);
+  // A client that does not take its answers is dropped.
+  void Answer(const ControlClient& client, std::span<const uint8_t> bytes) override;
 
   // Ends all connections and removes the file, if it still is ours. No answers after that.
   void Close();
 
-  const control::ControlCounters& counters() const { return counters_; }
+  const control::ControlCounters& counters() const override { return counters_; }
 
  private:
   struct Client {

@@ -6,13 +6,13 @@
 #include <string_view>
 
 #include "hal/onboard/flight_log/flight_log.h"
+#include "hal/onboard/run_loop/run_loop.h"
 #include "hal/onboard/vehicle_loop/vehicle_loop.h"
 #include "hal/ouster/ouster.h"
 #include "port_linux/control_socket.h"
 #include "port_linux/file_recorder.h"
 #include "port_linux/files/configuration.h"
 #include "port_linux/monotonic_clock.h"
-#include "port_linux/onboard.h"
 #include "port_linux/realtime.h"
 #include "port_linux/service_watchdog.h"
 #include "port_linux/socket_can_bus.h"

@@ -127,23 +127,25 @@ int Drive(const Startup& startup) {
   devices->BecomeRealtime(configuration.process);
   TouchPages(std::as_writable_bytes(std::span(&g_loop, 1)));
   constexpr uint64_t kNanosecondsPerMillisecond = 1'000'000;
-  OnboardOptions options;
+  RunOptions options;
   options.period_ns =
       static_cast<uint64_t>(configuration.onboard.tick.period_ms) * kNanosecondsPerMillisecond;
   options.frame_age_ns =
       static_cast<uint64_t>(configuration.can.frame_max_age_ms) * kNanosecondsPerMillisecond;
-  options.version = HARDPACK_VERSION;
+  options.version = std::string_view(HARDPACK_VERSION);
   options.parameters = BytesOf(startup.configuration_text);
   options.realtime_scheduled = devices->realtime().scheduled;
   options.memory_locked = devices->realtime().locked;
   options.allocations = AllocationsSinceFrozen;
-  const auto onboard = std::make_unique<Onboard>(g_loop, devices->ForOnboard(), options);
+  const auto run_loop = std::make_unique<RunLoop>(g_loop, devices->ForOnboard(), options);
   Say("running; " + std::to_string(configuration.onboard.tick.period_ms) + " ms a tick");
   FreezeHeap(configuration.process.abort_on_allocation);
-  onboard->Run(g_stop);
+  run_loop->Begin();
+  while (run_loop->Next(g_stop.load(std::memory_order_relaxed))) {
+  }
   ThawHeap();
   devices->Close();
-  Say("ended after " + std::to_string(onboard->index()) + " ticks");
+  Say("ended after " + std::to_string(run_loop->index()) + " ticks");
   return kDone;
 }
 

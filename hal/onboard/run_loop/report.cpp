@@ -1,17 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <cmath>
+#include <cstddef>
+#include <cstdint>
 
+#include "core/base/loop_bound.h"
+#include "core/base/math.h"
+#include "core/base/saturate.h"
 #include "core/path/path.h"
-#include "port_linux/onboard.h"
+#include "hal/onboard/run_loop/run_loop.h"
 
-// Onboard: what an operator sees. Copies, field by field, from where each thing is known.
+// RunLoop: what an operator sees. Copies, field by field, from where each thing is known.
 
 namespace hardpack {
 namespace {
 
+constexpr control::StatusReport kNothing;  // 2 KiB: not on the stack
+
+// To the microsecond: of parameters, which are at most some minutes.
 uint64_t InNanoseconds(float seconds) {
-  return static_cast<uint64_t>(std::llround(static_cast<double>(seconds) * 1.0e9));
+  constexpr uint64_t kNanosecondsPerMicrosecond = 1000;
+  const int32_t microseconds = RoundToInt(Max(seconds, 0.0f) * 1.0e6f);
+  return static_cast<uint64_t>(microseconds) * kNanosecondsPerMicrosecond;
+}
+
+template <typename From, typename To, size_t kSize>
+void Copy(const From (&from)[kSize], To (&to)[kSize]) {
+  HP_LOOP_BOUND(kSize)
+  for (size_t i = 0; i < kSize; ++i) to[i] = from[i];
 }
 
 void Fill(const VehicleLoop& loop, control::VehiclePart& part) {
@@ -34,7 +48,7 @@ void Fill(const VehicleLoop& loop, control::VehiclePart& part) {
 }
 
 void Fill(const Odometry& odometry, control::OdometryPart& part) {
-  part.position_sigma_m = std::max(odometry.Sigma(kStateX), odometry.Sigma(kStateY));
+  part.position_sigma_m = Max(odometry.Sigma(kStateX), odometry.Sigma(kStateY));
   part.yaw_sigma_rad = odometry.Sigma(kStateYaw);
   part.driven_m = odometry.driven_m();
   part.at_rest = odometry.at_rest();
@@ -97,6 +111,7 @@ void Fill(const VehicleLoop& loop, control::SightPart& part) {
   part.lidar_turned = loop.mount().has_turned();
   part.ground_tilt_rad = loop.mount().tilt_rad();
   part.revolution_ns = sight.revolution_ns();
+  HP_LOOP_BOUND(SightWatch::kShown)
   for (int i = 0; i < SightWatch::kShown; ++i) {
     const SightWatch::Shares shares = sight.SharesOf(i, now_ns);
     part.columns_permille[i] = shares.columns_permille;
@@ -112,7 +127,9 @@ void Fill(const VehicleLoop& loop, control::GoalPart& part) {
   part.goal_index = static_cast<uint32_t>(loop.goal_index());
   part.goal_x_m = goal.x_m;
   part.goal_y_m = goal.y_m;
-  part.distance_to_goal_m = std::hypot(goal.x_m - here.x_m, goal.y_m - here.y_m);
+  const float dx_m = goal.x_m - here.x_m;
+  const float dy_m = goal.y_m - here.y_m;
+  part.distance_to_goal_m = Sqrt(dx_m * dx_m + dy_m * dy_m);
 }
 
 void Fill(const VehicleLoop& loop, control::PlanPart& part) {
@@ -159,7 +176,7 @@ void Fill(const ReplanCounters& counters, control::ReplanPart& part) {
   part.plans = counters.plans;
   part.kept = counters.kept;
   part.extended = counters.extended;
-  std::copy_n(counters.replaced, kReplanReasons, part.replaced);
+  Copy(counters.replaced, part.replaced);
   part.stopped = counters.stopped;
   part.failed = counters.failed;
   part.reanchored = counters.reanchored;
@@ -270,8 +287,8 @@ void Fill(const LoopCounters& counters, control::LoopPart& part) {
   part.ticks = counters.ticks;
   part.missed_ticks = counters.missed_ticks;
   part.refused_ticks = counters.refused_ticks;
-  std::copy_n(counters.datagrams, kInputSources, part.datagrams);
-  std::copy_n(counters.refused_datagrams, kInputSources, part.refused_datagrams);
+  Copy(counters.datagrams, part.datagrams);
+  Copy(counters.refused_datagrams, part.refused_datagrams);
   part.refused_columns = counters.refused_columns;
   part.suspect_columns = counters.suspect_columns;
   part.lidar_restarts = counters.lidar_restarts;
@@ -300,8 +317,8 @@ void Fill(const VehicleLoop& loop, const CanBus& bus, control::CanPart& part) {
 
 }  // namespace
 
-void Onboard::Report(control::StatusReport& report) const {
-  report = {};
+void RunLoop::Report(control::StatusReport& report) const {
+  report = kNothing;
   report.program = program_;
   report.program.uptime_ns = loop_.now_ns() - first_ns_;
   report.program.tick_index = index_;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "port_linux/onboard.h"
+#include "hal/onboard/run_loop/run_loop.h"
 
-#include <algorithm>
-
+#include "core/base/loop_bound.h"
 #include "core/base/status.h"
 #include "hal/sevcon/power_states.h"
 
@@ -27,6 +26,7 @@ uint64_t SeenBy(const DatagramSocket& socket) {
 // Takes what waits there, at most so many batches. Returns how many it would have given.
 uint64_t Drop(DatagramSocket& socket, int batches) {
   uint64_t dropped = 0;
+  HP_LOOP_BOUND(kMaxBacklog)
   for (int batch = 0; batch < batches; ++batch) {
     const uint64_t seen = SeenBy(socket);
     dropped += socket.Receive(DatagramSocket::kMaxBatch).size();
@@ -37,54 +37,60 @@ uint64_t Drop(DatagramSocket& socket, int batches) {
 
 }  // namespace
 
-Onboard::Onboard(VehicleLoop& loop, const OnboardDevices& devices, const OnboardOptions& options)
+RunLoop::RunLoop(VehicleLoop& loop, const OnboardDevices& devices, const RunOptions& options)
     : loop_(loop), devices_(devices), options_(options) {
-  const size_t length = std::min(options.version.size(), sizeof(program_.version) - 1);
-  std::copy_n(options.version.begin(), length, program_.version);
+  constexpr size_t kMost = sizeof(program_.version) - 1;
+  HP_LOOP_BOUND(kMost)
+  for (size_t i = 0; i < kMost && i < options.version.size(); ++i) {
+    program_.version[i] = options.version[i];
+  }
+  disarm_.kind = control::Kind::kDisarm;
   program_.realtime_scheduled = options.realtime_scheduled;
   program_.memory_locked = options.memory_locked;
-}
-
-void Onboard::Run(const std::atomic<bool>& stop) {
-  DropBacklog();
-  uint64_t due_ns = devices_.clock->Now_ns() + options_.period_ns;
-  if (devices_.watchdog != nullptr) devices_.watchdog->Ready();
-  uint64_t ends_ns = 0;
-  while (true) {
-    devices_.clock->SleepUntil(due_ns);
-    const uint64_t now_ns = devices_.clock->Now_ns();
-    const uint64_t late_ns = now_ns - due_ns;
-    const uint64_t skipped = late_ns / options_.period_ns;
-    program_.worst_late_ns = std::max(program_.worst_late_ns, late_ns);
-    if (skipped > 0) {
-      program_.missed_ticks += skipped;
-      program_.last_missed_tick = index_ + skipped;
-      program_.last_miss_late_ns = late_ns;
-    }
-    due_ns += (skipped + 1) * options_.period_ns;
-    if (stop.load(std::memory_order_relaxed) && !ending_) {
-      ending_ = true;
-      ends_ns = now_ns + options_.max_stop_ns;
-      if (devices_.watchdog != nullptr) devices_.watchdog->Stopping();
-    }
-    Tick(now_ns, skipped);
-    if (ending_ && (IsOff() || now_ns >= ends_ns)) return;
-  }
 }
 
 // The sockets were opened before everything was set up. What has waited since then would be taken
 // for having come just now: columns with stamps of long ago, and a lidar's clock that jumps as soon
 // as one comes in time.
-void Onboard::DropBacklog() {
-  for (DatagramSocket* socket : {devices_.ins, devices_.labels, devices_.lidar}) {
-    if (socket != nullptr) static_cast<void>(Drop(*socket, kMaxBacklog));
+void RunLoop::Begin() {
+  if (devices_.ins != nullptr) static_cast<void>(Drop(*devices_.ins, kMaxBacklog));
+  if (devices_.labels != nullptr) static_cast<void>(Drop(*devices_.labels, kMaxBacklog));
+  if (devices_.lidar != nullptr) static_cast<void>(Drop(*devices_.lidar, kMaxBacklog));
+  due_ns_ = devices_.clock->Now_ns() + options_.period_ns;
+  if (devices_.watchdog != nullptr) devices_.watchdog->Ready();
+}
+
+bool RunLoop::Next(bool is_to_end) {
+  devices_.clock->SleepUntil(due_ns_);
+  const uint64_t now_ns = devices_.clock->Now_ns();
+  const uint64_t skipped = NoteLateness(now_ns - due_ns_);
+  due_ns_ += (skipped + 1) * options_.period_ns;
+  if (is_to_end && !ending_) {
+    ending_ = true;
+    ends_ns_ = now_ns + options_.max_stop_ns;
+    if (devices_.watchdog != nullptr) devices_.watchdog->Stopping();
   }
+  Tick(now_ns, skipped);
+  return !ending_ || (!IsOff() && now_ns < ends_ns_);
+}
+
+// Returns how many ticks are missed by it.
+uint64_t RunLoop::NoteLateness(uint64_t late_ns) {
+  const uint64_t skipped = late_ns / options_.period_ns;
+  if (late_ns > program_.worst_late_ns) program_.worst_late_ns = late_ns;
+  if (skipped > 0) {
+    program_.missed_ticks += skipped;
+    program_.last_missed_tick = index_ + skipped;
+    program_.last_miss_late_ns = late_ns;
+  }
+  return skipped;
 }
 
 // The drives say so themselves: neither being told nor being asked to is it. One that has said
 // nothing for as long as a stop takes is not waited for.
-bool Onboard::IsOff() const {
+bool RunLoop::IsOff() const {
   if (loop_.permission().motion != Motion::kOff) return false;
+  HP_LOOP_BOUND(2)
   for (const sevcon::Side side : {sevcon::Side::kLeft, sevcon::Side::kRight}) {
     const sevcon::DriveReport& drive = loop_.drives().report(side);
     const bool was_heard =
@@ -95,7 +101,7 @@ bool Onboard::IsOff() const {
   return true;
 }
 
-void Onboard::Tick(uint64_t now_ns, uint64_t skipped) {
+void RunLoop::Tick(uint64_t now_ns, uint64_t skipped) {
   if (first_ns_ == 0) first_ns_ = now_ns;
   index_ += skipped + 1;
   devices_.can->Advance(now_ns);
@@ -135,8 +141,9 @@ void Onboard::Tick(uint64_t now_ns, uint64_t skipped) {
   }
 }
 
-void Onboard::TakeFrames() {
+void RunLoop::TakeFrames() {
   frame_count_ = 0;
+  HP_LOOP_BOUND(CanBus::kMaxFramesPerTick)
   while (frame_count_ < CanBus::kMaxFramesPerTick &&
          IsUsable(devices_.can->Receive(frames_[frame_count_]))) {
     ++frame_count_;
@@ -146,7 +153,7 @@ void Onboard::TakeFrames() {
 // What waits behind a batch that is full comes later than it could, and looks as if it had just
 // come. While that is made up for, it does no harm; where it lasts, what waits is dropped, so that
 // what is taken next is new.
-void Onboard::TakeDatagrams(DatagramSocket* socket, InputSource source, int max) {
+void RunLoop::TakeDatagrams(DatagramSocket* socket, InputSource source, int max) {
   if (socket == nullptr) return;
   uint64_t& full_since_ns = full_since_ns_[static_cast<size_t>(source)];
   if (full_since_ns != 0 && input_.now_ns - full_since_ns >= kMaxBehind_ns) {
@@ -160,6 +167,7 @@ void Onboard::TakeDatagrams(DatagramSocket* socket, InputSource source, int max)
   } else if (full_since_ns == 0) {
     full_since_ns = input_.now_ns;
   }
+  HP_LOOP_BOUND(DatagramSocket::kMaxBatch)
   for (const Datagram& datagram : taken) {
     datagrams_[datagram_count_] = {source, datagram.bytes};
     arrivals_[datagram_count_] = {datagram.kernel_time_ns,
@@ -169,7 +177,7 @@ void Onboard::TakeDatagrams(DatagramSocket* socket, InputSource source, int max)
 }
 
 // A command goes into the tick; a question changes nothing and is answered here.
-void Onboard::TakeMessage() {
+void RunLoop::TakeMessage() {
   has_command_ = false;
   if (devices_.control != nullptr && devices_.control->Receive(message_)) {
     if (message_.header.kind == control::Kind::kGetStatus) {
@@ -181,16 +189,14 @@ void Onboard::TakeMessage() {
     }
   }
   if (!ending_ || has_command_) return;
-  control::OperatorCommand disarm;
-  disarm.kind = control::Kind::kDisarm;
   int size_bytes = 0;
-  static_cast<void>(control::Encode(disarm, own_command_, size_bytes));
-  input_.command = std::span(own_command_).first(static_cast<size_t>(size_bytes));
+  static_cast<void>(control::Encode(disarm_, disarm_bytes_, size_bytes));
+  input_.command = std::span(disarm_bytes_).first(static_cast<size_t>(size_bytes));
 }
 
 // While it ends the vehicle is being stopped and disarmed as it is: only an emergency stop asks for
 // more.
-void Onboard::TakeCommand() {
+void RunLoop::TakeCommand() {
   const control::Kind kind = message_.header.kind;
   if (!ending_ || kind == control::Kind::kEmergencyStop) {
     has_command_ = true;
@@ -205,34 +211,35 @@ void Onboard::TakeCommand() {
   if (IsUsable(control::Encode(done, answer_, size_bytes))) Answer(size_bytes);
 }
 
-void Onboard::Answer(int size_bytes) {
+void RunLoop::Answer(int size_bytes) {
   const std::span<const uint8_t> answer(answer_);
   devices_.control->Answer(message_.client, answer.first(static_cast<size_t>(size_bytes)));
 }
 
-void Onboard::AnswerStatus() {
+void RunLoop::AnswerStatus() {
   Report(report_);
   int size_bytes = 0;
   const uint32_t sequence = message_.header.sequence;
   if (IsUsable(control::Encode(report_, sequence, answer_, size_bytes))) Answer(size_bytes);
 }
 
-void Onboard::AnswerParameters() {
+void RunLoop::AnswerParameters() {
   control::Question question;
   if (!IsUsable(control::Decode(message_.bytes, question))) return;
   const std::span<const uint8_t> text = options_.parameters;
-  const size_t offset = std::min<size_t>(question.offset, text.size());
+  const size_t offset = question.offset < text.size() ? question.offset : text.size();
   constexpr auto kMost = static_cast<size_t>(control::kMaxPartBytes);
+  const std::span<const uint8_t> rest = text.subspan(offset);
   const control::ParametersPart part = {
       .sequence = question.sequence,
       .offset = static_cast<uint32_t>(offset),
       .whole_bytes = static_cast<uint32_t>(text.size()),
-      .bytes = text.subspan(offset, std::min(text.size() - offset, kMost))};
+      .bytes = rest.first(rest.size() < kMost ? rest.size() : kMost)};
   int size_bytes = 0;
   if (IsUsable(control::Encode(part, answer_, size_bytes))) Answer(size_bytes);
 }
 
-void Onboard::AnswerCommand() {
+void RunLoop::AnswerCommand() {
   if (!has_command_ || !output_.has_answer) return;
   const auto reason = static_cast<uint8_t>(output_.reason);
   int size_bytes = 0;
@@ -243,15 +250,16 @@ void Onboard::AnswerCommand() {
 }
 
 // The number that the bus did not accept: each is in the bus's counters, too.
-int Onboard::SendFrames() {
+int RunLoop::SendFrames() {
   int refused = 0;
+  HP_LOOP_BOUND(kMaxFramesOut)
   for (const CanFrame& frame : output_.frames) {
     if (!IsUsable(devices_.can->Send(frame, input_.now_ns + options_.frame_age_ns))) ++refused;
   }
   return refused;
 }
 
-void Onboard::NoteDuration(uint64_t now_ns) {
+void RunLoop::NoteDuration(uint64_t now_ns) {
   const uint64_t duration_ns = devices_.clock->Now_ns() - now_ns;
   if (duration_ns <= program_.worst_tick_ns) return;
   program_.worst_tick_ns = duration_ns;

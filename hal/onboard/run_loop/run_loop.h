@@ -1,25 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
-#include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string_view>
 
 #include "hal/can_bus.h"
 #include "hal/clock.h"
 #include "hal/datagram_socket.h"
+#include "hal/onboard/control/operator_link.h"
 #include "hal/onboard/control/status_report.h"
 #include "hal/onboard/flight_log/flight_log.h"
 #include "hal/onboard/vehicle_loop/vehicle_loop.h"
 #include "hal/recorder.h"
 #include "hal/watchdog.h"
-#include "port_linux/control_socket.h"
 
 // The small loop that joins the interfaces to VehicleLoop::Tick: waits for the next period, takes
-// what came, ticks, sends, answers, records. Knows the interfaces only, so tests run it on fakes.
-// No call of a tick blocks or allocates.
+// what came, ticks, sends, answers, records. A port implements the interfaces and calls Next; tests
+// run it on fakes. Nothing in it blocks but the wait for the next period, and nothing allocates.
 
 namespace hardpack {
 
@@ -33,32 +30,40 @@ struct OnboardDevices {
   Recorder* recorder = nullptr;                 // may be null
   flight_log::FlightLog* flight_log = nullptr;  // may be null
   Watchdog* watchdog = nullptr;                 // may be null
-  ControlSocket* control = nullptr;             // may be null
+  OperatorLink* control = nullptr;              // may be null
 };
 
-struct OnboardOptions {
+struct RunOptions {
   uint64_t period_ns = 10'000'000;
   uint64_t frame_age_ns = 20'000'000;  // a frame that is not on the bus by then is not sent
   // How long the vehicle may take to come to rest, and the drives to be disabled, at the end.
   uint64_t max_stop_ns = 10'000'000'000;
-  std::string_view version;             // for status
+  std::span<const char> version;        // for status
   std::span<const uint8_t> parameters;  // the configuration as TOML, for `hardpack ctl params`
   bool realtime_scheduled = false;      // for status
   bool memory_locked = false;
   uint64_t (*allocations)() = nullptr;  // since the first tick, for status
 };
 
-class Onboard {
+class RunLoop {
  public:
-  Onboard(VehicleLoop& loop, const OnboardDevices& devices, const OnboardOptions& options);
+  RunLoop(VehicleLoop& loop, const OnboardDevices& devices, const RunOptions& options);
 
-  // Drops what the sensors' sockets hold from before, then ticks until `stop`, then brings the
-  // vehicle to rest, disables the drives and returns. While it ends, questions are answered and an
-  // emergency stop is obeyed; what would make the vehicle drive is refused. A late tick is skipped
-  // and counted, not caught up.
-  void Run(const std::atomic<bool>& stop);
+  // Drops what the sensors' sockets hold from before. Once, before the first Next.
+  void Begin();
 
-  // One tick at now_ns; `skipped` were missed before it. For tests; Run calls it.
+  // Waits for the next period and ticks; a late tick is skipped and counted, not caught up. From
+  // the first call with `is_to_end` on it brings the vehicle to rest and disables the drives;
+  // meanwhile questions are answered and an emergency stop is obeyed, and what would make the
+  // vehicle drive is refused. False: it has ended so, or RunOptions::max_stop_ns is over, and
+  // nothing more is to be called.
+  //
+  //   run_loop.Begin();
+  //   while (run_loop.Next(stop)) {
+  //   }
+  bool Next(bool is_to_end);
+
+  // One tick at now_ns; `skipped` were missed before it. For tests; Next calls it.
   void Tick(uint64_t now_ns, uint64_t skipped);
 
   // What an operator sees, as of the last tick.
@@ -67,7 +72,7 @@ class Onboard {
   uint64_t index() const { return index_; }
 
  private:
-  void DropBacklog();
+  uint64_t NoteLateness(uint64_t late_ns);
   bool IsOff() const;
   void TakeFrames();
   void TakeDatagrams(DatagramSocket* socket, InputSource source, int max);
@@ -82,9 +87,11 @@ class Onboard {
 
   VehicleLoop& loop_;
   OnboardDevices devices_;
-  OnboardOptions options_;
+  RunOptions options_;
 
   uint64_t first_ns_ = 0;
+  uint64_t due_ns_ = 0;   // the next tick
+  uint64_t ends_ns_ = 0;  // at the latest, once it is to end
   uint64_t index_ = 0;
   bool ending_ = false;  // the next ticks' command is ours: disarm; only an emergency stop is more
   control::ProgramPart program_;
@@ -100,7 +107,8 @@ class Onboard {
   flight_log::Arrival arrivals_[VehicleLoop::kMaxDatagramsPerTick];
   bool has_command_ = false;
   ControlMessage message_;
-  uint8_t own_command_[control::kMaxMessageBytes] = {};
+  control::OperatorCommand disarm_;  // of our own, to end
+  uint8_t disarm_bytes_[control::kMaxMessageBytes] = {};
   control::StatusReport report_;
   uint8_t answer_[control::kMaxMessageBytes] = {};
 };

@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "port_linux/onboard.h"
+#include "hal/onboard/run_loop/run_loop.h"
 
 #include <gtest/gtest.h>
-#include <sys/socket.h>
-#include <sys/un.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <deque>
 #include <functional>
 #include <map>
@@ -18,9 +12,10 @@
 #include <vector>
 
 #include "test/fakes/memory_datagram_socket.h"
+#include "test/fakes/memory_operator_link.h"
 #include "test/hal/onboard/vehicle_loop/closed_loop.h"
 
-// Onboard::Run on a simulated vehicle: how it ends.
+// The run loop of a simulated vehicle: what it drops, and how it ends.
 
 namespace hardpack {
 namespace {
@@ -73,7 +68,13 @@ class NothingComes final : public DatagramSocket {
   DatagramCounters counters_;
 };
 
-// Told to end at once. Returns after how much simulated time Run came back.
+void RunToTheEnd(RunLoop& run_loop) {
+  run_loop.Begin();
+  while (run_loop.Next(true)) {
+  }
+}
+
+// Told to end at once. Returns after how much simulated time it had ended.
 double EndAfter_s(ClosedLoop& drive) {
   SimulatedDevices simulated(drive);
   NothingComes lidar;
@@ -81,12 +82,11 @@ double EndAfter_s(ClosedLoop& drive) {
   devices.clock = &simulated;
   devices.can = &simulated;
   devices.lidar = &lidar;
-  const auto onboard = std::make_unique<Onboard>(drive.loop(), devices, OnboardOptions{});
+  const auto run_loop = std::make_unique<RunLoop>(drive.loop(), devices, RunOptions{});
   const uint64_t begin_ns = simulated.Now_ns();
   simulated.SleepUntil(begin_ns + ClosedLoop::kTick_ns);
-  onboard->Tick(simulated.Now_ns(), drive.loop().index());  // its count goes on from there
-  const std::atomic<bool> stop = true;
-  onboard->Run(stop);
+  run_loop->Tick(simulated.Now_ns(), drive.loop().index());  // its count goes on from there
+  RunToTheEnd(*run_loop);
   return static_cast<double>(simulated.Now_ns() - begin_ns) * 1e-9;
 }
 
@@ -99,7 +99,7 @@ void ExpectOff(ClosedLoop& drive) {
 
 // It would be taken for having come just now.
 // SR-INP06
-TEST(Onboard, DropsWhatCameBeforeTheFirstTick) {
+TEST(RunLoop, DropsWhatCameBeforeTheFirstTick) {
   ClosedLoop drive;
   SimulatedDevices simulated(drive);
   fakes::MemoryDatagramSocket ins(0x7f000001u, 0);
@@ -115,9 +115,8 @@ TEST(Onboard, DropsWhatCameBeforeTheFirstTick) {
   devices.ins = &ins;
   devices.labels = &labels;
   devices.lidar = &lidar;
-  const auto onboard = std::make_unique<Onboard>(drive.loop(), devices, OnboardOptions{});
-  const std::atomic<bool> stop = true;
-  onboard->Run(stop);
+  const auto run_loop = std::make_unique<RunLoop>(drive.loop(), devices, RunOptions{});
+  RunToTheEnd(*run_loop);
   EXPECT_GT(drive.loop().counters().ticks, 0u);
   for (const uint64_t datagrams : drive.loop().counters().datagrams) EXPECT_EQ(datagrams, 0u);
 }
@@ -129,7 +128,7 @@ struct Flood {
   fakes::MemoryDatagramSocket ins{0x7f000001u, 0};
   fakes::MemoryDatagramSocket lidar{0x7f000001u, 0};
   OnboardDevices devices;
-  std::unique_ptr<Onboard> onboard;
+  std::unique_ptr<RunLoop> run_loop;
   control::StatusReport report;
 
   Flood() {
@@ -137,14 +136,14 @@ struct Flood {
     devices.can = &simulated;
     devices.ins = &ins;
     devices.lidar = &lidar;
-    onboard = std::make_unique<Onboard>(drive.loop(), devices, OnboardOptions{});
+    run_loop = std::make_unique<RunLoop>(drive.loop(), devices, RunOptions{});
   }
   void Tick(fakes::MemoryDatagramSocket& socket, int datagrams) {
     const std::vector<uint8_t> bytes(100, 0xfa);
     for (int i = 0; i < datagrams; ++i) socket.Deliver(bytes);
     simulated.SleepUntil(simulated.Now_ns() + ClosedLoop::kTick_ns);
-    onboard->Tick(simulated.Now_ns(), 0);
-    onboard->Report(report);
+    run_loop->Tick(simulated.Now_ns(), 0);
+    run_loop->Report(report);
   }
   uint64_t Taken(InputSource source) {
     return drive.loop().counters().datagrams[static_cast<size_t>(source)];
@@ -153,7 +152,7 @@ struct Flood {
 
 // More than a tick takes, tick for tick: what waits would come later and later, and look new.
 // SR-INP06
-TEST(Onboard, DropsWhatWaitsForLong) {
+TEST(RunLoop, DropsWhatWaitsForLong) {
   Flood flood;
   constexpr int kTicks = 1000;
   constexpr uint64_t kEach = VehicleLoop::kMaxInsDatagrams + 1;
@@ -171,7 +170,7 @@ TEST(Onboard, DropsWhatWaitsForLong) {
 
 // So does what others send, which is not given on.
 // SR-INP06
-TEST(Onboard, DropsWhatWaitsBehindForeignDatagrams) {
+TEST(RunLoop, DropsWhatWaitsBehindForeignDatagrams) {
   Flood flood;
   const std::vector<uint8_t> bytes(100, 0xfa);
   for (int tick = 0; tick < 100; ++tick) {
@@ -185,7 +184,7 @@ TEST(Onboard, DropsWhatWaitsBehindForeignDatagrams) {
 
 // A burst, as after a late tick, is made up for and nothing of it dropped.
 // SR-INP06
-TEST(Onboard, MakesUpForABurst) {
+TEST(RunLoop, MakesUpForABurst) {
   Flood flood;
   flood.Tick(flood.lidar, 150);
   for (int tick = 0; tick < 50; ++tick) flood.Tick(flood.lidar, 6);
@@ -194,7 +193,7 @@ TEST(Onboard, MakesUpForABurst) {
 }
 
 // SR-PGM01
-TEST(Onboard, EndsFromDrivingAtRestWithTheDrivesOff) {
+TEST(RunLoop, EndsFromDrivingAtRestWithTheDrivesOff) {
   ClosedLoop drive;
   drive.DriveTo(60.0f, 0.0f);
   ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Speed_mps() > 2.0; }));
@@ -203,7 +202,7 @@ TEST(Onboard, EndsFromDrivingAtRestWithTheDrivesOff) {
 }
 
 // SR-PGM01
-TEST(Onboard, EndsFromAnEmergencyStopThatStillRollsAtRestWithTheDrivesOff) {
+TEST(RunLoop, EndsFromAnEmergencyStopThatStillRollsAtRestWithTheDrivesOff) {
   ClosedLoop drive;
   drive.DriveTo(60.0f, 0.0f);
   ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Speed_mps() > 2.0; }));
@@ -213,89 +212,64 @@ TEST(Onboard, EndsFromAnEmergencyStopThatStillRollsAtRestWithTheDrivesOff) {
   ExpectOff(drive);
 }
 
-// A connection to the control socket; it says what it is told to and keeps what is answered.
-class OperatorSide {
- public:
-  explicit OperatorSide(const std::string& path) {
-    socket_.Reset(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0));
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::copy(path.begin(), path.end(), address.sun_path);
-    EXPECT_EQ(connect(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)),
-              0);
-  }
-  void Say(Kind kind) {
-    control::OperatorCommand command;
-    command.kind = kind;
-    uint8_t bytes[control::kMaxMessageBytes];
-    int size_bytes = 0;
-    ASSERT_EQ(control::Encode(command, bytes, size_bytes), Status::kOk);
-    ASSERT_EQ(send(socket_.get(), bytes, static_cast<size_t>(size_bytes), MSG_NOSIGNAL),
-              size_bytes);
-  }
-  // kEmpty: nothing was answered.
-  Status Answer() {
-    uint8_t bytes[control::kMaxMessageBytes];
-    const ssize_t size = recv(socket_.get(), bytes, sizeof(bytes), 0);
-    control::Done done;
-    if (size <= 0 || control::Decode({bytes, static_cast<size_t>(size)}, done) != Status::kOk) {
-      return Status::kEmpty;
-    }
-    return done.status;
-  }
+std::vector<uint8_t> Encoded(Kind kind) {
+  control::OperatorCommand command;
+  command.kind = kind;
+  std::vector<uint8_t> bytes(control::kMaxMessageBytes);
+  int size_bytes = 0;
+  EXPECT_EQ(control::Encode(command, bytes, size_bytes), Status::kOk);
+  bytes.resize(static_cast<size_t>(size_bytes));
+  return bytes;
+}
 
- private:
-  FileDescriptor socket_;
-};
+// kEmpty: nothing more was answered.
+Status NextAnswer(fakes::MemoryOperatorLink& link, size_t client) {
+  const std::vector<uint8_t> bytes = link.Read(client);
+  control::Done done;
+  return control::Decode(bytes, done) == Status::kOk ? done.status : Status::kEmpty;
+}
 
 // SR-STP01: an emergency stop 0.1 s after it was told to end, at 3 m/s: it is read, obeyed and
 // answered; what would make the vehicle drive is refused.
-TEST(Onboard, ObeysAnEmergencyStopWhileItEnds) {
+TEST(RunLoop, ObeysAnEmergencyStopWhileItEnds) {
   ClosedLoop drive;
   drive.DriveTo(60.0f, 0.0f);
   ASSERT_TRUE(drive.Until(10.0, [&] { return drive.Speed_mps() > 3.0; }));
-  char name[] = "/tmp/hardpack_ending_XXXXXX";
-  ASSERT_NE(mkdtemp(name), nullptr);
-  const std::string path = std::string(name) + "/control.sock";
-  ControlSocket control;
-  ASSERT_TRUE(control.Open({path, ""}).ok());
-  OperatorSide operator_side(path);
+  fakes::MemoryOperatorLink link;
+  const size_t client = link.Connect();
   SimulatedDevices simulated(drive);
   NothingComes lidar;
   OnboardDevices devices;
   devices.clock = &simulated;
   devices.can = &simulated;
   devices.lidar = &lidar;
-  devices.control = &control;
-  const auto onboard = std::make_unique<Onboard>(drive.loop(), devices, OnboardOptions{});
+  devices.control = &link;
+  const auto run_loop = std::make_unique<RunLoop>(drive.loop(), devices, RunOptions{});
   simulated.SleepUntil(simulated.Now_ns() + ClosedLoop::kTick_ns);
-  onboard->Tick(simulated.Now_ns(), drive.loop().index());
+  run_loop->Tick(simulated.Now_ns(), drive.loop().index());
   const std::map<int, Kind> said = {{8, Kind::kArm}, {9, Kind::kStop}, {10, Kind::kEmergencyStop}};
   int tick = 0;
   std::map<int, Motion> motions;
   simulated.on_sleep = [&] {
     motions[tick] = drive.loop().permission().motion;
-    if (const auto found = said.find(++tick); found != said.end()) operator_side.Say(found->second);
+    const auto found = said.find(++tick);
+    if (found != said.end()) link.Say(client, Encoded(found->second));
   };
   const double x_m = drive.Pose().x_m;
-  const std::atomic<bool> stop = true;
-  onboard->Run(stop);
+  RunToTheEnd(*run_loop);
   EXPECT_EQ(motions[9], Motion::kStopAlong);
   EXPECT_EQ(motions[10], Motion::kOff);  // zero at once
-  EXPECT_EQ(operator_side.Answer(), Status::kNotPermitted);
-  EXPECT_EQ(operator_side.Answer(), Status::kOk);
-  EXPECT_EQ(operator_side.Answer(), Status::kOk);
-  EXPECT_EQ(operator_side.Answer(), Status::kEmpty);
+  EXPECT_EQ(NextAnswer(link, client), Status::kNotPermitted);
+  EXPECT_EQ(NextAnswer(link, client), Status::kOk);
+  EXPECT_EQ(NextAnswer(link, client), Status::kOk);
+  EXPECT_EQ(NextAnswer(link, client), Status::kEmpty);
   EXPECT_EQ(drive.loop().supervisor().last_stop(), StopReason::kEmergency);
   ExpectOff(drive);
   EXPECT_LT(drive.Pose().x_m - x_m, 3.0);
-  control.Close();
-  unlink((path + ".lock").c_str());
-  rmdir(name);
 }
 
 // SR-PGM01
-TEST(Onboard, EndsArmedWithTheDrivesOffAndStandbyAtOnce) {
+TEST(RunLoop, EndsArmedWithTheDrivesOffAndStandbyAtOnce) {
   ClosedLoop drive;
   drive.BringUpAndArm();
   EXPECT_LT(EndAfter_s(drive), 2.0);
@@ -305,7 +279,7 @@ TEST(Onboard, EndsArmedWithTheDrivesOffAndStandbyAtOnce) {
 
 // Nobody to wait for: but not for ever either.
 // SR-PGM01
-TEST(Onboard, EndsThoughTheDrivesAreSilent) {
+TEST(RunLoop, EndsThoughTheDrivesAreSilent) {
   ClosedLoop drive;
   drive.DriveTo(60.0f, 0.0f);
   drive.Act("at 0 key both off");
