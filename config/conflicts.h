@@ -8,8 +8,8 @@
 
 // Parameters of different meaning that have to go together, each rule once: the stages refuse by
 // it, and the configuration and the command line name both parameters. What a table's entry must
-// not exceed within its own group stands in the tables (config/validate.h). Parameters are within
-// their ranges before they are asked about here.
+// not exceed within its own group stands in the tables (core/base/validate.h). Parameters are
+// within their ranges before they are asked about here.
 
 namespace hardpack {
 

@@ -9,7 +9,7 @@
 
 // What each parameter of config/parameters.h may be: the one table that the checks, the command
 // line and docs/parameters.md go by. An entry names its member by pointer, so that neither a member
-// without an entry nor a default outside its range compiles (config/validate.h), and reading
+// without an entry nor a default outside its range compiles (core/base/validate.h), and reading
 // through an entry is plain data access: no call that a static timing analysis could not follow.
 //
 // The ranges are what the stages can compute with and what a vehicle of this kind can sensibly be

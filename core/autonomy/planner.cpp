@@ -2,10 +2,10 @@
 #include "core/autonomy/planner.h"
 
 #include "config/conflicts.h"
-#include "config/validate.h"
 #include "core/base/assert.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
+#include "core/base/validate.h"
 
 namespace hardpack {
 namespace {

@@ -8,7 +8,6 @@
 #include "core/astar/astar.h"
 #include "core/autonomy/lead_out.h"
 #include "core/autonomy/mapper.h"
-#include "core/autonomy/speed_caps.h"
 #include "core/base/decision_hash.h"
 #include "core/base/progress.h"
 #include "core/base/status.h"
@@ -19,6 +18,7 @@
 #include "core/path/path_smoother.h"
 #include "core/safety/path_check.h"
 #include "core/speed/speed.h"
+#include "core/speed/speed_caps.h"
 
 // The planning half of the chain: a mapper's heights and pending columns (or cells), costmap, base
 // path, actuator path, optimized path, check, speeds. Resumable by units; owns every stage; the one

@@ -5,13 +5,13 @@
 #include <type_traits>
 
 #include "config/parameters.h"
-#include "core/autonomy/committed_plan.h"
 #include "core/autonomy/planner.h"
-#include "core/autonomy/speed_caps.h"
 #include "core/base/decision_hash.h"
 #include "core/base/progress.h"
 #include "core/base/status.h"
+#include "core/committed_plan/committed_plan.h"
 #include "core/safety/path_check.h"
+#include "core/speed/speed_caps.h"
 
 // When to plan again, and which plan to drive: owns a Planner and the committed plan. It reads no
 // clock, measures nothing and commands nothing; time comes in with Update. Ours; the paper only

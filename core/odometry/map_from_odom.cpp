@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/odometry/map_from_odom.h"
 
-#include "config/validate.h"
 #include "core/base/math.h"
 #include "core/base/units.h"
+#include "core/base/validate.h"
 #include "core/odometry/ins_attitude.h"
 
 namespace hardpack {

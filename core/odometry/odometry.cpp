@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/odometry/odometry.h"
 
-#include "config/validate.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/pose.h"
 #include "core/base/units.h"
+#include "core/base/validate.h"
 #include "core/odometry/ins_attitude.h"
 
 // Odometry: the filter. What the sensors say to it is in measurements.cpp.

@@ -23,6 +23,11 @@ float DistanceToCell(float coordinate_cells, int32_t cell) {
 
 }  // namespace
 
+float CurvatureBetween(float turn_rad, float chord_before_m, float chord_after_m) {
+  if (!HasLength(chord_before_m) || !HasLength(chord_after_m)) return 0.0f;
+  return ClampCurvature(turn_rad / MeanChord(chord_before_m, chord_after_m));
+}
+
 Pose2 PlanarModel::Forward(const Pose2& from, const ActuatorStep& step) {
   const SinCosPair heading = SinCos(from.theta_rad);
   return {from.x_m + heading.cos * step.dr_m, from.y_m + heading.sin * step.dr_m,

@@ -39,6 +39,30 @@ struct ActuatorPath {
   FixedVector<ActuatorStep, kMaxPathPoints - 1> steps;
 };
 
+// Curvatures are clamped to this magnitude, so that none overflows.
+inline constexpr float kCurvatureCeiling_per_m = 1.0e6f;
+
+constexpr float ClampCurvature(float curvature_per_m) {
+  return Max(-kCurvatureCeiling_per_m, Min(curvature_per_m, kCurvatureCeiling_per_m));
+}
+
+// A chord shorter than this has no length: its step is a turn on the spot. The optimizer takes no
+// shorter one.
+inline constexpr float kLeastChord_m = 1.0e-4f;
+constexpr bool HasLength(float chord_m) {
+  return Abs(chord_m) >= kLeastChord_m;
+}
+
+// Length of path that belongs to the point where two chords meet [m], both lengths positive.
+constexpr float MeanChord(float chord_before_m, float chord_after_m) {
+  return 0.5f * chord_before_m + 0.5f * chord_after_m;
+}
+
+// Curvature where two chords meet [1/m]: kappa = phi / ds, with ds the mean of both lengths (the
+// discretisation of CostOf). 0 when a chord has no length: the vehicle stands there and may turn as
+// it likes.
+float CurvatureBetween(float turn_rad, float chord_before_m, float chord_after_m);
+
 // The vehicle model as a type ([OS] Path Representation): how a step moves the vehicle, which step
 // joins two poses, and what a change of heading does to the way behind it. This one is the paper's:
 // the plane, heading and distance. Another model is another type with the same functions, all

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/safety/motion_watch.h"
 
-#include "config/validate.h"
 #include "core/base/math.h"
+#include "core/base/validate.h"
 
 namespace hardpack {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/safety/supervisor.h"
 
-#include "config/validate.h"
 #include "core/base/units.h"
+#include "core/base/validate.h"
 
 namespace hardpack {
 namespace {

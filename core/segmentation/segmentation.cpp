@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/segmentation/segmentation.h"
 
-#include "config/validate.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/saturate.h"
+#include "core/base/validate.h"
 
 namespace hardpack {
 namespace {

@@ -19,10 +19,6 @@ float Squared(float value) {
   return value * value;
 }
 
-float ClampCurvature(float curvature_per_m) {
-  return Max(-kCurvatureCeiling_per_m, Min(curvature_per_m, kCurvatureCeiling_per_m));
-}
-
 // The limits of CurvatureSpeedLimit, inverted once for all points, so that a point takes the
 // largest of the inverses and one division.
 struct ShapeLimits {
@@ -232,11 +228,6 @@ float SpeedWithin(const SpeedParams& params, float delay_s, float free_m) {
 }
 
 }  // namespace
-
-float CurvatureBetween(float turn_rad, float chord_before_m, float chord_after_m) {
-  if (!HasLength(chord_before_m) || !HasLength(chord_after_m)) return 0.0f;
-  return ClampCurvature(turn_rad / MeanChord(chord_before_m, chord_after_m));
-}
 
 float CurvatureSpeedLimit(const SpeedParams& params, const VehicleParams& vehicle,
                           float curvature_per_m, float curvature_rate_per_m2) {

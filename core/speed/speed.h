@@ -22,26 +22,6 @@ using SpeedProfile = FixedVector<float, kMaxPathPoints>;  // [n] m/s, never nega
 // A request above this is refused, which keeps every squared speed far from the end of float32.
 inline constexpr float kMaxRequestSpeed_mps = 100.0f;
 
-// Curvatures are clamped to this magnitude, so that none overflows.
-inline constexpr float kCurvatureCeiling_per_m = 1.0e6f;
-
-// A chord shorter than this has no length: its step is a turn on the spot. The optimizer takes no
-// shorter one.
-inline constexpr float kLeastChord_m = 1.0e-4f;
-constexpr bool HasLength(float chord_m) {
-  return Abs(chord_m) >= kLeastChord_m;
-}
-
-// Length of path that belongs to the point where two chords meet [m], both lengths positive.
-constexpr float MeanChord(float chord_before_m, float chord_after_m) {
-  return 0.5f * chord_before_m + 0.5f * chord_after_m;
-}
-
-// Curvature where two chords meet [1/m]: kappa = phi / ds, with ds the mean of both lengths (the
-// discretisation of CostOf). 0 when a chord has no length: the vehicle stands there and may turn as
-// it likes.
-float CurvatureBetween(float turn_rad, float chord_before_m, float chord_after_m);
-
 // The limit at one point from the path's shape alone [m/s]: the least of the paper's
 //   v_min + (v_max - v_min) (1 - min(|kappa| / gamma, 1))
 // and of sqrt(a_lat / |kappa|), yaw rate / |kappa|,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/timebase/timebase.h"
 
-#include "config/validate.h"
 #include "core/base/assert.h"
 #include "core/base/saturate.h"
+#include "core/base/validate.h"
 
 namespace hardpack {
 namespace {

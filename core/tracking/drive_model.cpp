@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/tracking/drive_model.h"
 
-#include "config/validate.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/saturate.h"
 #include "core/base/units.h"
+#include "core/base/validate.h"
 
 namespace hardpack {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/tracking/tracking.h"
 
-#include "config/validate.h"
 #include "core/base/math.h"
+#include "core/base/validate.h"
 
 namespace hardpack {
 namespace {

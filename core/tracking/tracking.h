@@ -14,7 +14,7 @@
 
 // From what a path says to wheel speeds, once a tick, forwards and in reverse, and turns on the
 // spot. It does not choose the path, the place on it or whether to move (core/safety/supervisor.h);
-// what a path says is collected by core/autonomy/path_target.h. The paper hands its path to a
+// what a path says is collected by core/committed_plan/path_target.h. The paper hands its path to a
 // tracker of its own ([OS] System Overview); this is docs/algorithm.md section 7 (ours).
 //
 // Everything is computed at the state after the dead time (drive_model.h), where a command acts

@@ -2,10 +2,10 @@
 #include "hal/sevcon/sevcon.h"
 
 #include "config/conflicts.h"
-#include "config/validate.h"
 #include "core/base/assert.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
+#include "core/base/validate.h"
 #include "hal/sevcon/bus_load.h"
 #include "hal/sevcon/canopen.h"
 #include "hal/sevcon/durations.h"

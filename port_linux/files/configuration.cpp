@@ -11,12 +11,13 @@
 #include <vector>
 
 #include "config/conflicts.h"
-#include "config/validate.h"
+#include "core/base/validate.h"
 #include "hal/sevcon/bus_load.h"
 #include "hal/sevcon/sevcon.h"
 #include "port_linux/files/configuration_keys.h"
 #include "port_linux/files/nearest_name.h"
 #include "port_linux/files/read_file.h"
+#include "port_linux/files/set_parameter.h"
 #include "port_linux/files/toml_lines.h"
 
 // The library's names for its options.
@@ -67,7 +68,7 @@ size_t LineOf(const toml::key& key) {
   return key.source().begin.line;
 }
 
-// A number through the one check of config/validate.h.
+// A number through the one check of port_linux/files/set_parameter.h.
 struct Checked {
   float number = 0.0f;
   int32_t whole = 0;

@@ -6,7 +6,7 @@
 #include <system_error>
 #include <utility>
 
-#include "config/validate.h"
+#include "core/base/validate.h"
 
 namespace hardpack {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/autonomy/reaction_meter.h"
 #include "core/base/math.h"
 #include "core/safety/command_gate.h"
 #include "core/safety/corridor.h"
 #include "core/safety/motion_watch.h"
+#include "core/safety/reaction_meter.h"
 #include "core/safety/supervisor.h"
 #include "test/decision/random.h"
 #include "test/decision/random_scenes.h"

@@ -2,8 +2,9 @@
 #pragma once
 
 #include "config/parameter_tables.h"
-#include "config/validate.h"
 #include "core/base/math.h"
+#include "core/base/validate.h"
+#include "port_linux/files/set_parameter.h"
 #include "test/decision/random.h"
 
 namespace hardpack::decision {

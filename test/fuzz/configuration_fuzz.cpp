@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "config/validate.h"
+#include "core/base/validate.h"
 #include "port_linux/files/configuration.h"
 #include "test/fuzz/accepted.h"
 

@@ -9,8 +9,8 @@
 #include <cstdlib>
 #include <limits>
 
-#include "config/validate.h"
 #include "core/autonomy/mapper.h"
+#include "core/base/validate.h"
 #include "core/costmap/costmap.h"
 #include "core/scan/scan.h"
 #include "test/fuzz/accepted.h"

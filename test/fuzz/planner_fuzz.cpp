@@ -16,9 +16,10 @@
 #include <memory>
 
 #include "config/parameter_tables.h"
-#include "config/validate.h"
 #include "core/autonomy/planner.h"
 #include "core/base/decision_hash.h"
+#include "core/base/validate.h"
+#include "port_linux/files/set_parameter.h"
 #include "test/fuzz/accepted.h"
 #include "test/fuzz/mapper_script.h"
 #include "test/fuzz/plan_checks.h"

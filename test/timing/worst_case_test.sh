@@ -16,7 +16,7 @@ trap 'rm -rf "$folder"' EXIT
 
 "$(dirname "$0")/../bare_metal/run.sh" "$measure_units" >"$folder/units" 2>&1
 measured=(--measured "$folder/units")
-facts=$(dirname "$timing")/../../config/timing.toml
+facts=$(dirname "$timing")/../../../config/timing.toml
 if [ -f "${tapes[0]}" ] && [ -f "${tapes[1]}" ]; then
   measured+=(--measured "${tapes[0]}" --measured "${tapes[1]}")
 else  # then nothing is said of what only they take

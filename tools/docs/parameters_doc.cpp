@@ -6,7 +6,7 @@
 #include <string>
 #include <system_error>
 
-#include "config/validate.h"
+#include "core/base/validate.h"
 
 namespace hardpack {
 namespace {

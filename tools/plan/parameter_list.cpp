@@ -6,11 +6,12 @@
 #include <string_view>
 
 #include "config/conflicts.h"
-#include "config/validate.h"
+#include "core/base/validate.h"
 #include "port_linux/command_line/arguments.h"
 #include "port_linux/command_line/command.h"
 #include "port_linux/files/configuration_keys.h"
 #include "port_linux/files/nearest_name.h"
+#include "port_linux/files/set_parameter.h"
 
 namespace hardpack::command {
 namespace {

@@ -22,7 +22,7 @@ LAYERS = {
     "core": ("core", "config"),
     "hal": ("hal", "core", "config"),
     "port_linux": ("port_linux", "hal", "core", "config"),
-    "config": ("config", "core"),
+    "config": ("config",),
     "tools": ("tools", "port_linux", "hal", "core", "config"),
     "test": ("test", "tools", "port_linux", "hal", "core", "config"),
 }
@@ -172,8 +172,6 @@ def check_includes(root, path, text, stages):
         if target[0] not in LAYERS[layer]:
             report(number, "layer", f"{layer} may not use {target[0]}: pass the data in, or move "
                                     f"the code to a layer that may")
-        elif layer == "config" and target[0] == "core" and target[1] != "base":
-            report(number, "layer", "config may use core/base only")
         elif layer in STRICT_LAYERS and target[0] in STRICT_LAYERS and len(target) > 2:
             allowed = stages[layer].get(stage, set())
             used = stage_of(name)

@@ -100,7 +100,7 @@ json CountersJson(const VehicleLoop& loop) {
           {"plans", loop.replanner().counters().plans}};
 }
 
-// Of all columns so far; null: never, or none yet (core/autonomy/reaction_meter.h).
+// Of all columns so far; null: never, or none yet (core/safety/reaction_meter.h).
 json ReactionJson(const ReactionMeter& reaction) {
   const auto told = [&](float value) {
     const bool is_known = reaction.columns() > 0 && value < ReactionMeter::kBeyond;

@@ -138,7 +138,7 @@ struct SafetyPart {
   bool obstacle_ahead = false;       // a return in the corridor of the committed path ...
   bool person_ahead = false;         // ... of a person
   float obstacle_distance_m = 0.0f;  // along the path from the vehicle's middle; 0: none
-  // The reaction radius (core/autonomy/reaction_meter.h): from a column's stamp to the first
+  // The reaction radius (core/safety/reaction_meter.h): from a column's stamp to the first
   // command whose path knows it, and that time times the speed. 1e6: never.
   float reaction_median_s = 0.0f;
   float reaction_p99_s = 0.0f;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/onboard/vehicle_loop/vehicle_loop.h"
 
-#include "config/validate.h"
 #include "core/autonomy/assured_sight.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/units.h"
+#include "core/base/validate.h"
 #include "hal/labels/labels.h"
 
 namespace hardpack {

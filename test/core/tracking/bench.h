@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/autonomy/path_target.h"
+#include "core/committed_plan/path_target.h"
 #include "core/speed/speed.h"
 #include "core/tracking/tracking.h"
 #include "tools/sim/vehicle/vehicle_model.h"

@@ -74,7 +74,7 @@ struct RunResult {
   // its odometry is off by is not in it.
   Histogram cross_track_m;
   double odometry_off_m = 0.0;  // largest drift of the odometry since the goal's acceptance
-  // As core/autonomy/reaction_meter.h counts them: each lidar column's time to the first command
+  // As core/safety/reaction_meter.h counts them: each lidar column's time to the first command
   // that it was considered for, and that time times the speed.
   Histogram reaction_s{0.005, 200};
   // The same of the columns that were considered at 4 m/s and more: what is asked for at 5 m/s.

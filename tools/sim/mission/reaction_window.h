@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "core/autonomy/reaction_meter.h"
+#include "core/safety/reaction_meter.h"
 
 // The reaction radius of late: the meter on board counts from the start of a mission, this tells
 // the columns that were counted since a while ago.

@@ -65,8 +65,12 @@ Bytes Resized(Bytes bytes, size_t size) {
 }
 
 Bytes ExampleOfTheDocs() {
-  const std::filesystem::path root =
-      std::filesystem::path(__FILE__).parent_path().parent_path().parent_path().parent_path();
+  const std::filesystem::path root = std::filesystem::path(__FILE__)
+                                         .parent_path()
+                                         .parent_path()
+                                         .parent_path()
+                                         .parent_path()
+                                         .parent_path();
   std::ifstream file(root / "docs" / "control.md");
   EXPECT_TRUE(file) << "the document is not beside the sources";
   std::ostringstream text;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/autonomy/speed_caps.h"
+#include "core/speed/speed_caps.h"
 
 #include <gtest/gtest.h>
 

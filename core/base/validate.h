@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 
 #include "config/onboard_parameters.h"
 #include "config/onboard_tables.h"
@@ -14,9 +13,9 @@
 #include "core/base/saturate.h"
 #include "core/base/status.h"
 
-// Checks parameters against config/parameter_tables.h and reaches them by name. No heap; core may
-// use it. It reads no files (the tools and the port do), and it cannot tell whether parameters of
-// different meaning go together (config/conflicts.h).
+// Checks parameters against config/parameter_tables.h. It cannot tell whether parameters of
+// different meaning go together (config/conflicts.h); port_linux/files/set_parameter.h sets them by
+// name.
 
 namespace hardpack {
 
@@ -150,63 +149,5 @@ constexpr const char* FirstInvalidParameter(const Params& params) {
 static_assert(FirstInvalidParameter(PlannerParams{}) == nullptr);
 static_assert(FirstInvalidParameter(PerceptionParams{}) == nullptr);
 static_assert(FirstInvalidParameter(OnboardParams{}) == nullptr);
-
-inline constexpr int kMaxParameterName = 48;  // letters of a full name
-
-// Precondition: full_name is a table's. Cost: at most its letters.
-constexpr bool IsNamed(const char* full_name, const char* name) {
-  HP_LOOP_BOUND(kMaxParameterName)
-  for (; *full_name != '\0' && *full_name == *name; ++full_name) ++name;
-  return *full_name == *name;
-}
-
-// Sets one parameter of a group to a value as it was typed or read from a file, a whole number
-// exactly. kNotFinite; kParameterOutOfRange: outside the entry's range, or a fraction of what is
-// counted. On a failure the group is as it was. Does not compare it with others:
-// FirstInvalidParameter does.
-template <typename Group>
-constexpr Status SetParameter(const ParameterEntry<Group>& entry, double value, Group& group) {
-  if (!(value - value == 0.0)) return Status::kNotFinite;
-  if (entry.number != nullptr) {
-    constexpr double kLargest = static_cast<double>(std::numeric_limits<float>::max());
-    if (value < -kLargest || value > kLargest) return Status::kParameterOutOfRange;
-    // As a float: a limit of 0.1f admits a typed 0.1, although that double is the lesser of the
-    // two.
-    const float number = static_cast<float>(value);
-    if (number < entry.low || number > entry.high) return Status::kParameterOutOfRange;
-    group.*entry.number = number;
-    return Status::kOk;
-  }
-  // The ends of the range are int32_t, so what lies between them can be cast.
-  if (value < static_cast<double>(RoundToInt(entry.low)) ||
-      value > static_cast<double>(RoundToInt(entry.high))) {
-    return Status::kParameterOutOfRange;
-  }
-  const int32_t whole = static_cast<int32_t>(value);
-  if (static_cast<double>(whole) != value) return Status::kParameterOutOfRange;
-  if (entry.whole != nullptr) {
-    group.*entry.whole = whole;
-  } else {
-    group.*entry.rule = static_cast<ObstacleRule>(whole);
-  }
-  return Status::kOk;
-}
-
-// The same by full name, "costmap.halo_m". kInvalidArgument: no parameter has that name. Params:
-// as VisitParameters. Cost: one pass over the names.
-template <typename Params>
-constexpr Status SetParameter(const char* full_name, double value, Params& params) {
-  Status status = Status::kInvalidArgument;
-  VisitParameters(params,
-                  [&]<typename Group, size_t kEntries>(
-                      Group& group, const std::array<ParameterEntry<Group>, kEntries>& table) {
-                    HP_LOOP_BOUND(kEntries)
-                    for (const ParameterEntry<Group>& entry : table) {
-                      if (IsNamed(entry.full_name, full_name))
-                        status = SetParameter(entry, value, group);
-                    }
-                  });
-  return status;
-}
 
 }  // namespace hardpack

@@ -2,14 +2,14 @@
 #pragma once
 
 #include "config/onboard_parameters.h"
-#include "core/autonomy/committed_plan.h"
 #include "core/base/status.h"
+#include "core/committed_plan/committed_plan.h"
 #include "core/tracking/tracking.h"
 
 // What the committed plan says to the tracker at a place: where the path is, how it bends, how fast
 // it is to be driven there and how far it is to where the vehicle has to stand. It does not find
-// the place (Project, core/autonomy/committed_plan.h) and commands nothing. The paper has no part
-// in it; docs/algorithm.md section 7.
+// the place (Project, core/committed_plan/committed_plan.h) and commands nothing. The paper has no
+// part in it; docs/algorithm.md section 7.
 
 namespace hardpack {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/autonomy/committed_plan.h"
+#include "core/committed_plan/committed_plan.h"
 
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"

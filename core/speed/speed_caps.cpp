@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/autonomy/speed_caps.h"
+#include "core/speed/speed_caps.h"
 
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"

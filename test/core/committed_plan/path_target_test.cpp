@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/autonomy/path_target.h"
+#include "core/committed_plan/path_target.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/autonomy/reaction_meter.h"
+#include "core/safety/reaction_meter.h"
 
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
