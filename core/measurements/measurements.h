@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "core/base/math.h"
 #include "core/base/pose.h"
 
 // Typed measurements: what the codecs of hal make of bytes and what the stages of core work on.
@@ -58,12 +59,38 @@ struct ColumnLabels {
   uint8_t label[kMaxBeams] = {};
 };
 
+struct AngularRate {
+  float x_radps = 0.0f;
+  float y_radps = 0.0f;
+  float z_radps = 0.0f;
+};
+struct Acceleration {
+  float x_mps2 = 0.0f;
+  float y_mps2 = 0.0f;
+  float z_mps2 = 0.0f;
+};
+struct VelocityNed {
+  float north_mps = 0.0f;
+  float east_mps = 0.0f;
+  float down_mps = 0.0f;
+};
+constexpr bool IsFinite(const AngularRate& rate) {
+  return IsFinite(rate.x_radps) && IsFinite(rate.y_radps) && IsFinite(rate.z_radps);
+}
+constexpr bool IsFinite(const Acceleration& acceleration) {
+  return IsFinite(acceleration.x_mps2) && IsFinite(acceleration.y_mps2) &&
+         IsFinite(acceleration.z_mps2);
+}
+constexpr bool IsFinite(const VelocityNed& velocity) {
+  return IsFinite(velocity.north_mps) && IsFinite(velocity.east_mps) && IsFinite(velocity.down_mps);
+}
+
 // One sample of an inertial sensor, in its own frame.
 struct ImuSample {
   uint64_t acceleration_time_ns = 0;  // sensor's clock, of each of the two readings
   uint64_t angular_rate_time_ns = 0;
-  Vec3 acceleration_mps2;  // specific force: +9.81 upward at rest
-  Vec3 angular_rate_radps;
+  Acceleration acceleration;  // specific force: +9.81 upward at rest
+  AngularRate angular_rate;
 };
 
 // How far an inertial navigation system (INS) stands by its solution.
@@ -103,16 +130,16 @@ struct InsSample {
   float yaw_rad = 0.0f;       // (-pi, pi], from north, CLOCKWISE seen from above
 
   bool has_angular_rate = false;
-  Vec3 angular_rate_radps;
+  AngularRate angular_rate;
   bool has_acceleration = false;
-  Vec3 acceleration_mps2;  // specific force: level and at rest (0, 0, -9.81)
+  Acceleration acceleration;  // specific force: level and at rest (0, 0, -9.81)
 
   bool has_position = false;   // WGS 84
   int64_t latitude_ndeg = 0;   // 1e-9 degree (0.11 mm), north positive, at most 90 degrees
   int64_t longitude_ndeg = 0;  // 1e-9 degree, east positive, at most 180 degrees
   float altitude_m = 0.0f;     // above the ellipsoid
   bool has_velocity = false;
-  Vec3 velocity_ned_mps;  // x north, y east, z down
+  VelocityNed velocity_ned;
 
   bool has_status = false;
   InsStatus status;

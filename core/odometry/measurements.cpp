@@ -33,10 +33,6 @@ float Square(float value) {
   return value * value;
 }
 
-bool IsFiniteVec(const Vec3& v) {
-  return IsFinite(v.x_m) && IsFinite(v.y_m) && IsFinite(v.z_m);
-}
-
 bool IsRate(float rate_radps) {
   return Abs(rate_radps) <= kMaxGyro_radps;
 }
@@ -45,17 +41,18 @@ bool IsRate(float rate_radps) {
 
 Status Odometry::TakeIns(const InsSample& sample, uint64_t time_ns) {
   if (!configured_) return Status::kNotStarted;
-  const Vec3& rate = sample.angular_rate_radps;
-  const Vec3& velocity = sample.velocity_ned_mps;
+  const AngularRate& rate = sample.angular_rate;
+  const VelocityNed& velocity = sample.velocity_ned;
   const bool attitude_is_fine =
       !sample.has_attitude || (Abs(sample.roll_rad) <= kTwoPi && Abs(sample.pitch_rad) <= kTwoPi &&
                                Abs(sample.yaw_rad) <= kTwoPi);
-  if (!attitude_is_fine || (sample.has_angular_rate && !IsFiniteVec(rate)) ||
-      (sample.has_velocity && !IsFiniteVec(velocity))) {
+  if (!attitude_is_fine || (sample.has_angular_rate && !IsFinite(rate)) ||
+      (sample.has_velocity && !IsFinite(velocity))) {
     ++counters_.refused;
     return Status::kNotFinite;
   }
-  if (sample.has_angular_rate && !(IsRate(rate.x_m) && IsRate(rate.y_m) && IsRate(rate.z_m))) {
+  if (sample.has_angular_rate &&
+      !(IsRate(rate.x_radps) && IsRate(rate.y_radps) && IsRate(rate.z_radps))) {
     ++counters_.refused;
     return Status::kInvalidArgument;
   }
@@ -91,16 +88,16 @@ void Odometry::TakeAttitude(const InsSample& sample) {
 }
 
 // The turn about the vertical, from rates about the body's axes: Euler's kinematic equation.
-void Odometry::TakeRate(const Vec3& rate_radps, uint64_t time_ns) {
+void Odometry::TakeRate(const AngularRate& rate, uint64_t time_ns) {
   const float(&m)[9] = body_from_ins_;
-  const float about_y = m[3] * rate_radps.x_m + m[4] * rate_radps.y_m + m[5] * rate_radps.z_m;
-  const float about_z = m[6] * rate_radps.x_m + m[7] * rate_radps.y_m + m[8] * rate_radps.z_m;
+  const float about_y = m[3] * rate.x_radps + m[4] * rate.y_radps + m[5] * rate.z_radps;
+  const float about_z = m[6] * rate.x_radps + m[7] * rate.y_radps + m[8] * rate.z_radps;
   const SinCosPair roll = SinCos(pose_.roll_rad);
   const float cos_pitch = Max(Cos(pose_.pitch_rad), kMinCosPitch);
   const float measured_radps = (roll.sin * about_y + roll.cos * about_z) / cos_pitch;
   const bool was_frozen = gyro_sameness_.frozen;
   const float turn_radps = rim_turn_mps_ / state_[kStateBaseline];
-  Follow(gyro_sameness_, {rate_radps.x_m, rate_radps.z_m}, time_ns,
+  Follow(gyro_sameness_, {rate.x_radps, rate.z_radps}, time_ns,
          {measured_radps - state_[kStateGyroBias], 0.0f}, {turn_radps, 0.0f});
   if (gyro_sameness_.frozen) {
     if (!was_frozen) {
@@ -129,7 +126,7 @@ void Odometry::TakeGroundSpeed(const InsSample& sample, uint64_t time_ns) {
   if (!is_good) return;
   const SinCosPair heading = SinCos(BodyAttitudeOf(sample, body_from_ins_).heading_rad);
   const float measured_mps =
-      sample.velocity_ned_mps.y_m * heading.cos + sample.velocity_ned_mps.x_m * heading.sin;
+      sample.velocity_ned.east_mps * heading.cos + sample.velocity_ned.north_mps * heading.sin;
   if (!(Abs(measured_mps) <= kMaxGroundSpeed_mps)) {
     ++counters_.refused;
     return;

@@ -158,7 +158,7 @@ class Odometry {
 
   // What is said to it (measurements.cpp).
   void TakeAttitude(const InsSample& sample);
-  void TakeRate(const Vec3& rate_radps, uint64_t time_ns);
+  void TakeRate(const AngularRate& rate, uint64_t time_ns);
   void TakeGroundSpeed(const InsSample& sample, uint64_t time_ns);
   static bool AreWheelSpeeds(const WheelFeedback& wheels);
   bool AreFrozen(const WheelFeedback& wheels);

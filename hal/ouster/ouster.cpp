@@ -150,11 +150,6 @@ bool IsMade(const PacketLayout& layout) {
                                     format.packet_footer_bytes;
 }
 
-bool IsFinite(const Vec3& vector) {
-  return hardpack::IsFinite(vector.x_m) && hardpack::IsFinite(vector.y_m) &&
-         hardpack::IsFinite(vector.z_m);
-}
-
 Status CheckIdentity(const SensorIdentity& expected, const PacketHeader& header) {
   if (expected.serial_number != 0 && header.serial_number != expected.serial_number) {
     return Status::kWrongSensor;
@@ -266,12 +261,11 @@ Status DecodeImu(std::span<const uint8_t> packet, ImuSample& sample) {
   ImuSample read;
   read.acceleration_time_ns = bytes.U64(8);
   read.angular_rate_time_ns = bytes.U64(16);
-  read.acceleration_mps2 = {bytes.F32(24) * kStandardGravity_mps2,
-                            bytes.F32(28) * kStandardGravity_mps2,
-                            bytes.F32(32) * kStandardGravity_mps2};
-  read.angular_rate_radps = {bytes.F32(36) * kRadPerDeg, bytes.F32(40) * kRadPerDeg,
-                             bytes.F32(44) * kRadPerDeg};
-  if (!IsFinite(read.acceleration_mps2) || !IsFinite(read.angular_rate_radps)) {
+  read.acceleration = {bytes.F32(24) * kStandardGravity_mps2, bytes.F32(28) * kStandardGravity_mps2,
+                       bytes.F32(32) * kStandardGravity_mps2};
+  read.angular_rate = {bytes.F32(36) * kRadPerDeg, bytes.F32(40) * kRadPerDeg,
+                       bytes.F32(44) * kRadPerDeg};
+  if (!IsFinite(read.acceleration) || !IsFinite(read.angular_rate)) {
     return Status::kNotFinite;
   }
   sample = read;

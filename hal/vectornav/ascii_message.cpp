@@ -166,7 +166,7 @@ struct InsFields {
   Decimal latitude_deg;
   Decimal longitude_deg;
   float altitude_m = 0.0f;
-  Vec3 velocity_ned_mps;
+  VelocityNed velocity_ned;
   float attitude_uncertainty_deg = 0.0f;
   float position_uncertainty_m = 0.0f;
   float velocity_uncertainty_mps = 0.0f;
@@ -184,9 +184,9 @@ bool ReadFields(std::span<const uint8_t> text, InsFields& fields) {
   fields.latitude_deg = reader.Number();
   fields.longitude_deg = reader.Number();
   fields.altitude_m = reader.Float();
-  fields.velocity_ned_mps.x_m = reader.Float();
-  fields.velocity_ned_mps.y_m = reader.Float();
-  fields.velocity_ned_mps.z_m = reader.Float();
+  fields.velocity_ned.north_mps = reader.Float();
+  fields.velocity_ned.east_mps = reader.Float();
+  fields.velocity_ned.down_mps = reader.Float();
   fields.attitude_uncertainty_deg = reader.Float();
   fields.position_uncertainty_m = reader.Float();
   fields.velocity_uncertainty_mps = reader.Float();
@@ -206,7 +206,7 @@ Status JudgeFields(const InsFields& fields, InsSample& sample) {
   set = SetPosition(Billionths(fields.latitude_deg), Billionths(fields.longitude_deg),
                     fields.altitude_m, sample);
   if (!IsUsable(set)) return set;
-  set = SetVelocity(fields.velocity_ned_mps, sample);
+  set = SetVelocity(fields.velocity_ned, sample);
   if (!IsUsable(set)) return set;
   set = SetAttitudeUncertainty(fields.attitude_uncertainty_deg, sample);
   if (!IsUsable(set)) return set;

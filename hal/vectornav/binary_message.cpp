@@ -100,7 +100,9 @@ consteval size_t LargestMessage() {
 static_assert(LargestMessage() == kMaxBinaryBytes);
 static_assert(kMaxBinaryBytes <= kMaxCrcBytes);
 
-Vec3 ReadVector(ByteReader& bytes, size_t offset) {
+// Of AngularRate, Acceleration or VelocityNed.
+template <typename Vector>
+Vector ReadVector(ByteReader& bytes, size_t offset) {
   return {bytes.F32(offset), bytes.F32(offset + 4), bytes.F32(offset + 8)};
 }
 
@@ -129,13 +131,13 @@ Status ReadField(Use use, ByteReader& bytes, size_t offset, InsSample& sample) {
     case Use::kYawPitchRoll:
       return SetAttitude(bytes.F32(offset), bytes.F32(offset + 4), bytes.F32(offset + 8), sample);
     case Use::kAngularRate:
-      return SetAngularRate(ReadVector(bytes, offset), sample);
+      return SetAngularRate(ReadVector<AngularRate>(bytes, offset), sample);
     case Use::kPosition:
       return ReadPosition(bytes, offset, sample);
     case Use::kVelocity:
-      return SetVelocity(ReadVector(bytes, offset), sample);
+      return SetVelocity(ReadVector<VelocityNed>(bytes, offset), sample);
     case Use::kAcceleration:
-      return SetAcceleration(ReadVector(bytes, offset), sample);
+      return SetAcceleration(ReadVector<Acceleration>(bytes, offset), sample);
     case Use::kInsStatus:
       SetStatus(bytes.U16(offset), sample);
       return Status::kOk;

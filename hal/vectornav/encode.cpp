@@ -40,10 +40,10 @@ class Writer {
   void U16(uint32_t value) { Lowest(value, 2); }
   void U64(uint64_t value) { Lowest(value, 8); }
   void F32(float value) { Lowest(std::bit_cast<uint32_t>(value), 4); }
-  void Vector(const Vec3& vector) {
-    F32(vector.x_m);
-    F32(vector.y_m);
-    F32(vector.z_m);
+  void Vector(float x, float y, float z) {
+    F32(x);
+    F32(y);
+    F32(z);
   }
 
  private:
@@ -159,9 +159,9 @@ void WriteFields(Writer& line, const InsSample& sample) {
   WriteSigned(line, HundredMillionths(sample.latitude_ndeg), 10, 8);
   WriteSigned(line, HundredMillionths(sample.longitude_ndeg), 11, 8);
   WriteSigned(line, Thousandths(sample.altitude_m), 8, 3);
-  WriteSigned(line, Thousandths(sample.velocity_ned_mps.x_m), 6, 3);
-  WriteSigned(line, Thousandths(sample.velocity_ned_mps.y_m), 6, 3);
-  WriteSigned(line, Thousandths(sample.velocity_ned_mps.z_m), 6, 3);
+  WriteSigned(line, Thousandths(sample.velocity_ned.north_mps), 6, 3);
+  WriteSigned(line, Thousandths(sample.velocity_ned.east_mps), 6, 3);
+  WriteSigned(line, Thousandths(sample.velocity_ned.down_mps), 6, 3);
   WriteDigits(line, RoundToInt(Abs(Degrees(sample.attitude_uncertainty_rad)) * 10.0f), 3, 1);
   line.Byte(',');
   WriteDigits(line, RoundToInt(Abs(sample.position_uncertainty_m) * 10.0f), 3, 1);
@@ -181,16 +181,25 @@ Status EncodeBinary(const InsSample& sample, std::span<uint8_t> message, size_t&
   if (sample.has_timestamp) writer.U64(sample.timestamp_ns);
   if (sample.has_gps_time) writer.U64(sample.gps_time_ns);
   if (sample.has_attitude) {
-    writer.Vector({Degrees(sample.yaw_rad), Degrees(sample.pitch_rad), Degrees(sample.roll_rad)});
+    writer.Vector(Degrees(sample.yaw_rad), Degrees(sample.pitch_rad), Degrees(sample.roll_rad));
   }
-  if (sample.has_angular_rate) writer.Vector(sample.angular_rate_radps);
+  if (sample.has_angular_rate) {
+    const AngularRate& rate = sample.angular_rate;
+    writer.Vector(rate.x_radps, rate.y_radps, rate.z_radps);
+  }
   if (sample.has_position) {
     writer.U64(Binary64FromBillionths(sample.latitude_ndeg));
     writer.U64(Binary64FromBillionths(sample.longitude_ndeg));
     writer.U64(Binary64FromFloat(sample.altitude_m));
   }
-  if (sample.has_velocity) writer.Vector(sample.velocity_ned_mps);
-  if (sample.has_acceleration) writer.Vector(sample.acceleration_mps2);
+  if (sample.has_velocity) {
+    const VelocityNed& velocity = sample.velocity_ned;
+    writer.Vector(velocity.north_mps, velocity.east_mps, velocity.down_mps);
+  }
+  if (sample.has_acceleration) {
+    const Acceleration& acceleration = sample.acceleration;
+    writer.Vector(acceleration.x_mps2, acceleration.y_mps2, acceleration.z_mps2);
+  }
   if (sample.has_status) writer.U16(StatusWord(sample.status));
   if (!IsUsable(writer.status())) return writer.status();
   const uint32_t crc = Crc16(writer.written().subspan(1));

@@ -12,14 +12,9 @@ static_assert(kQuarterTurn_deg * kRadPerDeg <= kHalfPi);
 constexpr int64_t kMaxLatitude_ndeg = 90'000'000'000;
 constexpr int64_t kMaxLongitude_ndeg = 180'000'000'000;
 
-bool IsFinite(const Vec3& vector) {
-  return hardpack::IsFinite(vector.x_m) && hardpack::IsFinite(vector.y_m) &&
-         hardpack::IsFinite(vector.z_m);
-}
-
 // Of an uncertainty: finite, and none is negative.
 Status CheckUncertainty(float value) {
-  if (!hardpack::IsFinite(value)) return Status::kNotFinite;
+  if (!IsFinite(value)) return Status::kNotFinite;
   return value >= 0.0f ? Status::kOk : Status::kInvalidArgument;
 }
 
@@ -32,7 +27,7 @@ void SetGpsTime(uint64_t gps_time_ns, InsSample& sample) {
 }
 
 Status SetAttitude(float yaw_deg, float pitch_deg, float roll_deg, InsSample& sample) {
-  if (!IsFinite({yaw_deg, pitch_deg, roll_deg})) return Status::kNotFinite;
+  if (!IsFinite(yaw_deg) || !IsFinite(pitch_deg) || !IsFinite(roll_deg)) return Status::kNotFinite;
   if (Abs(yaw_deg) > kFullTurn_deg || Abs(pitch_deg) > kQuarterTurn_deg ||
       Abs(roll_deg) > kFullTurn_deg) {
     return Status::kInvalidArgument;
@@ -46,7 +41,7 @@ Status SetAttitude(float yaw_deg, float pitch_deg, float roll_deg, InsSample& sa
 
 Status SetPosition(int64_t latitude_ndeg, int64_t longitude_ndeg, float altitude_m,
                    InsSample& sample) {
-  if (!hardpack::IsFinite(altitude_m)) return Status::kNotFinite;
+  if (!IsFinite(altitude_m)) return Status::kNotFinite;
   if (latitude_ndeg < -kMaxLatitude_ndeg || latitude_ndeg > kMaxLatitude_ndeg ||
       longitude_ndeg < -kMaxLongitude_ndeg || longitude_ndeg > kMaxLongitude_ndeg) {
     return Status::kInvalidArgument;
@@ -58,24 +53,24 @@ Status SetPosition(int64_t latitude_ndeg, int64_t longitude_ndeg, float altitude
   return Status::kOk;
 }
 
-Status SetVelocity(const Vec3& velocity_ned_mps, InsSample& sample) {
-  if (!IsFinite(velocity_ned_mps)) return Status::kNotFinite;
+Status SetVelocity(const VelocityNed& velocity_ned, InsSample& sample) {
+  if (!IsFinite(velocity_ned)) return Status::kNotFinite;
   sample.has_velocity = true;
-  sample.velocity_ned_mps = velocity_ned_mps;
+  sample.velocity_ned = velocity_ned;
   return Status::kOk;
 }
 
-Status SetAngularRate(const Vec3& angular_rate_radps, InsSample& sample) {
-  if (!IsFinite(angular_rate_radps)) return Status::kNotFinite;
+Status SetAngularRate(const AngularRate& angular_rate, InsSample& sample) {
+  if (!IsFinite(angular_rate)) return Status::kNotFinite;
   sample.has_angular_rate = true;
-  sample.angular_rate_radps = angular_rate_radps;
+  sample.angular_rate = angular_rate;
   return Status::kOk;
 }
 
-Status SetAcceleration(const Vec3& acceleration_mps2, InsSample& sample) {
-  if (!IsFinite(acceleration_mps2)) return Status::kNotFinite;
+Status SetAcceleration(const Acceleration& acceleration, InsSample& sample) {
+  if (!IsFinite(acceleration)) return Status::kNotFinite;
   sample.has_acceleration = true;
-  sample.acceleration_mps2 = acceleration_mps2;
+  sample.acceleration = acceleration;
   return Status::kOk;
 }
 

@@ -31,9 +31,9 @@ void SetGpsTime(uint64_t gps_time_ns, InsSample& sample);
 Status SetAttitude(float yaw_deg, float pitch_deg, float roll_deg, InsSample& sample);
 Status SetPosition(int64_t latitude_ndeg, int64_t longitude_ndeg, float altitude_m,
                    InsSample& sample);
-Status SetVelocity(const Vec3& velocity_ned_mps, InsSample& sample);
-Status SetAngularRate(const Vec3& angular_rate_radps, InsSample& sample);
-Status SetAcceleration(const Vec3& acceleration_mps2, InsSample& sample);
+Status SetVelocity(const VelocityNed& velocity_ned, InsSample& sample);
+Status SetAngularRate(const AngularRate& angular_rate, InsSample& sample);
+Status SetAcceleration(const Acceleration& acceleration, InsSample& sample);
 void SetStatus(uint16_t word, InsSample& sample);
 Status SetAttitudeUncertainty(float uncertainty_deg, InsSample& sample);
 Status SetPositionUncertainty(float uncertainty_m, InsSample& sample);

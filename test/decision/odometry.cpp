@@ -48,16 +48,16 @@ void SampleOf(const Truth& truth, int tick, uint64_t now_ns, const LocalPlane& p
   sample.has_timestamp = true;
   sample.timestamp_ns = now_ns;
   sample.has_angular_rate = true;
-  sample.angular_rate_radps = {random.RealBetween(-0.02f, 0.02f), random.RealBetween(-0.02f, 0.02f),
-                               -truth.rate_radps - 0.01f + random.RealBetween(-0.01f, 0.01f)};
-  if (tick % 97 == 0) sample.angular_rate_radps.z_m = 20.0f;
+  sample.angular_rate = {random.RealBetween(-0.02f, 0.02f), random.RealBetween(-0.02f, 0.02f),
+                         -truth.rate_radps - 0.01f + random.RealBetween(-0.01f, 0.01f)};
+  if (tick % 97 == 0) sample.angular_rate.z_radps = 20.0f;
   sample.has_attitude = true;
   sample.roll_rad = random.RealBetween(-0.1f, 0.1f);
   sample.pitch_rad = random.RealBetween(-0.1f, 0.1f);
   sample.yaw_rad = WrapAngle(0.6f - truth.yaw_rad);
   sample.has_velocity = sample.has_status = sample.has_position = true;
   const SinCosPair north = SinCos(sample.yaw_rad);
-  sample.velocity_ned_mps = {truth.speed_mps * north.cos, truth.speed_mps * north.sin, 0.0f};
+  sample.velocity_ned = {truth.speed_mps * north.cos, truth.speed_mps * north.sin, 0.0f};
   sample.status.mode = InsMode::kTracking;
   sample.status.gnss_fix = true;
   const SinCosPair world = SinCos(kHalfPi - 0.6f);

@@ -110,8 +110,8 @@ class RandomMotion {
     last_ns_ = sample.timestamp_ns;
     sample.has_angular_rate = !Seldom(12);
     const float rate_radps = 0.31f * truth_.wheels.differential_radps;
-    sample.angular_rate_radps = {Noise(0.02f), Noise(0.02f), -rate_radps - 0.01f + Noise(0.01f)};
-    if (Seldom(150)) sample.angular_rate_radps.z_m = random_.RealBetween(-40.0f, 40.0f);
+    sample.angular_rate = {Noise(0.02f), Noise(0.02f), -rate_radps - 0.01f + Noise(0.01f)};
+    if (Seldom(150)) sample.angular_rate.z_radps = random_.RealBetween(-40.0f, 40.0f);
     sample.has_attitude = !Seldom(12);
     sample.roll_rad = truth_.roll_rad + Noise(0.01f);
     sample.pitch_rad = truth_.pitch_rad + Noise(0.01f);
@@ -122,7 +122,7 @@ class RandomMotion {
     const SinCosPair north = SinCos(sample.yaw_rad);
     float speed_mps = 0.29f * truth_.wheels.common_radps + Noise(0.1f);
     if (Seldom(150)) speed_mps = random_.RealBetween(-160.0f, 160.0f);
-    sample.velocity_ned_mps = {speed_mps * north.cos, speed_mps * north.sin, Noise(0.1f)};
+    sample.velocity_ned = {speed_mps * north.cos, speed_mps * north.sin, Noise(0.1f)};
     if (Seldom(200)) jump_m_ = random_.RealBetween(-15.0f, 15.0f);
     if (Seldom(100)) jump_m_ = 0.0f;
     sample.status.mode = Seldom(60) ? InsMode::kGnssLost : InsMode::kTracking;

@@ -103,8 +103,8 @@ void CheckImu(std::span<const uint8_t> packet) {
   if (!IsUsable(hardpack::ouster::DecodeImu(packet, sample))) return;
   hardpack::Accepted("imu");
   Require(packet.size() == 48);
-  Require(hardpack::IsFinite(sample.acceleration_mps2.x_m) &&
-          hardpack::IsFinite(sample.angular_rate_radps.z_m));
+  Require(hardpack::IsFinite(sample.acceleration.x_mps2) &&
+          hardpack::IsFinite(sample.angular_rate.z_radps));
 }
 
 void NoteAccepted(const Metadata& metadata) {

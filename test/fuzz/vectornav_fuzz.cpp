@@ -25,7 +25,6 @@ using hardpack::Abs;
 using hardpack::InsSample;
 using hardpack::IsFinite;
 using hardpack::Status;
-using hardpack::Vec3;
 using hardpack::vectornav::StreamParser;
 
 namespace vn = hardpack::vectornav;
@@ -40,13 +39,9 @@ void Require(bool condition) {
   if (!condition) std::abort();
 }
 
-bool AllFinite(const Vec3& v) {
-  return IsFinite(v.x_m) && IsFinite(v.y_m) && IsFinite(v.z_m);
-}
-
 void CheckSample(const InsSample& s) {
-  Require(AllFinite(s.angular_rate_radps) && AllFinite(s.acceleration_mps2) &&
-          AllFinite(s.velocity_ned_mps) && IsFinite(s.altitude_m));
+  Require(IsFinite(s.angular_rate) && IsFinite(s.acceleration) && IsFinite(s.velocity_ned) &&
+          IsFinite(s.altitude_m));
   Require(Abs(s.yaw_rad) <= hardpack::kPi && Abs(s.roll_rad) <= hardpack::kPi &&
           Abs(s.pitch_rad) <= hardpack::kHalfPi);
   Require(std::abs(s.latitude_ndeg) <= 90'000'000'000 &&

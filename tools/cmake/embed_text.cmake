@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DFILE=<file.cpp> -DNAMESPACE=<a::b> -DTEXTS=<kName>=<file>,... -P embed_text.cmake: writes a
 # source with the text of each file as a std::string_view of that name.
-cmake_minimum_required(VERSION 3.25)
+cmake_minimum_required(VERSION 3.22)
 set(content "// Written by tools/cmake/embed_text.cmake.\n#include <string_view>\n\nnamespace ${NAMESPACE} {\n")
 string(REPLACE "," ";" texts "${TEXTS}")
 foreach(text IN LISTS texts)

@@ -114,8 +114,8 @@ float VehicleLoop::MeasuredYawRate() const {
   const InsParams& mount = config_.onboard.ins;
   const SinCosPair pitch = SinCos(mount.pitch_rad);
   const SinCosPair roll = SinCos(mount.roll_rad);
-  const Vec3& rate = ins_rate_radps_;
-  return pitch.sin * rate.x_m - pitch.cos * (roll.sin * rate.y_m + roll.cos * rate.z_m);
+  const AngularRate& rate = ins_rate_;
+  return pitch.sin * rate.x_radps - pitch.cos * (roll.sin * rate.y_radps + roll.cos * rate.z_radps);
 }
 
 // Only while the drives have torque: else anybody may push the vehicle.

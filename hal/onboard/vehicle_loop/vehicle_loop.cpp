@@ -26,7 +26,7 @@ Status VehicleLoop::Configure(const VehicleConfig& config) {
   goals_.Clear();
   goal_index_ = 0;
   newest_ins_ = {};
-  ins_rate_radps_ = {};
+  ins_rate_ = {};
   ins_rate_ns_ = 0;
   ins_speed_mps_ = 0.0f;
   ins_speed_ns_ = 0;
@@ -220,7 +220,7 @@ void VehicleLoop::NoteIns(uint64_t measured_ns) {
   newest_ins_ = ins_sample_;
   if (measured_ns > ins_ns_) ins_ns_ = measured_ns;
   if (ins_sample_.has_angular_rate) {
-    ins_rate_radps_ = ins_sample_.angular_rate_radps;
+    ins_rate_ = ins_sample_.angular_rate;
     ins_rate_ns_ = measured_ns;
   }
   const InsStatus& ins = ins_sample_.status;
@@ -228,8 +228,9 @@ void VehicleLoop::NoteIns(uint64_t measured_ns) {
                                  ins.mode == InsMode::kTracking && ins.gnss_fix &&
                                  !ins.gnss_error && !ins.imu_error;
   if (vouches_for_speed) {
-    const Vec3& velocity = ins_sample_.velocity_ned_mps;
-    ins_speed_mps_ = Sqrt(velocity.x_m * velocity.x_m + velocity.y_m * velocity.y_m);
+    const VelocityNed& velocity = ins_sample_.velocity_ned;
+    ins_speed_mps_ =
+        Sqrt(velocity.north_mps * velocity.north_mps + velocity.east_mps * velocity.east_mps);
     ins_speed_ns_ = measured_ns;
   }
   if (!ins_sample_.has_position) return;

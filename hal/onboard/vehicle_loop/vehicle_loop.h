@@ -272,7 +272,7 @@ class VehicleLoop {
   int32_t columns_left_ = 0;  // of the lidar, that this tick takes ...
   int32_t labels_left_ = 0;   // ... and of labels
   InsSample newest_ins_;
-  Vec3 ins_rate_radps_;          // the newest angular rate, which not every message has
+  AngularRate ins_rate_;         // the newest angular rate, which not every message has
   uint64_t ins_rate_ns_ = 0;     // the same of it; 0: none yet
   float ins_speed_mps_ = 0.0f;   // the newest speed over ground that it vouches for ...
   uint64_t ins_speed_ns_ = 0;    // ... and when; 0: none yet

@@ -58,15 +58,15 @@ class KnownDrive {
     sample.timestamp_ns = now_ns - 7;
     sample.has_angular_rate = true;
     // z down
-    sample.angular_rate_radps = {0.0f, 0.0f,
-                                 static_cast<float>(-(w_radps + flaws.gyro_bias_radps +
-                                                      flaws.gyro_noise_radps * normal_(random_)))};
+    sample.angular_rate = {0.0f, 0.0f,
+                           static_cast<float>(-(w_radps + flaws.gyro_bias_radps +
+                                                flaws.gyro_noise_radps * normal_(random_)))};
     sample.has_attitude = true;
     sample.yaw_rad = static_cast<float>(std::remainder(north_rad - yaw_rad, 2.0 * M_PI));
     sample.has_velocity = sample.has_status = flaws.has_ground_speed;
     const double speed_mps = v_mps + flaws.ground_speed_noise_mps * normal_(random_);
-    sample.velocity_ned_mps = {static_cast<float>(speed_mps * std::cos(north_rad - yaw_rad)),
-                               static_cast<float>(speed_mps * std::sin(north_rad - yaw_rad)), 0.0f};
+    sample.velocity_ned = {static_cast<float>(speed_mps * std::cos(north_rad - yaw_rad)),
+                           static_cast<float>(speed_mps * std::sin(north_rad - yaw_rad)), 0.0f};
     sample.status.mode = InsMode::kTracking;
     sample.status.gnss_fix = true;
     return sample;

@@ -97,13 +97,13 @@ TEST(OdometryFaults, ARepetitionIsToldByGpsTimeToo) {
 // SR-ODO02
 TEST(OdometryFaults, AFrozenGyroIsFoundByTheWheels) {
   KnownDrive drive = Driving();
-  const Vec3 stuck = drive.Ins().angular_rate_radps;
+  const AngularRate stuck = drive.Ins().angular_rate;
   for (int tick = 0; tick < 600; ++tick) {
     const double w_radps = std::max(-0.5, 0.3 - 0.01 * tick);
     drive.Move(2.0, w_radps);
     drive.Move(2.0, w_radps);
     InsSample sample = drive.Ins();
-    sample.angular_rate_radps = stuck;
+    sample.angular_rate = stuck;
     ASSERT_EQ(drive.odometry.TakeIns(sample, drive.now_ns), Status::kOk);
     ASSERT_EQ(drive.odometry.Advance(drive.now_ns, drive.Wheels()), Status::kOk);
   }
@@ -235,18 +235,18 @@ TEST(OdometryFaults, RefusesWhatIsNoNumberAndWhatNoSensorSays) {
     for (int field = 0; field < 6; ++field) {
       InsSample sample = drive.Ins();
       sample.timestamp_ns += static_cast<uint64_t>(field) + 1;
-      float* fields[] = {&sample.angular_rate_radps.x_m,
-                         &sample.angular_rate_radps.z_m,
+      float* fields[] = {&sample.angular_rate.x_radps,
+                         &sample.angular_rate.z_radps,
                          &sample.roll_rad,
                          &sample.yaw_rad,
-                         &sample.velocity_ned_mps.x_m,
-                         &sample.velocity_ned_mps.z_m};
+                         &sample.velocity_ned.north_mps,
+                         &sample.velocity_ned.down_mps};
       *fields[field] = bad;
       EXPECT_EQ(drive.odometry.TakeIns(sample, drive.now_ns), Status::kNotFinite) << field;
     }
   }
   InsSample sample = drive.Ins();
-  sample.angular_rate_radps.z_m = kHuge;
+  sample.angular_rate.z_radps = kHuge;
   EXPECT_EQ(drive.odometry.TakeIns(sample, drive.now_ns), Status::kInvalidArgument);
   EXPECT_EQ(drive.odometry.counters().refused, 19u);
   EXPECT_EQ(drive.odometry.pose().yaw_rad, before.yaw_rad);
@@ -294,7 +294,7 @@ TEST(OdometryFaults, AGlitchOfTheGyroIsRejected) {
   for (int tick = 0; tick < 20; ++tick) {
     drive.Move(2.0, 0.3);
     InsSample sample = drive.Ins();
-    sample.angular_rate_radps.z_m = tick % 2 == 0 ? 30.0f : -30.0f;
+    sample.angular_rate.z_radps = tick % 2 == 0 ? 30.0f : -30.0f;
     ASSERT_EQ(drive.odometry.TakeIns(sample, drive.now_ns), Status::kOk);
     drive.Move(2.0, 0.3);
     ASSERT_EQ(drive.odometry.TakeIns(drive.Ins(), drive.now_ns), Status::kOk);
@@ -384,13 +384,13 @@ TEST(OdometryFaults, NeverGivesAnythingButNumbers) {
       sample.has_timestamp = number(0, 1) == 0;
       sample.timestamp_ns = random();
       sample.has_angular_rate = number(0, 3) != 0;
-      sample.angular_rate_radps = {value(), value(), value()};
+      sample.angular_rate = {value(), value(), value()};
       sample.has_attitude = number(0, 1) == 0;
       sample.roll_rad = value();
       sample.pitch_rad = value();
       sample.yaw_rad = value();
       sample.has_velocity = number(0, 1) == 0;
-      sample.velocity_ned_mps = {value(), value(), value()};
+      sample.velocity_ned = {value(), value(), value()};
       sample.has_status = true;
       sample.status.mode = InsMode::kTracking;
       sample.status.gnss_fix = true;

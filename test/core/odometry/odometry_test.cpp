@@ -72,8 +72,8 @@ TEST(Odometry, TurnsAboutTheVerticalOnASlope) {
     drive.Move(0.0, 0.5);
     InsSample sample = drive.Ins();
     sample.pitch_rad = static_cast<float>(-pitch_rad);
-    sample.angular_rate_radps = {static_cast<float>(-0.5 * std::sin(pitch_rad)), 0.0f,
-                                 static_cast<float>(-0.5 * std::cos(pitch_rad))};
+    sample.angular_rate = {static_cast<float>(-0.5 * std::sin(pitch_rad)), 0.0f,
+                           static_cast<float>(-0.5 * std::cos(pitch_rad))};
     sample.timestamp_ns += static_cast<uint64_t>(tick);
     ASSERT_EQ(drive.odometry.TakeIns(sample, drive.now_ns), Status::kOk);
     ASSERT_EQ(drive.odometry.Advance(drive.now_ns, drive.Wheels()), Status::kOk);

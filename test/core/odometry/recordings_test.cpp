@@ -88,7 +88,7 @@ Errors Drive(const std::vector<Row>& rows, bool has_gyro) {
     if (has_gyro && !is_first) {
       InsSample sample;
       sample.has_angular_rate = true;
-      sample.angular_rate_radps.z_m = static_cast<float>(-TurnRate(rows, i));
+      sample.angular_rate.z_radps = static_cast<float>(-TurnRate(rows, i));
       EXPECT_EQ(odometry.TakeIns(sample, now_ns), Status::kOk);
     }
     const Status status =

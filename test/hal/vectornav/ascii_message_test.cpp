@@ -61,9 +61,9 @@ TEST(VectorNavAscii, InsLineFieldByField) {
   EXPECT_EQ(sample.longitude_ndeg, -96'714'242'970);
   EXPECT_FLOAT_EQ(sample.altitude_m, 171.195f);
   EXPECT_TRUE(sample.has_velocity);
-  EXPECT_FLOAT_EQ(sample.velocity_ned_mps.x_m, -0.84f);
-  EXPECT_FLOAT_EQ(sample.velocity_ned_mps.y_m, -0.396f);
-  EXPECT_FLOAT_EQ(sample.velocity_ned_mps.z_m, -0.109f);
+  EXPECT_FLOAT_EQ(sample.velocity_ned.north_mps, -0.84f);
+  EXPECT_FLOAT_EQ(sample.velocity_ned.east_mps, -0.396f);
+  EXPECT_FLOAT_EQ(sample.velocity_ned.down_mps, -0.109f);
   EXPECT_TRUE(sample.has_attitude_uncertainty && sample.has_position_uncertainty &&
               sample.has_velocity_uncertainty);
   EXPECT_NEAR(sample.attitude_uncertainty_rad, 0.136135682f, 1e-7f);

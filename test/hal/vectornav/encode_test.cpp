@@ -44,11 +44,11 @@ InsSample RandomSample(std::mt19937& random) {
   sample.roll_rad = kPi * unit(random);
   sample.pitch_rad = kHalfPi * unit(random);
   sample.yaw_rad = kPi * unit(random);
-  sample.angular_rate_radps = {unit(random), unit(random), unit(random)};
+  sample.angular_rate = {unit(random), unit(random), unit(random)};
   sample.latitude_ndeg = angle(random);
   sample.longitude_ndeg = 2 * angle(random);
   sample.altitude_m = 4000.0f * unit(random);
-  sample.velocity_ned_mps = {9.0f * unit(random), 9.0f * unit(random), unit(random)};
+  sample.velocity_ned = {9.0f * unit(random), 9.0f * unit(random), unit(random)};
   sample.status.word = static_cast<uint16_t>(random());
   sample.status.mode = static_cast<InsMode>(sample.status.word & 3);
   sample.status.gnss_fix = (sample.status.word & 4) != 0;
@@ -108,7 +108,7 @@ TEST(VectorNavEncode, BinaryHasTheFieldsOfTheSample) {
   size_t size = 7;
   EXPECT_EQ(EncodeBinary(sample, bytes, size), Status::kInvalidArgument);
   sample.has_acceleration = true;
-  sample.acceleration_mps2 = {0.5f, -0.25f, -9.75f};
+  sample.acceleration = {0.5f, -0.25f, -9.75f};
   EXPECT_EQ(EncodeBinary(sample, std::span(bytes).first(17), size), Status::kCapacityExceeded);
   EXPECT_EQ(size, 7u);
   const std::vector<uint8_t> message = Binary(sample);
@@ -136,7 +136,7 @@ TEST(VectorNavEncode, AsciiIsWhatPrintfWrites) {
     sample.yaw_rad = static_cast<float>(yaw) * 1e-3f * kRadPerDeg;
     sample.pitch_rad = sample.roll_rad = 0.0f;
     sample.altitude_m = static_cast<float>(altitude) * 1e-3f;
-    sample.velocity_ned_mps = {1.5f, -22.25f, 0.0f};
+    sample.velocity_ned = {1.5f, -22.25f, 0.0f};
     sample.attitude_uncertainty_rad = 3.9f * kRadPerDeg;
     sample.position_uncertainty_m = 1.2f;
     sample.velocity_uncertainty_mps = 0.1f;

@@ -106,13 +106,13 @@ InsSample AnySample(Random& random) {
   sample.pitch_rad = AnyWithin(random, 1.5f);
   sample.yaw_rad = AnyWithin(random, 3.1f);
   sample.has_angular_rate = random() % 4 != 0;
-  sample.angular_rate_radps = {AnyWithin(random, 3.0f), AnyWithin(random, 3.0f), 0.25f};
+  sample.angular_rate = {AnyWithin(random, 3.0f), AnyWithin(random, 3.0f), 0.25f};
   sample.has_position = random() % 4 != 0;
   sample.latitude_ndeg = static_cast<int64_t>(random() % 180'000) * 1'000'003 - 90'000'000'000;
   sample.longitude_ndeg = static_cast<int64_t>(random() % 360'000) * 1'000'003 - 180'000'000'000;
   sample.altitude_m = AnyWithin(random, 4000.0f);
   sample.has_velocity = random() % 4 != 0;
-  sample.velocity_ned_mps = {AnyWithin(random, 9.0f), AnyWithin(random, 9.0f), -0.5f};
+  sample.velocity_ned = {AnyWithin(random, 9.0f), AnyWithin(random, 9.0f), -0.5f};
   sample.has_status = random() % 4 != 0;
   sample.status.mode = static_cast<InsMode>(random() % 4);
   sample.status.gnss_fix = random() % 2 == 0;

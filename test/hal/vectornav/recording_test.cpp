@@ -160,9 +160,9 @@ TEST(VectorNavRecording, InsLines) {
     EXPECT_EQ(sample.latitude_ndeg, std::llround(f[6] * 1e9));
     EXPECT_EQ(sample.longitude_ndeg, std::llround(f[7] * 1e9));
     EXPECT_FLOAT_EQ(sample.altitude_m, static_cast<float>(f[8]));
-    EXPECT_FLOAT_EQ(sample.velocity_ned_mps.x_m, static_cast<float>(f[9]));
-    EXPECT_FLOAT_EQ(sample.velocity_ned_mps.y_m, static_cast<float>(f[10]));
-    EXPECT_FLOAT_EQ(sample.velocity_ned_mps.z_m, static_cast<float>(f[11]));
+    EXPECT_FLOAT_EQ(sample.velocity_ned.north_mps, static_cast<float>(f[9]));
+    EXPECT_FLOAT_EQ(sample.velocity_ned.east_mps, static_cast<float>(f[10]));
+    EXPECT_FLOAT_EQ(sample.velocity_ned.down_mps, static_cast<float>(f[11]));
     EXPECT_NEAR(static_cast<double>(sample.attitude_uncertainty_rad), f[12] * kPiOfHost / 180,
                 1e-6);
     EXPECT_FLOAT_EQ(sample.position_uncertainty_m, static_cast<float>(f[13]));

@@ -121,14 +121,17 @@ inline std::string Bits(const InsSample& s) {
   std::string text;
   const auto add = [&text](uint64_t value) { text += std::to_string(value) + " "; };
   const auto number = [&add](float value) { add(std::bit_cast<uint32_t>(value)); };
-  const auto vector = [&number](const Vec3& v) { number(v.x_m), number(v.y_m), number(v.z_m); };
+  const auto vector = [&number](const auto& v) {
+    const auto& [x, y, z] = v;
+    number(x), number(y), number(z);
+  };
   add(s.has_timestamp), add(s.timestamp_ns), add(s.has_gps_time), add(s.gps_time_ns);
   add(s.has_attitude), number(s.roll_rad), number(s.pitch_rad), number(s.yaw_rad);
-  add(s.has_angular_rate), vector(s.angular_rate_radps);
-  add(s.has_acceleration), vector(s.acceleration_mps2);
+  add(s.has_angular_rate), vector(s.angular_rate);
+  add(s.has_acceleration), vector(s.acceleration);
   add(s.has_position), add(static_cast<uint64_t>(s.latitude_ndeg));
   add(static_cast<uint64_t>(s.longitude_ndeg)), number(s.altitude_m);
-  add(s.has_velocity), vector(s.velocity_ned_mps);
+  add(s.has_velocity), vector(s.velocity_ned);
   add(s.has_status), add(static_cast<uint64_t>(s.status.mode)), add(s.status.word);
   add(s.status.gnss_fix), add(s.status.time_error), add(s.status.imu_error);
   add(s.status.magnetometer_or_pressure_error), add(s.status.gnss_error);

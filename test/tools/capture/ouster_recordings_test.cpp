@@ -210,14 +210,14 @@ TEST_P(EveryOusterCapture, HasAnImuThatFeelsGravity) {
     newest_ns = sample.acceleration_time_ns;
     EXPECT_GT(sample.angular_rate_time_ns, sample.acceleration_time_ns);
     EXPECT_LT(sample.angular_rate_time_ns, sample.acceleration_time_ns + 1'000'000);
-    const auto norm = [](const Vec3& v) {
-      return std::hypot(static_cast<double>(v.x_m), static_cast<double>(v.y_m),
-                        static_cast<double>(v.z_m));
+    const auto norm = [](const auto& v) {
+      const auto& [x, y, z] = v;
+      return std::hypot(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
     };
-    const double acceleration_mps2 = norm(sample.acceleration_mps2);
+    const double acceleration_mps2 = norm(sample.acceleration);
     EXPECT_NEAR(acceleration_mps2, kG_mps2, 0.2 * kG_mps2);
-    EXPECT_GT(static_cast<double>(sample.acceleration_mps2.z_m), 0.85 * kG_mps2) << "upright";
-    EXPECT_LT(norm(sample.angular_rate_radps), 0.2);
+    EXPECT_GT(static_cast<double>(sample.acceleration.z_mps2), 0.85 * kG_mps2) << "upright";
+    EXPECT_LT(norm(sample.angular_rate), 0.2);
     sum_mps2 += acceleration_mps2;
   }
   EXPECT_EQ(samples, GetParam().imu_packets);

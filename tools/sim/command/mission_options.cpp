@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <sstream>
+#include <string_view>
 #include <vector>
 
 #include "port_linux/command_line/arguments.h"
@@ -10,13 +11,29 @@
 #include "tools/sim/script/script.h"
 #include "tools/sim/vehicle/vehicle_model_file.h"
 
+namespace hardpack::sim {
+
+// config/vehicles, put into the program by tools/cmake/embed_text.cmake.
+extern const std::string_view kWarthogPaper;
+extern const std::string_view kWarthogRecorded;
+
+}  // namespace hardpack::sim
+
 namespace hardpack::command {
 namespace {
 
-// A name is a file of config/vehicles, anything else a path.
-std::string VehiclePath(const std::string& name) {
-  if (name.ends_with(".toml")) return name;
-  return std::string(HARDPACK_VEHICLES) + "/" + name + ".toml";
+// The name of a vehicle that the program has, or the path of a file.
+void ReadNamedVehicle(const std::string& name, sim::UncertainVehicle& vehicle) {
+  if (name.ends_with(".toml")) {
+    Require(sim::ReadVehicle(name, vehicle));
+  } else if (name == "warthog_paper") {
+    Require(sim::ParseVehicle(sim::kWarthogPaper, name, vehicle));
+  } else if (name == "warthog_recorded") {
+    Require(sim::ParseVehicle(sim::kWarthogRecorded, name, vehicle));
+  } else {
+    throw CommandFailure(kBadInput,
+                         "--vehicle " + name + ": warthog_paper, warthog_recorded, or a FILE.toml");
+  }
 }
 
 void SetLabels(const std::string& text, mission::MissionSettings& settings) {
@@ -69,7 +86,7 @@ void AddMissionOptions(CLI::App& command, MissionOptions& options) {
 
 mission::MissionSettings SettingsOf(const MissionOptions& options) {
   mission::MissionSettings settings = options.mission;
-  Require(sim::ReadVehicle(VehiclePath(options.vehicle), settings.vehicle));
+  ReadNamedVehicle(options.vehicle, settings.vehicle);
   settings.vehicle_name = options.vehicle;
   SetLabels(options.labels, settings);
   if (!options.script.empty()) settings.script = ReadScript(options.script);

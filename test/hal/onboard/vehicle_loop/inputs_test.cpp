@@ -80,7 +80,7 @@ TEST(VehicleLoopInputs, AMessageWithoutARateDoesNotHideAWrongTurn) {
       sample.has_timestamp = sample.has_angular_rate = true;
       sample.has_gps_time = false;
       sample.timestamp_ns = drive.now_ns();
-      sample.angular_rate_radps = {0.0f, 0.0f, 1.5f};
+      sample.angular_rate = {0.0f, 0.0f, 1.5f};
       size_t size_bytes = 0;
       turning.resize(vectornav::kMaxBinaryBytes);
       ASSERT_EQ(vectornav::EncodeBinary(sample, turning, size_bytes), Status::kOk);

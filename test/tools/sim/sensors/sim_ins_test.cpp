@@ -81,8 +81,8 @@ TEST(SimIns, TellsWhereTheVehicleIsAndHowItMoves) {
   const double yaw_rad = settings.north_rad - pose.theta_rad;
   EXPECT_NEAR(std::remainder(static_cast<double>(sample.yaw_rad) - yaw_rad, 2.0 * M_PI), 0.0,
               1.0e-5);
-  EXPECT_NEAR(sample.angular_rate_radps.z_m, -vehicle.yaw_rate_radps(), 1.0e-6) << "z is down";
-  EXPECT_NEAR(std::hypot(sample.velocity_ned_mps.x_m, sample.velocity_ned_mps.y_m),
+  EXPECT_NEAR(sample.angular_rate.z_radps, -vehicle.yaw_rate_radps(), 1.0e-6) << "z is down";
+  EXPECT_NEAR(std::hypot(sample.velocity_ned.north_mps, sample.velocity_ned.east_mps),
               vehicle.speed_mps(), 1.0e-5);
   EXPECT_EQ(sample.status.mode, InsMode::kTracking);
   EXPECT_TRUE(sample.status.gnss_fix);
@@ -105,8 +105,9 @@ TEST(SimIns, MovesItsPositionAsItsVelocitySays) {
   const double east_mps = static_cast<double>(after.longitude_ndeg - before.longitude_ndeg) *
                           1.0e-9 * radius.east_m * std::cos(kLatitude_rad) * M_PI / 180.0 /
                           kSeconds;
-  EXPECT_NEAR(north_mps, (before.velocity_ned_mps.x_m + after.velocity_ned_mps.x_m) / 2.0f, 0.02);
-  EXPECT_NEAR(east_mps, (before.velocity_ned_mps.y_m + after.velocity_ned_mps.y_m) / 2.0f, 0.02);
+  EXPECT_NEAR(north_mps, (before.velocity_ned.north_mps + after.velocity_ned.north_mps) / 2.0f,
+              0.02);
+  EXPECT_NEAR(east_mps, (before.velocity_ned.east_mps + after.velocity_ned.east_mps) / 2.0f, 0.02);
 }
 
 // 1 km to the east and 1 km to the north: a sphere would be 3 m short.
@@ -147,14 +148,14 @@ TEST(SimIns, TellsAttitudeAndForceInItsOwnAxes) {
   const InsSample sample = Decoded(message);
   EXPECT_NEAR(sample.roll_rad, 0.05, 1.0e-6);
   EXPECT_NEAR(sample.pitch_rad, -0.1, 1.0e-6);
-  EXPECT_NEAR(sample.velocity_ned_mps.z_m, -0.3, 1.0e-6);
-  EXPECT_NEAR(sample.angular_rate_radps.x_m, 0.1, 1.0e-6);
-  EXPECT_NEAR(sample.angular_rate_radps.y_m, -0.2, 1.0e-6);
-  EXPECT_NEAR(sample.angular_rate_radps.z_m, -0.3, 1.0e-6);
+  EXPECT_NEAR(sample.velocity_ned.down_mps, -0.3, 1.0e-6);
+  EXPECT_NEAR(sample.angular_rate.x_radps, 0.1, 1.0e-6);
+  EXPECT_NEAR(sample.angular_rate.y_radps, -0.2, 1.0e-6);
+  EXPECT_NEAR(sample.angular_rate.z_radps, -0.3, 1.0e-6);
   ASSERT_TRUE(sample.has_acceleration);
-  EXPECT_NEAR(sample.acceleration_mps2.x_m, 0.5, 1.0e-6);
-  EXPECT_NEAR(sample.acceleration_mps2.y_m, -0.7, 1.0e-6);
-  EXPECT_NEAR(sample.acceleration_mps2.z_m, -9.8, 1.0e-6);
+  EXPECT_NEAR(sample.acceleration.x_mps2, 0.5, 1.0e-6);
+  EXPECT_NEAR(sample.acceleration.y_mps2, -0.7, 1.0e-6);
+  EXPECT_NEAR(sample.acceleration.z_mps2, -9.8, 1.0e-6);
 }
 
 TEST(SimIns, ErrsAsItIsToldTo) {
@@ -167,7 +168,7 @@ TEST(SimIns, ErrsAsItIsToldTo) {
   double sum = 0.0;
   double squares = 0.0;
   for (uint64_t i = 0; i < kMessages; ++i) {
-    const double rate = Decoded(ins.Message(i * 10'000'000, {}, i)).angular_rate_radps.z_m;
+    const double rate = Decoded(ins.Message(i * 10'000'000, {}, i)).angular_rate.z_radps;
     sum += rate;
     squares += rate * rate;
   }
@@ -202,7 +203,7 @@ TEST(SimIns, JumpsDriftsAndLosesItsSatellitesWhenTold) {
   EXPECT_NEAR(moved_m(1), 10.0, 0.05);
   EXPECT_NEAR(moved_m(2), 11.0, 0.05);
   EXPECT_NEAR(moved_m(3), 11.0, 0.05) << "what it drifted stays";
-  EXPECT_NEAR(last[2].velocity_ned_mps.x_m, 0.5, 1.0e-6);
+  EXPECT_NEAR(last[2].velocity_ned.north_mps, 0.5, 1.0e-6);
   EXPECT_EQ(last[2].status.mode, InsMode::kTracking);
   EXPECT_EQ(last[3].status.mode, InsMode::kGnssLost);
   EXPECT_FALSE(last[3].status.gnss_fix);
