@@ -4,7 +4,7 @@ set -euo pipefail
 
 usage() {
   cat <<'TEXT'
-usage: tools/check.sh [--all] [--deps] [--deps-bench] [--help]
+usage: tools/check.sh [--all] [--deps] [--deps-build] [--deps-bench] [--help]
 
 Installs what is missing (Debian packages, tools/packages.txt), builds the release preset and runs
 its tests, the static checks among them: at most 12 minutes on two cores.
@@ -16,6 +16,7 @@ its tests, the static checks among them: at most 12 minutes on two cores.
                 installs what the comparisons of `hardpack bench` need as well (ten seconds), so
                 that what uses other libraries is compiled and tested
   --deps        only install; with --all, what --all needs as well
+  --deps-build  only install what building the programs needs
   --deps-bench  only install what the comparisons of `hardpack bench` need
   --help        this text
 
@@ -32,11 +33,12 @@ cd "$root"
 logs=$root/build/check
 all=false
 only_deps=false
-sections=(check)
+sections=(build check)
 for argument; do
   case $argument in
     --all) all=true; sections+=(all bench) ;;
     --deps) only_deps=true ;;
+    --deps-build) only_deps=true; sections=(build) ;;
     --deps-bench) only_deps=true; sections+=(bench) ;;
     --help | -h) usage; exit 0 ;;
     *) echo "check.sh: unknown option $argument" >&2; usage >&2; exit 2 ;;

@@ -8,7 +8,7 @@ usage() {
   cat <<'TEXT'
 usage: tools/demo.sh [--help]
 
-Installs what is missing (tools/check.sh --deps), builds the release preset into build/release, and
+Installs what is missing to build (tools/check.sh --deps-build), builds `hardpack` into build/demo, and
 then, into out/demo:
   - drives the gap mission in simulation, replays its log, and leaves it as one page that loads
     nothing else: map, plans with a slider, speed, steering and reaction radius over time;
@@ -29,11 +29,12 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 cd "$root"
 out=out/demo
 
-tools/check.sh --deps
-cmake --preset release >/dev/null
-cmake --build --preset release --target hardpack
+tools/check.sh --deps-build
+# Without the tests, which need more packages; what is built for them is used again.
+cmake --preset release -B build/demo -DHARDPACK_TESTS=OFF >/dev/null
+cmake --build build/demo --target hardpack
 
-hardpack=build/release/tools/hardpack
+hardpack=build/demo/tools/hardpack
 status=0
 "$hardpack" sim --world gap --replay --out "$out/gap" || status=$?
 if [ $status -gt 1 ]; then exit $status; fi

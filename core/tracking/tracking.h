@@ -18,28 +18,8 @@
 // tracker of its own ([OS] System Overview); this is docs/algorithm.md section 7 (ours).
 //
 // Everything is computed at the state after the dead time (drive_model.h), where a command acts
-// through lags only: that of the wheels and, behind it, that of the body. With v the predicted
-// speed (in reverse: negative), w the predicted yaw rate, c and d the wheels' common and
-// differential part, kappa the path's curvature, e the cross-track error (left of the path:
-// positive), psi the heading error, t the way to the point about which the vehicle turns
-// (DriveModel::TurningPoint_m, negative in reverse):
-//
-//   reference   v_r' = a_path + kRampGain (v_path - v_r), within the plan's accelerations;
-//               near where the vehicle has to stand, v_path is at most what a stop with rolling out
-//               through the lags allows (EndSpeed)
-//   speed       c_d  = (v + speed_lag (v_r' + k_v (v_r - v))) / r
-//               c'   = v_r' / r + k_c (c_d - c)
-//   turn        psi_t = psi - t kappa_t,  e_t = e + t psi_t       of the turning point
-//               f    = -k_2 (psi_t + k_3 e_t / v) - i
-//               w_d  = v kappa_t + f
-//               z_d  = v kappa_z + f + (k_1 yaw_rate_lag - 1) (w_d - w)
-//               d'   = per_turn (v kappa_z)' + k_d (per_turn z_d - d)
-//     kappa_t lies t further on than the vehicle, kappa_z besides what it drives in yaw_rate_lag.
-//     k_2 = 1.6 p, k_3 = p / 1.6: for e_t' = v psi_t, psi_t' = w - v kappa a pair of poles of
-//     frequency p, damped by 0.8; p = min(bandwidth, |v| / settle way). The heading that brings e_t
-//     back is at most kMaxReturn_rad. i is the integral of what the feedback asks for; it waits
-//     where a limit is reached and while the vehicle is far off.
-//   wheels      u_c = c + lag_c c' - b_c;   u_d = S^-1(d + F(d) - i_d + lag_d d')
+// through lags only: that of the wheels and, behind it, that of the body. The equations stand in
+// docs/tracking.md ("The law"); the names in the comments below are theirs.
 //
 // The turn keeps the vehicle on its path: where a wheel would be too fast, the common part is cut.
 

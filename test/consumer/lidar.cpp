@@ -29,7 +29,7 @@ static ouster::Metadata DescribeSensor() {
   return sensor;
 }
 
-// README: from here
+// docs/your_lidar.md: from here
 static ouster::PacketMonitor monitor;
 static Timebase timebase;
 static Mapper mapper;    // 4.3 MiB
@@ -80,7 +80,7 @@ static const Plan& PlanTo(const Vec2& goal_odom) {
   }
   return planner.result();
 }
-// README: to here
+// docs/your_lidar.md: to here
 
 // Empty at the end, or where a record is damaged.
 static std::span<const uint8_t> ReadDatagram(uint64_t& came_ns) {
