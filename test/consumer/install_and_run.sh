@@ -40,13 +40,8 @@ if [ -x "$build/tools/hardpack" ] && unshare -rm true 2>/dev/null; then
   prefix=$(mktemp -d)
   trap 'rm -rf "$prefix"' EXIT
   cmake --install "$build" --prefix "$prefix" --component onboard >>"$work/install.log"
-  unshare -rm sh -eu -c '
-    mount -t tmpfs none "$1"
-    cd "$2"
-    bin/hardpack experiment open --runs 1 --jobs 1 --out runs >runs.md
-    bin/hardpackctl --help >/dev/null
-    ! bin/hardpackd --check-config share/hardpack/warthog.toml 2>/dev/null
-    echo "installed: runs without its sources"' sh "$root" "$prefix"
+  cp "$source/without_sources.sh" "$prefix"
+  unshare -rm "$prefix/without_sources.sh" "$root" "$prefix"
 else
   echo "installed: not run without its sources, no hardpack command or no namespaces"
 fi
