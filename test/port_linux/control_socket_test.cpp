@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/bench/allocation_counter.h"
+#include "tools/allocation_counter/allocation_counter.h"
 
 // Real sockets in a folder of its own. Tests of other users' rights need root, and a user and a
 // group that every Debian has.

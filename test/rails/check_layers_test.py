@@ -45,10 +45,23 @@ def findings(extra):
 
 class CheckLayers(unittest.TestCase):
     def assert_only(self, path, line, rule, text):
-        self.assertEqual(findings({path: text}), [(path, line, rule)])
+        # An include against the layers closes a circle, too.
+        found = [f for f in findings({path: text}) if f[2] != "circle"]
+        self.assertEqual(found, [(path, line, rule)])
 
     def test_clean_tree_has_no_findings(self):
         self.assertEqual(findings({}), [])
+
+    def test_folders_that_use_each_other(self):
+        extra = {"tools/a/a.h": HEADER + '#include "tools/b/b.h"\n',
+                 "tools/b/b.h": HEADER + '#include "tools/c/c.h"\n',
+                 "tools/c/c.h": HEADER + '#include "tools/d/d.h"\n',
+                 "tools/d/d.h": HEADER}
+        self.assertEqual(findings(extra), [])
+        extra["tools/c/c.h"] = HEADER + '#include "tools/a/a.h"\n'
+        self.assertEqual([(path, rule) for path, _, rule in findings(extra)],
+                         [("tools/a/a.h", "circle"), ("tools/b/b.h", "circle"),
+                          ("tools/c/c.h", "circle")])
 
     def test_includes_against_the_layers(self):
         for path, include in [("core/map/a.h", "hal/lidar/lidar.h"),

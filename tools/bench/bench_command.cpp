@@ -10,7 +10,7 @@
 
 #include "port_linux/command_line/command.h"
 #include "port_linux/files/nearest_name.h"
-#include "tools/bench/allocation_counter.h"
+#include "tools/allocation_counter/allocation_counter.h"
 #include "tools/bench/bench_acceptance.h"
 #include "tools/bench/bench_movingai.h"
 #include "tools/bench/bench_peers.h"

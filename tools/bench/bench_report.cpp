@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <map>
 
-#include "tools/bench/allocation_counter.h"
+#include "tools/allocation_counter/allocation_counter.h"
 #include "tools/bench/bench_text.h"
 
 namespace hardpack::command {

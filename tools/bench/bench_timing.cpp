@@ -5,7 +5,7 @@
 #include <ctime>
 #include <numeric>
 
-#include "tools/bench/allocation_counter.h"
+#include "tools/allocation_counter/allocation_counter.h"
 
 namespace hardpack::command {
 namespace {

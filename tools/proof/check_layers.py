@@ -267,10 +267,37 @@ def check_shape(path, text, code):
     return findings
 
 
+def folders_used(path, text):
+    """{folder: line} of the project's other folders that a file includes."""
+    used = {}
+    for number, line in enumerate(text.splitlines(), 1):
+        match = INCLUDE.match(line)
+        folder = match and match.group(1) == '"' and match.group(2).rpartition("/")[0]
+        if folder and folder != path.rpartition("/")[0] and folder.split("/")[0] in SIZED_LAYERS:
+            used.setdefault(folder, number)
+    return used
+
+
+def check_circles(uses):
+    """uses: {folder: {folder that it includes: (file, line)}}. One finding an arrow of a circle."""
+    def reached(folder):
+        seen, left = set(), [folder]
+        while left:
+            for used in uses.get(left.pop(), ()):
+                if used not in seen:
+                    seen.add(used)
+                    left.append(used)
+        return seen
+
+    return [Finding(file, line, "circle", f"{used} uses {folder} too: move what both need")
+            for folder, targets in uses.items() for used, (file, line) in targets.items()
+            if folder in reached(used)]
+
+
 def check_tree(root):
     root = pathlib.Path(root)
     stages = read_stages(root)
-    findings, count = [], 0
+    findings, count, uses = [], 0, {}
     for layer in LAYERS:
         for file in sorted((root / layer).rglob("*")):
             if file.suffix not in SOURCE_SUFFIXES:
@@ -280,11 +307,14 @@ def check_tree(root):
             code = without_directives(strip(text))
             count += 1
             findings += check_includes(root, path, text, stages)
+            if layer in SIZED_LAYERS:
+                for used, line in folders_used(path, text).items():
+                    uses.setdefault(path.rpartition("/")[0], {}).setdefault(used, (path, line))
             findings += check_shape(path, text, code)
             if layer in STRICT_LAYERS:
                 findings += check_words(path, code)
                 findings += check_loops(path, code)
-    return findings, count
+    return findings + check_circles(uses), count
 
 
 def main(arguments):

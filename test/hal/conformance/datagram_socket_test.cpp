@@ -11,7 +11,7 @@
 #include "test/fakes/memory_datagram_socket.h"
 #include "test/hal/conformance/datagram_socket_conformance.h"
 #include "test/hal/conformance/without_net_admin.h"
-#include "tools/bench/allocation_counter.h"
+#include "tools/allocation_counter/allocation_counter.h"
 
 namespace hardpack {
 namespace {

@@ -15,7 +15,7 @@
 #include "test/hal/conformance/can_peer.h"
 #include "test/hal/conformance/delivery_barrier.h"
 #include "test/hal/conformance/without_net_admin.h"
-#include "tools/bench/allocation_counter.h"
+#include "tools/allocation_counter/allocation_counter.h"
 
 namespace hardpack {
 namespace {

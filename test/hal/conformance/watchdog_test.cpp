@@ -14,7 +14,7 @@
 
 #include "port_linux/service_watchdog.h"
 #include "test/fakes/counting_watchdog.h"
-#include "tools/bench/allocation_counter.h"
+#include "tools/allocation_counter/allocation_counter.h"
 
 // What every Watchdog has to do (hal/watchdog.h): to be told at least once in its period, and no
 // more than needed.

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <numeric>
 
-#include "tools/bench/allocation_counter.h"
+#include "tools/allocation_counter/allocation_counter.h"
 
 namespace hardpack::command {
 namespace {

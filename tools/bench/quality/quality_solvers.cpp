@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "core/base/math.h"
-#include "tools/bench/allocation_counter.h"
+#include "tools/allocation_counter/allocation_counter.h"
 #ifdef HARDPACK_HAS_CERES
 #include "tools/bench/peers/ceres_smoother.h"
 #endif
