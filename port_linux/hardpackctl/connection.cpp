@@ -70,11 +70,11 @@ ReadOutcome Connection::Open(const std::string& path, milliseconds timeout) {
 ReadOutcome Connection::Exchange(std::span<const uint8_t> message, uint32_t sequence,
                                  std::span<const uint8_t>& answer) {
   const auto until = steady_clock::now() + timeout_;
-  const ReadOutcome ended = {
+  ReadOutcome ended = {
       Status::kSystemError,
       path_ + ": the connection was closed: hardpackd has ended, or has no place left"};
-  const ReadOutcome late = {Status::kTimedOut, path_ + ": no answer in time"};
-  const ReadOutcome interrupted = {Status::kAborted, "interrupted"};
+  ReadOutcome late = {Status::kTimedOut, path_ + ": no answer in time"};
+  ReadOutcome interrupted = {Status::kAborted, "interrupted"};
   if (send(socket_.get(), message.data(), message.size(), MSG_NOSIGNAL) < 0) {
     return errno == EINTR ? interrupted : errno == EAGAIN ? late : ended;
   }

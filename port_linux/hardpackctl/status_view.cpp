@@ -162,7 +162,7 @@ std::string Cell(const Row& row, uint64_t grown, bool color) {
   const std::string value =
       row.value + (row.is_loss && grown > 0 ? " (+" + std::to_string(grown) + ")" : "");
   const int room = kColumnWidth - kGapWidth - 1 - static_cast<int>(row.name.size() + value.size());
-  const std::string text =
+  std::string text =
       row.mark + row.name + std::string(static_cast<size_t>(std::max(1, room)), ' ') + value;
   if (!color || row.mark == ' ') return text;
   return (row.mark == '!' ? "\033[1;31m" : "\033[33m") + text + "\033[0m";
@@ -179,6 +179,8 @@ void AppendGroup(const std::string& name, const std::vector<std::string>& cells,
 
 class JsonCollector {
  public:
+  JsonCollector() : json_(nlohmann::ordered_json::object()) {}
+
   void BeginGroup(const char* name) {
     group_ = name;
     json_[group_] = nlohmann::ordered_json::object();

@@ -12,9 +12,6 @@
 namespace hardpack {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 // visit(params, group, entry) for each parameter of new default parameters.
 template <typename Params, typename Visit>
 void ForEachParameter(Visit visit) {
