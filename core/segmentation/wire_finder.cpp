@@ -99,7 +99,7 @@ bool WireFinder::IsDense(const Line& line, int count, int64_t direction, float s
   for (int point = 0; point < kMost; ++point) {
     if (IsOn(line, point) != 0 && direction_[point] < first) first = direction_[point];
   }
-  const auto across = static_cast<float>(direction - first);
+  const auto across = static_cast<float>(static_cast<int32_t>(direction - first));
   return 2.0f * static_cast<float>(count) * Max(spacing_m, kThickness_m) >= across * kThickness_m;
 }
 

@@ -128,8 +128,7 @@ int Drive(const Startup& startup) {
   TouchPages(std::as_writable_bytes(std::span(&g_loop, 1)));
   constexpr uint64_t kNanosecondsPerMillisecond = 1'000'000;
   RunOptions options;
-  options.period_ns =
-      static_cast<uint64_t>(configuration.onboard.tick.period_ms) * kNanosecondsPerMillisecond;
+  options.period_ms = configuration.onboard.tick.period_ms;
   options.frame_age_ns =
       static_cast<uint64_t>(configuration.can.frame_max_age_ms) * kNanosecondsPerMillisecond;
   options.version = std::string_view(HARDPACK_VERSION);

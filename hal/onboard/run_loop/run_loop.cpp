@@ -3,6 +3,7 @@
 
 #include "core/base/loop_bound.h"
 #include "core/base/status.h"
+#include "core/base/wide_int.h"
 #include "hal/sevcon/power_states.h"
 
 namespace hardpack {
@@ -16,6 +17,11 @@ constexpr int kMaxWaiting = 64;
 constexpr uint64_t kMaxBehind_ns = 100'000'000;
 // Longer than a stop takes.
 constexpr uint64_t kForgotten_ns = 5'000'000'000;
+
+uint64_t Period_ns(const RunOptions& options) {
+  constexpr uint64_t kNanosecondsPerMillisecond = 1'000'000;
+  return static_cast<uint64_t>(options.period_ms) * kNanosecondsPerMillisecond;
+}
 
 // Datagrams that came off the socket, whoever sent them.
 uint64_t SeenBy(const DatagramSocket& socket) {
@@ -56,7 +62,7 @@ void RunLoop::Begin() {
   if (devices_.ins != nullptr) static_cast<void>(Drop(*devices_.ins, kMaxBacklog));
   if (devices_.labels != nullptr) static_cast<void>(Drop(*devices_.labels, kMaxBacklog));
   if (devices_.lidar != nullptr) static_cast<void>(Drop(*devices_.lidar, kMaxBacklog));
-  due_ns_ = devices_.clock->Now_ns() + options_.period_ns;
+  due_ns_ = devices_.clock->Now_ns() + Period_ns(options_);
   if (devices_.watchdog != nullptr) devices_.watchdog->Ready();
 }
 
@@ -64,7 +70,7 @@ bool RunLoop::Next(bool is_to_end) {
   devices_.clock->SleepUntil(due_ns_);
   const uint64_t now_ns = devices_.clock->Now_ns();
   const uint64_t skipped = NoteLateness(now_ns - due_ns_);
-  due_ns_ += (skipped + 1) * options_.period_ns;
+  due_ns_ += (skipped + 1) * Period_ns(options_);
   if (is_to_end && !ending_) {
     ending_ = true;
     ends_ns_ = now_ns + options_.max_stop_ns;
@@ -76,7 +82,10 @@ bool RunLoop::Next(bool is_to_end) {
 
 // Returns how many ticks are missed by it.
 uint64_t RunLoop::NoteLateness(uint64_t late_ns) {
-  const uint64_t skipped = late_ns / options_.period_ns;
+  constexpr int32_t kThousand = 1000;
+  const int64_t late_us = Divide(static_cast<int64_t>(late_ns), kThousand).quotient;
+  const int64_t late_ms = Divide(late_us, kThousand).quotient;
+  const auto skipped = static_cast<uint64_t>(Divide(late_ms, options_.period_ms).quotient);
   if (late_ns > program_.worst_late_ns) program_.worst_late_ns = late_ns;
   if (skipped > 0) {
     program_.missed_ticks += skipped;

@@ -34,7 +34,7 @@ struct OnboardDevices {
 };
 
 struct RunOptions {
-  uint64_t period_ns = 10'000'000;
+  int32_t period_ms = 10;              // 1 .. kMaxDivisor (core/base/wide_int.h)
   uint64_t frame_age_ns = 20'000'000;  // a frame that is not on the bus by then is not sent
   // How long the vehicle may take to come to rest, and the drives to be disabled, at the end.
   uint64_t max_stop_ns = 10'000'000'000;
