@@ -75,10 +75,6 @@ uint32_t LowestBit(uint64_t bits) {
   return 32 + static_cast<uint32_t>(std::countr_zero(static_cast<uint32_t>(bits >> 32)));
 }
 
-bool IsFinitePoint(Vec2 point) {
-  return IsFinite(point.x_m) && IsFinite(point.y_m);
-}
-
 }  // namespace
 
 Status AstarSearch::Begin(const Costmap& map, const AstarParams& params, Vec2 start_odom,
@@ -86,8 +82,7 @@ Status AstarSearch::Begin(const Costmap& map, const AstarParams& params, Vec2 st
   result_ = AstarResult{};
   window_ = map.window;
   phase_ = Phase::kDone;
-  if (!IsFinitePoint(start_odom) || !IsFinitePoint(goal_odom))
-    return result_.status = Status::kNotFinite;
+  if (!IsFinite(start_odom) || !IsFinite(goal_odom)) return result_.status = Status::kNotFinite;
   if (params.max_expansions < 1 || params.max_expansions > kMapCells ||
       params.move_goal_out_of_obstacle < 0 || params.move_goal_out_of_obstacle > 1) {
     return result_.status = Status::kParameterOutOfRange;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/base/math.h"
+
 // Plane and space geometry. Frames (docs/frames.md): `odom` is the local odometry frame of REP-105,
 // x and y level, z up; `body` is the vehicle: x forward, y left, z up, origin on the ground below
 // the axle's centre (core/base/footprint.h); `sensor` is a device's own frame. Angles are
@@ -24,6 +26,16 @@ struct Pose2 {
   float y_m = 0.0f;
   float theta_rad = 0.0f;  // (-pi, pi]
 };
+
+constexpr bool IsFinite(Vec2 v) {
+  return IsFinite(v.x_m) && IsFinite(v.y_m);
+}
+constexpr bool IsFinite(const Vec3& v) {
+  return IsFinite(v.x_m) && IsFinite(v.y_m) && IsFinite(v.z_m);
+}
+constexpr bool IsFinite(const Pose2& pose) {
+  return IsFinite(pose.x_m) && IsFinite(pose.y_m) && IsFinite(pose.theta_rad);
+}
 
 // Maps a point of frame `from` to frame `to`: p_to = R p_from + t.
 struct Transform3 {

@@ -15,15 +15,11 @@ constexpr float kCellReach_cm = 14.142136f;  // from a cell's middle to its corn
 // top of a low thing: the block's counts were of what has gone, and what still stands counts anew.
 constexpr int32_t kOther_cm = 15;
 
-bool IsFinitePoint(const Vec3& point) {
-  return IsFinite(point.x_m) && IsFinite(point.y_m) && IsFinite(point.z_m);
-}
-
 // The fan can be used, and its furthest return; 0: it saw nothing.
 Status CheckFan(const SightFan& fan, float& furthest_m) {
   furthest_m = 0.0f;
   if (fan.beams < 0 || fan.beams > kMaxBeams) return Status::kInvalidArgument;
-  if (!IsFinitePoint(fan.sensor_odom) || !IsFinite(fan.direction_odom.x_m) ||
+  if (!IsFinite(fan.sensor_odom) || !IsFinite(fan.direction_odom.x_m) ||
       !IsFinite(fan.direction_odom.y_m) || !IsFinite(fan.lowest_slope) ||
       !IsFinite(fan.highest_slope)) {
     return Status::kNotFinite;

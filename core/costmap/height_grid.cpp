@@ -21,10 +21,6 @@ void Raise(int16_t& highest_cm, int16_t height_cm) {
   if (highest_cm == HeightGrid::kNone || height_cm > highest_cm) highest_cm = height_cm;
 }
 
-bool IsFinitePoint(const Vec3& point) {
-  return IsFinite(point.x_m) && IsFinite(point.y_m) && IsFinite(point.z_m);
-}
-
 int32_t Offset(int32_t cell, int32_t by) {
   const int64_t sum = int64_t{cell} + by;
   return sum > INT32_MAX ? INT32_MAX : sum < INT32_MIN ? INT32_MIN : static_cast<int32_t>(sum);
@@ -103,7 +99,7 @@ int16_t HeightGrid::Told(int16_t stored_cm) const {
 Status HeightGrid::Insert(const Vec3& point_odom, ReturnClass return_class, uint32_t revolution) {
   if (return_class == ReturnClass::kIgnored) return Status::kOk;
   if (return_class > ReturnClass::kPerson) return Status::kInvalidArgument;
-  if (!IsFinitePoint(point_odom)) return Status::kNotFinite;
+  if (!IsFinite(point_odom)) return Status::kNotFinite;
   const Cell cell = CellAt({point_odom.x_m, point_odom.y_m});
   if (!window_.Contains(cell)) return Status::kInvalidArgument;
 
@@ -133,13 +129,13 @@ void HeightGrid::Count(int block, bool firm) {
 }
 
 void HeightGrid::CountLow(const Vec3& point_odom, bool firm) {
-  if (!IsFinitePoint(point_odom)) return;
+  if (!IsFinite(point_odom)) return;
   const Cell cell = CellAt({point_odom.x_m, point_odom.y_m});
   if (window_.Contains(cell)) Count(BlockSlot(cell), firm);
 }
 
 void HeightGrid::DoubtLow(const Vec3& point_odom) {
-  if (!IsFinitePoint(point_odom)) return;
+  if (!IsFinite(point_odom)) return;
   const Cell cell = CellAt({point_odom.x_m, point_odom.y_m});
   if (!window_.Contains(cell)) return;
   const int block = BlockSlot(cell);
@@ -235,7 +231,7 @@ void HeightGrid::ForgetCell(int slot) {
 }
 
 Status HeightGrid::CrossCells(const Vec3& from_odom, const Vec3& to_odom, Crossing crossing) {
-  if (!IsFinitePoint(from_odom) || !IsFinitePoint(to_odom)) return Status::kNotFinite;
+  if (!IsFinite(from_odom) || !IsFinite(to_odom)) return Status::kNotFinite;
   const Vec2 from = {from_odom.x_m, from_odom.y_m};
   const Vec2 along = {to_odom.x_m - from.x_m, to_odom.y_m - from.y_m};
   const float length2 = along.x_m * along.x_m + along.y_m * along.y_m;
@@ -291,7 +287,7 @@ Status HeightGrid::StandOnGround(const Vec3& center_odom, float radius_m, Vec2 s
 
 template <int kMost_m>
 Status HeightGrid::AssumeAround(const Vec3& center_odom, float radius_m, Vec2 slope) {
-  if (!IsFinitePoint(center_odom) || !IsFinite(radius_m) || !IsFinite(slope.x_m) ||
+  if (!IsFinite(center_odom) || !IsFinite(radius_m) || !IsFinite(slope.x_m) ||
       !IsFinite(slope.y_m)) {
     return Status::kNotFinite;
   }

@@ -190,10 +190,6 @@ inline constexpr float kMaxPivotCircle_m = 7.0f;
 bool PivotIsFree(const Costmap& map, const VehicleParams& vehicle, const PathParams& params,
                  Vec2 position_odom);
 
-inline bool IsFinite(const Pose2& pose) {
-  return IsFinite(pose.x_m) && IsFinite(pose.y_m) && IsFinite(pose.theta_rad);
-}
-
 template <typename Model>
 Status ToWorld(const ActuatorPath& actuator, WorldPath& world) {
   world.Clear();

@@ -11,10 +11,6 @@ float DistanceBetween(Vec2 a, Vec2 b) {
   return Sqrt(dx * dx + dy * dy);
 }
 
-bool IsFiniteVec(Vec2 v) {
-  return IsFinite(v.x_m) && IsFinite(v.y_m);
-}
-
 }  // namespace
 
 void PathSampler::End(Status status) {
@@ -27,7 +23,7 @@ Status PathSampler::Begin(const AstarSearch& search, const PathParams& params, V
   const AstarResult& found = search.result();
   path_.Clear();
   End(Status::kNotStarted);
-  if (!IsFiniteVec(start_odom) || !IsFiniteVec(goal_odom)) {
+  if (!IsFinite(start_odom) || !IsFinite(goal_odom)) {
     End(Status::kNotFinite);
   } else if (!(params.step_m >= kMinStep_m)) {
     End(Status::kParameterOutOfRange);

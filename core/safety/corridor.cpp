@@ -22,10 +22,6 @@ bool IsSize(float value_m, float largest_m) {
   return value_m >= 0.0f && value_m <= largest_m;
 }
 
-bool IsFinitePoint(Vec2 point) {
-  return IsFinite(point.x_m) && IsFinite(point.y_m);
-}
-
 uint32_t Place(Cell cell) {
   const uint32_t x = static_cast<uint32_t>(cell.x) & kPlaceMask;
   const uint32_t y = static_cast<uint32_t>(cell.y) & kPlaceMask;
@@ -71,7 +67,7 @@ void Corridor::Clear() {
 
 // What is older than the memory goes before its tick comes again, a row each time.
 void Corridor::Advance(Vec2 vehicle_odom, uint32_t tick) {
-  if (!IsFinitePoint(vehicle_odom)) return;
+  if (!IsFinite(vehicle_odom)) return;
   tick_ = tick;
   tests_left_ = kMaxTests;
   vehicle_ = CellAt(vehicle_odom);
@@ -267,7 +263,7 @@ bool Corridor::MayTest(int chords) {
 
 // Not inlined: its rounds are counted (config/timing.toml).
 [[gnu::noinline]] bool Corridor::File(Vec2 point_odom, bool is_person) {
-  if (!IsFinitePoint(point_odom)) return false;
+  if (!IsFinite(point_odom)) return false;
   Remember(point_odom, is_person);
   if (chords_ == 0) return false;
   const int cell = GridIndex(point_odom);

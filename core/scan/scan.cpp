@@ -13,8 +13,7 @@ constexpr float kMaxAzimuth_deg = 360.0f;
 constexpr float kTurn_deg = 360.0f;
 
 bool IsFiniteTransform(const Transform3& transform) {
-  bool finite = IsFinite(transform.translation.x_m) && IsFinite(transform.translation.y_m) &&
-                IsFinite(transform.translation.z_m);
+  bool finite = IsFinite(transform.translation);
   HP_LOOP_BOUND(9)
   for (int i = 0; i < 9; ++i) finite = finite && IsFinite(transform.rotation[i]);
   return finite;

@@ -32,12 +32,8 @@ constexpr float kLeastShare = 0.3f;
 constexpr float kGiveWay_per_s = 1.0f;
 constexpr float kComeBack_per_s = 0.4f;
 
-bool IsFinitePose(const Pose2& pose) {
-  return IsFinite(pose.x_m) && IsFinite(pose.y_m) && IsFinite(pose.theta_rad);
-}
-
 bool IsFiniteInput(const TrackingInput& input) {
-  return IsFinitePose(input.pose) && IsFinitePose(input.aim.pose) && IsFinitePose(input.path) &&
+  return IsFinite(input.pose) && IsFinite(input.aim.pose) && IsFinite(input.path) &&
          IsFinite(input.speed_limit_mps) && IsFinite(input.acceleration_mps2) &&
          IsFinite(input.turn_curvature_per_m) && IsFinite(input.wheel_curvature_per_m) &&
          IsFinite(input.curvature_rate_per_m2) && IsFinite(input.left_m);

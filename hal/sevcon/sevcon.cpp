@@ -26,10 +26,6 @@ bool FitTogether(const DriveParams& params) {
   return fits;
 }
 
-bool IsFinite(float value) {
-  return value - value == 0.0f;
-}
-
 void Push(CanBatch& out, const CanFrame& frame) {
   const Status pushed = out.PushBack(frame);
   HP_ASSERT(pushed == Status::kOk);
