@@ -109,11 +109,13 @@ Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
     } else {
       const float free_m = observed_m_ - ahead_m_ - along_m_[point_];
       Lower(point_, ReactionSpeedCap(params, free_m), CapCause::kUnseenGround);
-      if (HasLittleRoom(map, path[point_])) {
+      const int hard2_cells2 = NearestHard2(map, path[point_]);
+      if (hard2_cells2 < kMaxDistance2_cells2 &&
+          static_cast<float>(hard2_cells2) <= room2_cells2_) {
         narrow_ = true;
         Lower(point_, params.min_speed_mps, CapCause::kLittleRoom);
       }
-      room_m_[point_] = RoomAt(map, path[point_]);
+      room_m_[point_] = RoomFor(hard2_cells2);
       Lower(point_, RoomSpeedCap(params, room_m_[point_], BendAt(point_)), CapCause::kLittleRoom);
       CapForPersonAt(point_, params, vehicle);
       ++point_;
@@ -196,37 +198,28 @@ bool SpeedCaps::LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m
   return grows;
 }
 
-// Distances are those of the cells' centres, which is what half a cell's diagonal is for. One that
-// the map does not tell apart from further ones is none.
-bool SpeedCaps::HasLittleRoom(const Costmap& map, const Pose2& pose) const {
+// The least squared distance [cells^2] from the cells under the discs' middles to a hard one;
+// kMaxDistance2_cells2: the map does not tell any from what is further.
+int SpeedCaps::NearestHard2(const Costmap& map, const Pose2& pose) const {
   const SinCosPair heading = SinCos(pose.theta_rad);
-  bool has_little = false;
+  int nearest2_cells2 = kMaxDistance2_cells2;
   HP_LOOP_BOUND(Footprint::kMaxDiscs)
   for (int disc = 0; disc < footprint_.discs; ++disc) {
     const float ahead_m = footprint_.DiscAhead(disc);
     const Cell cell = CellAt({pose.x_m + ahead_m * heading.cos, pose.y_m + ahead_m * heading.sin});
     if (!map.window.Contains(cell)) continue;
     const int distance2_cells2 = map.hard_distance2[map.window.Index(cell)];
-    has_little = has_little || (distance2_cells2 < kMaxDistance2_cells2 &&
-                                static_cast<float>(distance2_cells2) <= room2_cells2_);
+    if (distance2_cells2 < nearest2_cells2) nearest2_cells2 = distance2_cells2;
   }
-  return has_little;
+  return nearest2_cells2;
 }
 
-float SpeedCaps::RoomAt(const Costmap& map, const Pose2& pose) const {
-  const SinCosPair heading = SinCos(pose.theta_rad);
-  float room_m = kFarRoom_m;
-  HP_LOOP_BOUND(Footprint::kMaxDiscs)
-  for (int disc = 0; disc < footprint_.discs; ++disc) {
-    const float ahead_m = footprint_.DiscAhead(disc);
-    const Cell cell = CellAt({pose.x_m + ahead_m * heading.cos, pose.y_m + ahead_m * heading.sin});
-    if (!map.window.Contains(cell)) continue;
-    const int distance2_cells2 = map.hard_distance2[map.window.Index(cell)];
-    if (distance2_cells2 >= kMaxDistance2_cells2) continue;
-    room_m = Min(room_m, Sqrt(static_cast<float>(distance2_cells2)) * kCellSize_m -
-                             footprint_.disc_radius_m - 0.5f * kCellSize_m);
-  }
-  return Max(room_m, 0.0f);
+// Distances are those of the cells' centres, which is what half a cell is for.
+float SpeedCaps::RoomFor(int hard2_cells2) const {
+  if (hard2_cells2 >= kMaxDistance2_cells2) return kFarRoom_m;
+  const float room_m = Sqrt(static_cast<float>(hard2_cells2)) * kCellSize_m -
+                       footprint_.disc_radius_m - 0.5f * kCellSize_m;
+  return Clamp(room_m, 0.0f, kFarRoom_m);
 }
 
 // Between chords, as the speed planner takes it; a turn on the spot is none.

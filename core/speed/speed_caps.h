@@ -103,8 +103,8 @@ class SpeedCaps {
   void SlowDownIn(int point);
   bool LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m);
   void Lower(int point, float cap_mps, CapCause cause);
-  bool HasLittleRoom(const Costmap& map, const Pose2& pose) const;
-  float RoomAt(const Costmap& map, const Pose2& pose) const;
+  int NearestHard2(const Costmap& map, const Pose2& pose) const;
+  float RoomFor(int hard2_cells2) const;
   void FindBends(const WorldPath& path);
   float BendAt(int point) const;
   bool SearchRow(const Costmap& map);
