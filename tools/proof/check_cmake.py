@@ -14,6 +14,8 @@ import re
 import subprocess
 import sys
 
+import tree_check
+
 MINIMUM = (3, 22)
 PRESETS = 3  # the version of CMakePresets.json that CMake 3.21 brought
 NEWER = [
@@ -70,20 +72,5 @@ def check_tree(root):
     return found, len(files)
 
 
-def main(arguments):
-    if any(a in ("-h", "--help") for a in arguments) or len(arguments) > 1:
-        print(__doc__)
-        return 0 if arguments and arguments[0] in ("-h", "--help") else 2
-    root = pathlib.Path(arguments[0] if arguments else ".").resolve()
-    found, count = check_tree(root)
-    for finding in found:
-        print(finding)
-    if count == 0:
-        print(f"check_cmake: no CMake files below {root}", file=sys.stderr)
-        return 2
-    print(f"check_cmake: {count} files, {len(found)} findings")
-    return 1 if found else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(tree_check.main("check_cmake", __doc__, check_tree, sys.argv[1:]))

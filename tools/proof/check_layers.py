@@ -13,6 +13,8 @@ import pathlib
 import re
 import sys
 
+import tree_check
+
 SOURCE_SUFFIXES = (".h", ".cpp")
 MAX_FILE_LINES = 500
 MAX_FUNCTION_LINES = 60
@@ -317,20 +319,5 @@ def check_tree(root):
     return findings + check_circles(uses), count
 
 
-def main(arguments):
-    if any(a in ("-h", "--help") for a in arguments) or len(arguments) > 1:
-        print(__doc__)
-        return 0 if arguments and arguments[0] in ("-h", "--help") else 2
-    root = pathlib.Path(arguments[0] if arguments else ".")
-    findings, count = check_tree(root)
-    for finding in findings:
-        print(finding)
-    if count == 0:
-        print(f"check_layers: no sources below {root}", file=sys.stderr)
-        return 2
-    print(f"check_layers: {count} files, {len(findings)} findings")
-    return 1 if findings else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(tree_check.main("check_layers", __doc__, check_tree, sys.argv[1:]))

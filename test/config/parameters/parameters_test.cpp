@@ -8,31 +8,10 @@
 
 #include "core/base/validate.h"
 #include "gtest/gtest.h"
+#include "test/config/parameters/for_each_parameter.h"
 
 namespace hardpack {
 namespace {
-
-// visit(params, group, entry) for each parameter of new default parameters.
-template <typename Params, typename Visit>
-void ForEachParameter(Visit visit) {
-  Params outer;
-  VisitParameters(outer, [&](auto&, const auto& table) {
-    for (const auto& entry : table) {
-      Params params;
-      VisitParameters(params, [&]<typename Group>(Group& group, const auto& other_table) {
-        if constexpr (std::is_same_v<decltype(table), decltype(other_table)>) {
-          visit(params, group, entry);
-        }
-      });
-    }
-  });
-}
-template <typename Visit>
-void ForEachParameter(Visit visit) {
-  ForEachParameter<PlannerParams>(visit);
-  ForEachParameter<PerceptionParams>(visit);
-  ForEachParameter<OnboardParams>(visit);
-}
 
 TEST(Parameters, HaveNamesOfTheirOwnThatFit) {
   std::set<std::string> names;

@@ -8,32 +8,13 @@
 #include <string_view>
 #include <type_traits>
 
+#include "test/config/parameters/for_each_parameter.h"
+
 namespace hardpack {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-template <typename Params, typename Visit>
-void ForEachParameter(Visit visit) {
-  Params outer;
-  VisitParameters(outer, [&](auto&, const auto& table) {
-    for (const auto& entry : table) {
-      Params params;
-      VisitParameters(params, [&]<typename Group>(Group& group, const auto& other_table) {
-        if constexpr (std::is_same_v<decltype(table), decltype(other_table)>) {
-          visit(params, group, entry);
-        }
-      });
-    }
-  });
-}
-template <typename Visit>
-void ForEachParameter(Visit visit) {
-  ForEachParameter<PlannerParams>(visit);
-  ForEachParameter<PerceptionParams>(visit);
-  ForEachParameter<OnboardParams>(visit);
-}
 
 // By the full name of its entry.
 template <typename Params>
