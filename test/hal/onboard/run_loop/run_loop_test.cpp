@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "test/fakes/memory_datagram_socket.h"
@@ -32,7 +33,9 @@ class SimulatedDevices final : public Clock, public CanBus {
   void SleepUntil(uint64_t time_ns) override {
     if (on_sleep) on_sleep();
     if (time_ns > now_ns_) now_ns_ = time_ns;
+    now_ns_ += std::exchange(late_ns, 0);
   }
+  uint64_t late_ns = 0;            // that the next sleep ends
   std::function<void()> on_sleep;  // before each
   void Advance(uint64_t now_ns) override {
     sim::Outgoing out;
@@ -94,6 +97,40 @@ void ExpectOff(ClosedLoop& drive) {
   EXPECT_LT(std::fabs(drive.Speed_mps()), 0.05);
   for (const sim::Side side : {sim::Side::kLeft, sim::Side::kRight}) {
     EXPECT_NE(drive.vehicle().vehicle().drive(side).power_state(), sim::PowerState::kEnabled);
+  }
+}
+
+// They are counted, and not caught up: the next one is due at the next whole period.
+TEST(RunLoop, SkipsTheTicksThatItIsTooLateFor) {
+  for (const int32_t period_ms : {5, 10, 100}) {
+    ClosedLoop drive;
+    SimulatedDevices simulated(drive);
+    NothingComes lidar;
+    OnboardDevices devices;
+    devices.clock = &simulated;
+    devices.can = &simulated;
+    devices.lidar = &lidar;
+    RunOptions options;
+    options.period_ms = period_ms;
+    const auto run_loop = std::make_unique<RunLoop>(drive.loop(), devices, options);
+    const auto period_ns = static_cast<uint64_t>(period_ms) * 1'000'000u;
+    const uint64_t begin_ns = simulated.Now_ns();
+    run_loop->Begin();
+    uint64_t due_ns = begin_ns + period_ns;
+    uint64_t missed = 0;
+    for (const uint64_t late_ns : {uint64_t{0}, period_ns - 1, period_ns, 2 * period_ns + 1,
+                                   uint64_t{10'000'000'000u}, uint64_t{0}}) {
+      simulated.late_ns = late_ns;
+      ASSERT_TRUE(run_loop->Next(false));
+      EXPECT_EQ(simulated.Now_ns(), due_ns + late_ns);
+      missed += late_ns / period_ns;
+      due_ns += (late_ns / period_ns + 1) * period_ns;
+    }
+    control::StatusReport report;
+    run_loop->Report(report);
+    EXPECT_EQ(report.program.missed_ticks, missed) << period_ms;
+    EXPECT_EQ(report.program.worst_late_ns, 10'000'000'000u);
+    EXPECT_EQ(run_loop->index(), 6u + missed);
   }
 }
 
