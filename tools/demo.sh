@@ -30,7 +30,7 @@ cd "$root"
 out=out/demo
 
 tools/check.sh --deps-build
-# Without the tests, which need more packages; what is built for them is used again.
+# Without the tests, which need more packages.
 cmake --preset release -B build/demo -DHARDPACK_TESTS=OFF >/dev/null
 cmake --build build/demo --target hardpack
 
