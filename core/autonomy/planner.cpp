@@ -23,8 +23,7 @@ Vec2 PlaceOf(const Pose2& pose) {
 Status CheckRequest(const PlanRequest& request) {
   const PathStart& start = request.start;
   const bool finite = IsFinite(start.pose) && IsFinite(start.curvature_per_m) &&
-                      IsFinite(start.speed_mps) && IsFinite(request.goal_odom.x_m) &&
-                      IsFinite(request.goal_odom.y_m) &&
+                      IsFinite(start.speed_mps) && IsFinite(request.goal_odom) &&
                       (!request.has_goal_heading || IsFinite(request.goal_heading_rad));
   if (!finite) return Status::kNotFinite;
   const bool fits =

@@ -24,11 +24,10 @@ constexpr float kWayCostPerMeter = kStraightLength * kCellsPerMeter;
 constexpr CommittedPlan kNothingCommitted;
 
 Status CheckUpdate(const VehicleState& state, const PlanGoal& goal) {
-  const bool finite = IsFinite(state.pose) && IsFinite(state.curvature_per_m) &&
-                      IsFinite(state.speed_mps) && IsFinite(state.driven_mps) &&
-                      IsFinite(state.reaction_s) && IsFinite(state.turn_quickness) &&
-                      IsFinite(goal.position_odom.x_m) && IsFinite(goal.position_odom.y_m) &&
-                      (!goal.has_heading || IsFinite(goal.heading_rad));
+  const bool finite =
+      IsFinite(state.pose) && IsFinite(state.curvature_per_m) && IsFinite(state.speed_mps) &&
+      IsFinite(state.driven_mps) && IsFinite(state.reaction_s) && IsFinite(state.turn_quickness) &&
+      IsFinite(goal.position_odom) && (!goal.has_heading || IsFinite(goal.heading_rad));
   if (!finite) return Status::kNotFinite;
   const bool fits = state.speed_mps >= -Replanner::kStanding_mps &&
                     state.speed_mps <= kMaxRequestSpeed_mps &&

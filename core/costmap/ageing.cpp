@@ -19,8 +19,7 @@ constexpr int32_t kOther_cm = 15;
 Status CheckFan(const SightFan& fan, float& furthest_m) {
   furthest_m = 0.0f;
   if (fan.beams < 0 || fan.beams > kMaxBeams) return Status::kInvalidArgument;
-  if (!IsFinite(fan.sensor_odom) || !IsFinite(fan.direction_odom.x_m) ||
-      !IsFinite(fan.direction_odom.y_m) || !IsFinite(fan.lowest_slope) ||
+  if (!IsFinite(fan.sensor_odom) || !IsFinite(fan.direction_odom) || !IsFinite(fan.lowest_slope) ||
       !IsFinite(fan.highest_slope)) {
     return Status::kNotFinite;
   }

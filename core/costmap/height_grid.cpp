@@ -64,7 +64,7 @@ HeightGrid::HeightGrid() : window_(GridWindow::CenteredAt({})) {
 }
 
 Status HeightGrid::Reset(Vec2 center_odom) {
-  if (!IsFinite(center_odom.x_m) || !IsFinite(center_odom.y_m)) return Status::kNotFinite;
+  if (!IsFinite(center_odom)) return Status::kNotFinite;
   window_ = GridWindow::CenteredAt(center_odom);
   datum_cm_ = 0;
   ClearRows(0, kMapSize_cells);
@@ -72,7 +72,7 @@ Status HeightGrid::Reset(Vec2 center_odom) {
 }
 
 Status HeightGrid::Recenter(Vec2 center_odom) {
-  if (!IsFinite(center_odom.x_m) || !IsFinite(center_odom.y_m)) return Status::kNotFinite;
+  if (!IsFinite(center_odom)) return Status::kNotFinite;
   const Cell old_origin = window_.origin;
   window_ = GridWindow::CenteredAt(center_odom);
   const int dx = Shift(old_origin.x, window_.origin.x);
@@ -287,8 +287,7 @@ Status HeightGrid::StandOnGround(const Vec3& center_odom, float radius_m, Vec2 s
 
 template <int kMost_m>
 Status HeightGrid::AssumeAround(const Vec3& center_odom, float radius_m, Vec2 slope) {
-  if (!IsFinite(center_odom) || !IsFinite(radius_m) || !IsFinite(slope.x_m) ||
-      !IsFinite(slope.y_m)) {
+  if (!IsFinite(center_odom) || !IsFinite(radius_m) || !IsFinite(slope)) {
     return Status::kNotFinite;
   }
   if (radius_m < 0.0f || radius_m > static_cast<float>(kMost_m)) return Status::kInvalidArgument;

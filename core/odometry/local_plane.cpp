@@ -82,7 +82,7 @@ Status LocalPlane::ToPlane(int64_t latitude_ndeg, int64_t longitude_ndeg, Vec2& 
 // By Newton's method, with the derivatives of a sphere of those radii.
 Status LocalPlane::ToGeodetic(Vec2 place, int64_t& latitude_ndeg, int64_t& longitude_ndeg) const {
   if (!has_anchor_) return Status::kNotStarted;
-  if (!IsFinite(place.x_m) || !IsFinite(place.y_m)) return Status::kNotFinite;
+  if (!IsFinite(place)) return Status::kNotFinite;
   if (Abs(place.x_m) > kMaxRange_m || Abs(place.y_m) > kMaxRange_m) return Status::kInvalidArgument;
   int64_t latitude = latitude_ndeg_;
   int64_t longitude = longitude_ndeg_;

@@ -79,8 +79,7 @@ Status MapFromOdom::Observe(const InsSample& sample, const Pose2& pose_odom, Obs
       !StandsByItsPose(sample.status)) {
     return Status::kStale;
   }
-  const bool is_finite = IsFinite(pose_odom.x_m) && IsFinite(pose_odom.y_m) &&
-                         IsFinite(pose_odom.theta_rad) && Abs(sample.roll_rad) <= kTwoPi &&
+  const bool is_finite = IsFinite(pose_odom) && Abs(sample.roll_rad) <= kTwoPi &&
                          Abs(sample.pitch_rad) <= kTwoPi && Abs(sample.yaw_rad) <= kTwoPi &&
                          IsFinite(sample.position_uncertainty_m);
   if (!is_finite) return Status::kNotFinite;

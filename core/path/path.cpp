@@ -101,7 +101,7 @@ bool PivotIsFree(const Costmap& map, const VehicleParams& vehicle, const PathPar
   constexpr int kMaxSide_cells = static_cast<int>(2.0f * kMaxPivotCircle_m * kCellsPerMeter) + 2;
   constexpr uint8_t kBlocks = Costmap::kHard | Costmap::kPerson;
   const float radius_m = PivotRadiusOf(vehicle) + params.pivot_margin_m;
-  if (!IsFinite(position_odom.x_m) || !IsFinite(position_odom.y_m)) return false;
+  if (!IsFinite(position_odom)) return false;
   if (!(radius_m >= 0.0f && radius_m <= kMaxPivotCircle_m)) return false;
 
   const Cell low = CellAt({position_odom.x_m - radius_m, position_odom.y_m - radius_m});

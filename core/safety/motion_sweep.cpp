@@ -77,7 +77,7 @@ void MotionSweep::ClearColumn(int32_t x) {
 }
 
 void MotionSweep::Advance(Vec2 vehicle_odom) {
-  if (!IsFinite(vehicle_odom.x_m) || !IsFinite(vehicle_odom.y_m)) return;
+  if (!IsFinite(vehicle_odom)) return;
   constexpr int32_t kMostSteps = 8;
   tests_left_ = kMaxTests;
   const Cell middle = CellAt(vehicle_odom);
@@ -107,7 +107,7 @@ void MotionSweep::Advance(Vec2 vehicle_odom) {
 }
 
 void MotionSweep::File(Vec2 point_odom) {
-  if (!has_vehicle_ || !IsFinite(point_odom.x_m) || !IsFinite(point_odom.y_m)) return;
+  if (!has_vehicle_ || !IsFinite(point_odom)) return;
   const Cell cell = CellAt(point_odom);
   if (!IsInside(cell)) return;
   fresh_[Place(cell.y)] |= uint64_t{1} << Place(cell.x);

@@ -280,9 +280,7 @@ void SightWatch::LookBetween(Vec2 right, Vec2 left, uint64_t now_ns, SightLook& 
     oldest.time_ns = 0;
     return;
   }
-  const bool is_finite =
-      IsFinite(right.x_m) && IsFinite(right.y_m) && IsFinite(left.x_m) && IsFinite(left.y_m);
-  if (!is_finite) return LookAround(now_ns, oldest);
+  if (!IsFinite(right) || !IsFinite(left)) return LookAround(now_ns, oldest);
   const int a = SectorAt(right);
   const int b = SectorAt(left);
   const int turn = Wrapped(b - a, sectors_);

@@ -28,7 +28,7 @@ void WireFinder::AddOther(const Vec3& point_odom, int64_t direction) {
 }
 
 void WireFinder::AddThin(const Vec3& point_odom, int64_t direction) {
-  if (!IsFinite(point_odom.x_m) || !IsFinite(point_odom.y_m) || !IsFinite(point_odom.z_m)) return;
+  if (!IsFinite(point_odom)) return;
   newest_ = newest_ + 1 < kMost ? newest_ + 1 : 0;
   x_m_[newest_] = point_odom.x_m;
   y_m_[newest_] = point_odom.y_m;

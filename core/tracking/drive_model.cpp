@@ -313,7 +313,7 @@ WheelParts DriveModel::CommandIn(int steps_ahead) const {
 DriveState DriveModel::Predict(const Pose2& pose) const {
   DriveState state = Now();
   state.pose = pose;
-  if (!IsFinite(pose.x_m) || !IsFinite(pose.y_m) || !IsFinite(pose.theta_rad)) return state;
+  if (!IsFinite(pose)) return state;
   state.pose.theta_rad = WrapAngle(pose.theta_rad);
   HP_LOOP_BOUND(kMaxDeadSteps)
   for (int i = 1; i <= AheadSteps(); ++i) {

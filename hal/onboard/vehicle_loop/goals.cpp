@@ -101,7 +101,7 @@ Status VehicleLoop::InOdom(const control::Waypoint& waypoint, Vec2& position_odo
         map_from_odom_.ToOdom(waypoint.latitude_ndeg, waypoint.longitude_ndeg, place);
     if (!IsUsable(status)) return status;
   }
-  if (!IsFinite(place.x_m) || !IsFinite(place.y_m)) return Status::kNotFinite;
+  if (!IsFinite(place)) return Status::kNotFinite;
   if (waypoint.frame == control::GoalFrame::kBody) {
     const SinCosPair turn = SinCos(pose.yaw_rad);
     place = {pose.position.x_m + turn.cos * place.x_m - turn.sin * place.y_m,
