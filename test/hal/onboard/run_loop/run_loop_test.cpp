@@ -71,6 +71,15 @@ class NothingComes final : public DatagramSocket {
   DatagramCounters counters_;
 };
 
+// The least that a run loop needs.
+OnboardDevices DevicesOf(SimulatedDevices& simulated, DatagramSocket& lidar) {
+  OnboardDevices devices;
+  devices.clock = &simulated;
+  devices.can = &simulated;
+  devices.lidar = &lidar;
+  return devices;
+}
+
 void RunToTheEnd(RunLoop& run_loop) {
   run_loop.Begin();
   while (run_loop.Next(true)) {
@@ -81,10 +90,7 @@ void RunToTheEnd(RunLoop& run_loop) {
 double EndAfter_s(ClosedLoop& drive) {
   SimulatedDevices simulated(drive);
   NothingComes lidar;
-  OnboardDevices devices;
-  devices.clock = &simulated;
-  devices.can = &simulated;
-  devices.lidar = &lidar;
+  OnboardDevices devices = DevicesOf(simulated, lidar);
   const auto run_loop = std::make_unique<RunLoop>(drive.loop(), devices, RunOptions{});
   const uint64_t begin_ns = simulated.Now_ns();
   simulated.SleepUntil(begin_ns + ClosedLoop::kTick_ns);
@@ -106,10 +112,7 @@ TEST(RunLoop, SkipsTheTicksThatItIsTooLateFor) {
     ClosedLoop drive;
     SimulatedDevices simulated(drive);
     NothingComes lidar;
-    OnboardDevices devices;
-    devices.clock = &simulated;
-    devices.can = &simulated;
-    devices.lidar = &lidar;
+    OnboardDevices devices = DevicesOf(simulated, lidar);
     RunOptions options;
     options.period_ms = period_ms;
     const auto run_loop = std::make_unique<RunLoop>(drive.loop(), devices, options);
@@ -146,12 +149,9 @@ TEST(RunLoop, DropsWhatCameBeforeTheFirstTick) {
   for (fakes::MemoryDatagramSocket* socket : {&ins, &labels, &lidar}) {
     for (int i = 0; i < 2 * DatagramSocket::kMaxBatch + 1; ++i) socket->Deliver(bytes);
   }
-  OnboardDevices devices;
-  devices.clock = &simulated;
-  devices.can = &simulated;
+  OnboardDevices devices = DevicesOf(simulated, lidar);
   devices.ins = &ins;
   devices.labels = &labels;
-  devices.lidar = &lidar;
   const auto run_loop = std::make_unique<RunLoop>(drive.loop(), devices, RunOptions{});
   RunToTheEnd(*run_loop);
   EXPECT_GT(drive.loop().counters().ticks, 0u);
@@ -164,15 +164,12 @@ struct Flood {
   SimulatedDevices simulated{drive};
   fakes::MemoryDatagramSocket ins{0x7f000001u, 0};
   fakes::MemoryDatagramSocket lidar{0x7f000001u, 0};
-  OnboardDevices devices;
+  OnboardDevices devices = DevicesOf(simulated, lidar);
   std::unique_ptr<RunLoop> run_loop;
   control::StatusReport report;
 
   Flood() {
-    devices.clock = &simulated;
-    devices.can = &simulated;
     devices.ins = &ins;
-    devices.lidar = &lidar;
     run_loop = std::make_unique<RunLoop>(drive.loop(), devices, RunOptions{});
   }
   void Tick(fakes::MemoryDatagramSocket& socket, int datagrams) {
@@ -276,10 +273,7 @@ TEST(RunLoop, ObeysAnEmergencyStopWhileItEnds) {
   const size_t client = link.Connect();
   SimulatedDevices simulated(drive);
   NothingComes lidar;
-  OnboardDevices devices;
-  devices.clock = &simulated;
-  devices.can = &simulated;
-  devices.lidar = &lidar;
+  OnboardDevices devices = DevicesOf(simulated, lidar);
   devices.control = &link;
   const auto run_loop = std::make_unique<RunLoop>(drive.loop(), devices, RunOptions{});
   simulated.SleepUntil(simulated.Now_ns() + ClosedLoop::kTick_ns);
