@@ -212,5 +212,37 @@ TEST(Covariance, StaysSymmetricAndPositiveWhateverComes) {
   }
 }
 
+// S P S, with the diagonal S that brings each variance down: the correlations stay.
+// SR-ODO05
+TEST(Covariance, BringsDownWhatIsTooLargeAndKeepsItsCorrelations) {
+  const OdometryVector sigma = {3000.0f, 2000.0f, 1500.0f, 900.0f,
+                                1200.0f, 10.0f,   4000.0f, 1100.0f};
+  const OdometryTransition step = {0.3f, 0.8f, -0.2f, -0.4f, 0.1f, 0.5f, 0.6f};
+  const OdometryVector noise = {3e5f, 2e5f, 1e5f, 4e5f, 5e5f, 1.0f, 6e5f, 7e5f};
+  Covariance covariance;
+  covariance.Reset(sigma);
+  Dense expected;
+  for (int i = 0; i < kN; ++i) expected.p[i][i] = covariance.At(i, i);
+  covariance.Predict(step, noise);
+  expected.Predict(step, noise);
+  double scale[kN];
+  int scaled = 0;
+  for (int i = 0; i < kN; ++i) {
+    const double variance = expected.p[i][i];
+    scale[i] = variance > Covariance::kMaxVariance
+                   ? std::sqrt(double{Covariance::kMaxVariance} / variance)
+                   : 1.0;
+    scaled += scale[i] < 1.0 ? 1 : 0;
+  }
+  ASSERT_GE(scaled, 4);
+  ASSERT_LT(scaled, kN);
+  for (int i = 0; i < kN; ++i) {
+    for (int j = 0; j < kN; ++j) {
+      const double wanted = scale[i] * expected.p[i][j] * scale[j];
+      EXPECT_NEAR(covariance.At(i, j), wanted, 1e-5 * Covariance::kMaxVariance) << i << " " << j;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace hardpack
