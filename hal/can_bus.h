@@ -22,6 +22,10 @@ enum class CanBusState : uint8_t {
   kBusOff,    // cut off; recovery is under way where it is permitted
 };
 inline constexpr int kCanBusStates = 5;
+constexpr bool IsUp(CanBusState state) {
+  return state == CanBusState::kActive || state == CanBusState::kWarning ||
+         state == CanBusState::kPassive;
+}
 
 struct CanBusCounters {
   uint64_t accepted = 0;   // Sends that gave kOk

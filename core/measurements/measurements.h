@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "core/base/math.h"
 #include "core/base/pose.h"
@@ -168,6 +169,23 @@ struct WheelCommand {
   float right_radps = 0.0f;
 };
 
+// What is asked of the drives in one tick.
+struct DriveDemand {
+  bool enable = false;        // torque wanted; false: zero, standstill, disable, in this order
+  bool reset_faults = false;  // one attempt when it becomes true; only with enable false
+  WheelCommand wheels;        // what is beyond the drives' limits is clamped there
+};
+
+// What the drives say of themselves in one tick.
+struct DriveFeedback {
+  WheelFeedback wheels;
+  bool ready = false;           // they could be enabled (or are), and none has a fault
+  bool enabled = false;         // they follow commands
+  bool faulty = false;          // one has a fault, and they are not ready
+  bool standstill = false;      // all report it, freshly
+  bool foreign_sender = false;  // somebody else commands them: not to be driven
+};
+
 // Where the vehicle was: body -> odom, as position and as Rz(yaw) Ry(pitch) Rx(roll).
 struct StampedPose {
   uint64_t time_ns = 0;  // our clock
@@ -196,6 +214,24 @@ struct BeamModel {
   float sin_encoder[kMaxColumnsPerRevolution] = {};
   float cos_encoder[kMaxColumnsPerRevolution] = {};
   Transform3 sensor_from_lidar;  // lidar frame -> sensor frame [m]
+};
+
+// What a lidar sends of a revolution.
+struct LidarWindow {
+  int32_t columns_per_datagram = 0;
+  int32_t first = 0;  // measurement ids; first > last wraps past zero
+  int32_t last = 0;
+};
+
+// How a lidar is made and what it sends. The angles are [beams], in degrees, and lie where the
+// lidar's description does; core/scan makes a BeamModel of it.
+struct LidarLayout {
+  std::span<const float> altitude_deg;
+  std::span<const float> azimuth_deg;
+  int32_t columns_per_revolution = 0;
+  float origin_to_beam_m = 0.0f;
+  Transform3 sensor_from_lidar;
+  LidarWindow window;
 };
 
 }  // namespace hardpack

@@ -299,6 +299,15 @@ WheelFeedback DrivePair::feedback(uint64_t now_ns) const {
   return feedback;
 }
 
+DriveFeedback DrivePair::State(uint64_t now_ns) const {
+  return {.wheels = feedback(now_ns),
+          .ready = ready(),
+          .enabled = enabled(),
+          .faulty = !IsUsable(health()) && !ready(),
+          .standstill = standstill(),
+          .foreign_sender = foreign_sender()};
+}
+
 WheelCommand DrivePair::commanded() const {
   return commanded_;
 }

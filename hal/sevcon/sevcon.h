@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "config/drive_parameters.h"
+#include "config/onboard_parameters.h"
 #include "core/base/decision_hash.h"
 #include "core/base/status.h"
 #include "core/measurements/measurements.h"
@@ -25,13 +25,6 @@
 
 namespace hardpack::sevcon {
 
-// What is asked of the pair in one tick.
-struct DriveDemand {
-  bool enable = false;        // torque wanted; false: zero, standstill, disable, in this order
-  bool reset_faults = false;  // one attempt when it becomes true; only with enable false
-  WheelCommand wheels;        // what is beyond the drives' limits is clamped there
-};
-
 struct PairCounters {
   uint32_t frames_taken = 0;
   uint32_t frames_ignored = 0;    // of identifiers that are none of ours
@@ -47,6 +40,7 @@ class DrivePair {
   // for; kCapacityExceeded: the load of the bus would be above max_bus_load_percent. On a failure
   // nothing is taken and nothing sent.
   Status Configure(const DriveParams& params);
+  static const DriveParams& ParamsOf(const OnboardParams& onboard) { return onboard.drive; }
 
   // A frame that was taken since the last tick, in order. It counts as of when it came, where it
   // says so; what a drive sent longer than max_frame_age_ms ago is dropped: it says nothing of now.
@@ -72,6 +66,7 @@ class DrivePair {
   bool foreign_sender() const;
   const DriveReport& report(Side side) const;
   WheelFeedback feedback(uint64_t now_ns) const;
+  DriveFeedback State(uint64_t now_ns) const;
   WheelCommand commanded() const;  // of the last Tick, as sent: clamped, or zero
   const PairCounters& counters() const;
   // Of what we send and ask for, as configured.

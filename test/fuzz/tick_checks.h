@@ -68,7 +68,7 @@ class TickChecks {
     return c.binary_messages + c.ascii_messages + c.bad_checksum + c.unsupported;
   }
   uint64_t Packets() const {
-    const ouster::PacketCounters& c = loop_.lidar_packets().counters();
+    const ouster::PacketCounters& c = loop_.lidar().monitor().counters();
     return c.accepted + c.wrong_size + c.wrong_type + c.bad_crc + c.wrong_sensor + c.not_resumed +
            c.before_start + c.duplicates;
   }
@@ -162,7 +162,7 @@ class TickChecks {
     const uint64_t used =
         datagrams - (now.refused_datagrams[kLidar] - before_.refused_datagrams[kLidar]);
     const uint64_t columns =
-        used * static_cast<uint64_t>(loop_.lidar_packets().layout().columns_per_packet);
+        used * static_cast<uint64_t>(loop_.lidar().monitor().layout().columns_per_packet);
     const uint64_t refused = now.refused_columns - before_.refused_columns;
     const uint64_t suspect = now.suspect_columns - before_.suspect_columns;
     const auto most = static_cast<uint64_t>(loop_.config().onboard.tick.directions);

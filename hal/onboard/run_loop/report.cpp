@@ -339,7 +339,7 @@ void RunLoop::Report(control::StatusReport& report) const {
   Fill(loop_.drives().report(sevcon::Side::kLeft), loop_.now_ns(), drive, report.left_drive);
   Fill(loop_.drives().report(sevcon::Side::kRight), loop_.now_ns(), drive, report.right_drive);
   Fill(loop_, *devices_.can, report.can);
-  Fill(loop_.lidar_packets().counters(), report.lidar_packets);
+  Fill(loop_.lidar().monitor().counters(), report.lidar_packets);
   Fill(loop_.lidar_time(), report.lidar_clock);
   Fill(loop_.mapper().counters(), report.mapper);
   Fill(loop_.counters(), report.loop);

@@ -148,7 +148,7 @@ void AddCounters(const Counters& counters, DecisionHash& hash) {
 void AddReport(const VehicleLoop& loop, DecisionHash& hash) {
   AddCounters(loop.counters(), hash);
   AddCounters(loop.mapper().counters(), hash);
-  AddCounters(loop.lidar_packets().counters(), hash);
+  AddCounters(loop.lidar().monitor().counters(), hash);
   AddCounters(loop.lidar_time().counters(), hash);
   AddCounters(loop.ins().counters(), hash);
   AddCounters(loop.odometry().counters(), hash);

@@ -2,9 +2,9 @@
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "hal/onboard/control/messages.h"
-#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/pilot/pilot.h"
 
-// VehicleLoop: what the operator wants.
+// Pilot: what the operator wants.
 
 namespace hardpack {
 namespace {
@@ -20,16 +20,16 @@ float DistanceBetween(Vec2 a, Vec2 b) {
 
 }  // namespace
 
-void VehicleLoop::TakeCommand(std::span<const uint8_t> bytes, TickOutput& output) {
+void Pilot::TakeCommand(std::span<const uint8_t> bytes, CommandAnswer& answer) {
   if (bytes.empty()) return;
   ++counters_.commands;
   control::Header header;
   Status decoded = control::ReadHeader(bytes, header);
   if (IsUsable(decoded)) decoded = control::Decode(bytes, command_);
-  output.has_answer = true;
-  output.sequence = header.sequence;
-  output.answer = decoded;
-  output.reason = StopReason::kNone;
+  answer.has_answer = true;
+  answer.sequence = header.sequence;
+  answer.answer = decoded;
+  answer.reason = StopReason::kNone;
   if (!IsUsable(decoded)) {
     ++counters_.refused_commands;
     return;
@@ -40,8 +40,8 @@ void VehicleLoop::TakeCommand(std::span<const uint8_t> bytes, TickOutput& output
   wishes_.stop = command_.kind == control::Kind::kStop;
   wishes_.emergency_stop = command_.kind == control::Kind::kEmergencyStop;
   wishes_.go = command_.kind == control::Kind::kGoal;
-  if (wishes_.go) output.answer = TakeGoals();
-  if (!IsUsable(output.answer)) {
+  if (wishes_.go) answer.answer = TakeGoals();
+  if (!IsUsable(answer.answer)) {
     wishes_.go = false;
     ++counters_.refused_commands;
   }
@@ -49,7 +49,7 @@ void VehicleLoop::TakeCommand(std::span<const uint8_t> bytes, TickOutput& output
 
 // Every command is the operator's doing but an alive, which a program sends by itself: that has to
 // carry a press that the one before did not.
-void VehicleLoop::NoteOperator() {
+void Pilot::NoteOperator() {
   if (command_.kind == control::Kind::kAlive) {
     if (command_.press == 0 || command_.press == operator_press_) return;
     operator_press_ = command_.press;
@@ -58,7 +58,7 @@ void VehicleLoop::NoteOperator() {
 }
 
 // Only where they will be driven to: what is refused changes nothing.
-Status VehicleLoop::TakeGoals() {
+Status Pilot::TakeGoals() {
   const Mode mode = supervisor_.mode();
   if (mode != Mode::kArmed && mode != Mode::kDriving) return Status::kOk;  // the supervisor refuses
   if (command_.waypoints < 1 || command_.waypoints > control::kMaxWaypoints) {
@@ -92,7 +92,7 @@ Status VehicleLoop::TakeGoals() {
 }
 
 // kStale: no position and heading of the INS that it vouches for, or that were believed.
-Status VehicleLoop::InOdom(const control::Waypoint& waypoint, Vec2& position_odom) const {
+Status Pilot::InOdom(const control::Waypoint& waypoint, Vec2& position_odom) const {
   const StampedPose& pose = odometry_.pose();
   Vec2 place = waypoint.position_m;
   if (waypoint.frame == control::GoalFrame::kGeodetic) {
@@ -115,7 +115,7 @@ Status VehicleLoop::InOdom(const control::Waypoint& waypoint, Vec2& position_odo
 }
 
 // The goal that is driven to stays where it is on earth, as far as anyone knows where that is.
-void VehicleLoop::FollowEarth() {
+void Pilot::FollowEarth() {
   if (goals_.empty() || !goals_[goal_index_].is_on_earth) return;
   Goal& goal = goals_[goal_index_];
   Vec2 place_odom;
@@ -125,7 +125,7 @@ void VehicleLoop::FollowEarth() {
   }
 }
 
-void VehicleLoop::DropGoals() {
+void Pilot::DropGoals() {
   if (!goals_.empty()) replanner_.Forget();
   goals_.Clear();
   goal_index_ = 0;
@@ -133,19 +133,19 @@ void VehicleLoop::DropGoals() {
 
 // On to the next waypoint where this one is near enough, or as near as it can be; the last one is
 // to be stopped at.
-void VehicleLoop::AdvanceGoal() {
+void Pilot::AdvanceGoal(const DriveFeedback& drives) {
   if (goal_index_ + 1 >= goals_.size()) return;
   const Vec2& goal = goals_[goal_index_].position_odom;
   const float dx_m = goal.x_m - odometry_.pose().position.x_m;
   const float dy_m = goal.y_m - odometry_.pose().position.y_m;
   if (dx_m * dx_m + dy_m * dy_m <= kWaypointReached_m * kWaypointReached_m ||
-      (IsAtEndFor(goals_[goal_index_]) && drives_.standstill())) {
+      (IsAtEndFor(goals_[goal_index_]) && drives.standstill)) {
     ++goal_index_;
   }
 }
 
 // Whether the path leads to this goal, or as near as anything can, and has been driven to its end.
-bool VehicleLoop::IsAtEndFor(const Goal& goal) const {
+bool Pilot::IsAtEndFor(const Goal& goal) const {
   if (!HasPlan() || tracking_output_.speed_mps > kArrivedSpeed_mps) return false;
   const CommittedPlan& plan = replanner_.committed();
   const bool same_heading =
@@ -170,7 +170,7 @@ bool VehicleLoop::IsAtEndFor(const Goal& goal) const {
   return standing == last || (standing == last - 1 && turned);
 }
 
-bool VehicleLoop::HasArrived() const {
+bool Pilot::HasArrived() const {
   return goal_index_ + 1 == goals_.size() && IsAtEndFor(goals_[goal_index_]);
 }
 

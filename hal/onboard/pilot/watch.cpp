@@ -4,9 +4,9 @@
 #include "core/base/math.h"
 #include "core/base/saturate.h"
 #include "core/base/units.h"
-#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/pilot/pilot.h"
 
-// VehicleLoop: what is looked after besides planning. Returns against the corridor of the path,
+// Pilot: what is looked after besides planning. Returns against the corridor of the path,
 // motion against commands, why there is no way, how long it takes to react, and the gate.
 
 namespace hardpack {
@@ -23,7 +23,7 @@ constexpr int kLooks = 5;
 
 }  // namespace
 
-Status VehicleLoop::ConfigureSafety() {
+Status Pilot::ConfigureSafety() {
   const VehicleParams& vehicle = config_.planner.vehicle;
   const SafetyParams& safety = config_.onboard.safety;
   corridor_.Reset();
@@ -39,7 +39,7 @@ Status VehicleLoop::ConfigureSafety() {
   return status;
 }
 
-CorridorSize VehicleLoop::SizeOfCorridor() const {
+CorridorSize Pilot::SizeOfCorridor() const {
   const VehicleParams& vehicle = config_.planner.vehicle;
   const SpeedParams& speed = config_.planner.speed;
   // Out of where there is no room to turn the way is slow, and as wide as the vehicle.
@@ -52,7 +52,7 @@ CorridorSize VehicleLoop::SizeOfCorridor() const {
 }
 
 // What the mapper has just classed. A column counts as filed when it comes, not when its labels do.
-void VehicleLoop::TestReturns(bool are_new) {
+void Pilot::TestReturns(bool are_new) {
   const float reach_mm =
       (SizeOfCorridor().reach_m + kBeyondReach_m) * static_cast<float>(kMillisecondsPerSecond);
   const auto max_range_mm = static_cast<uint32_t>(RoundToInt(reach_mm));
@@ -64,7 +64,7 @@ void VehicleLoop::TestReturns(bool are_new) {
   }
 }
 
-bool VehicleLoop::IsBeside(Vec2 point_odom) const {
+bool Pilot::IsBeside(Vec2 point_odom) const {
   const Vec3& here = odometry_.pose().position;
   const float dx_m = point_odom.x_m - here.x_m;
   const float dy_m = point_odom.y_m - here.y_m;
@@ -73,7 +73,7 @@ bool VehicleLoop::IsBeside(Vec2 point_odom) const {
 }
 
 // Not inlined: its calls are counted (config/timing.toml).
-[[gnu::noinline]] void VehicleLoop::TestColumn(int slot, uint32_t max_range_mm) {
+[[gnu::noinline]] void Pilot::TestColumn(int slot, uint32_t max_range_mm) {
   const int beams = mapper_.model().beams;
   HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int row = 0; row < beams; ++row) {
@@ -89,7 +89,7 @@ bool VehicleLoop::IsBeside(Vec2 point_odom) const {
 
 // The corridor is of the plan that was checked last, whose map may lack what came while it was
 // made.
-void VehicleLoop::FollowPlan() {
+void Pilot::FollowPlan() {
   const CommittedPlan& plan = replanner_.committed();
   if (plan.number == seen_plan_ && plan.checked_ns == seen_check_ns_) return;
   seen_plan_ = plan.number;
@@ -103,14 +103,14 @@ void VehicleLoop::FollowPlan() {
       corridor_.Build(plan.path, replanner_.place().along_m, SizeOfCorridor(), since));
 }
 
-WayAhead VehicleLoop::Ahead() const {
+WayAhead Pilot::Ahead() const {
   if (replanner_.committed().number == 0) return WayAhead::kClear;
   return corridor_.Ahead(config_.planner.speed, config_.planner.vehicle, replanner_.place().along_m,
                          odometry_.speed_mps(), tracker_.speed_mps());
 }
 
 // The yaw rate about the body's z axis, of the INS's own (whose z points down).
-float VehicleLoop::MeasuredYawRate() const {
+float Pilot::MeasuredYawRate() const {
   const InsParams& mount = config_.onboard.ins;
   const SinCosPair pitch = SinCos(mount.pitch_rad);
   const SinCosPair roll = SinCos(mount.roll_rad);
@@ -119,7 +119,7 @@ float VehicleLoop::MeasuredYawRate() const {
 }
 
 // Only while the drives have torque: else anybody may push the vehicle.
-void VehicleLoop::WatchMotion() {
+void Pilot::WatchMotion(const WheelFeedback& wheels) {
   const Mode mode = permission_.mode;
   const bool has_torque = mode == Mode::kArmed || mode == Mode::kDriving || mode == Mode::kSafeStop;
   if (!has_torque) {
@@ -129,14 +129,13 @@ void VehicleLoop::WatchMotion() {
     }
     return;
   }
-  static_cast<void>(motion_.Judge(SampleMotion(), tick_s_));
+  static_cast<void>(motion_.Judge(SampleMotion(wheels), tick_s_));
 }
 
-MotionSample VehicleLoop::SampleMotion() const {
+MotionSample Pilot::SampleMotion(const WheelFeedback& wheels) const {
   const VehicleParams& vehicle = config_.planner.vehicle;
   const float max_age_s = config_.onboard.safety.max_ins_age_s;
   const float rim_m = vehicle.wheel_radius_m * config_.onboard.odometry.ground_per_wheel;
-  const WheelFeedback wheels = drives_.feedback(now_ns_);
   const WheelCommand& told = gate_.last();
   MotionSample sample;
   sample.commanded_mps = 0.5f * (told.left_radps + told.right_radps) * rim_m;
@@ -151,7 +150,7 @@ MotionSample VehicleLoop::SampleMotion() const {
   return sample;
 }
 
-StopReason VehicleLoop::Misbehaves() const {
+StopReason Pilot::Misbehaves() const {
   if (gate_.has_fault()) return StopReason::kBadCommand;
   switch (motion_.fault()) {
     case MotionFault::kRunaway:
@@ -168,7 +167,7 @@ StopReason VehicleLoop::Misbehaves() const {
   return StopReason::kNone;
 }
 
-bool VehicleLoop::IsPersonNear() const {
+bool Pilot::IsPersonNear() const {
   const Costmap& map = replanner_.planner().costmap();
   const Vec3& here = odometry_.pose().position;
   const Cell middle = CellAt({here.x_m, here.y_m});
@@ -186,7 +185,7 @@ bool VehicleLoop::IsPersonNear() const {
 }
 
 // While the map of the round that has just been judged is still there.
-void VehicleLoop::NoteNoWay() {
+void Pilot::NoteNoWay() {
   const ReplanOutcome& outcome = replanner_.outcome();
   no_way_ = StopReason::kNone;
   const bool has_map = outcome.plan_status != Status::kNotStarted;
@@ -195,7 +194,7 @@ void VehicleLoop::NoteNoWay() {
   if (outcome.plan_status == Status::kGoalInObstacle) no_way_ = StopReason::kGoalInObstacle;
 }
 
-StopReason VehicleLoop::HeldBy() const {
+StopReason Pilot::HeldBy() const {
   if (goals_.empty() || replanner_.outcome().status == Status::kNotStarted) {
     return StopReason::kNone;
   }
@@ -208,7 +207,7 @@ StopReason VehicleLoop::HeldBy() const {
 // How old what is known of the ground ahead will be when a plan that begins now is driven: the age
 // of the oldest newest column among those that looked along the path, and what a plan takes. Where
 // none did for long the vehicle stops by itself once that is as old as a look may be.
-float VehicleLoop::ReactionTime() const {
+float Pilot::ReactionTime() const {
   const CommittedPlan& plan = replanner_.committed();
   if (plan.number == 0) return 0.0f;
   const Vec3& here = odometry_.pose().position;
@@ -227,8 +226,8 @@ float VehicleLoop::ReactionTime() const {
   return oldest_s + replanner_.latency_s();
 }
 
-// Around StepPlanner's one step: what it began is what everything that was filed until now is in.
-void VehicleLoop::NoteRound(bool was_busy, bool is_judged) {
+// Around PlanOn's one step: what it began is what everything that was filed until now is in.
+void Pilot::NoteRound(bool was_busy, bool is_judged) {
   if (!was_busy) {
     sweep_.MapBegun();
     round_tick_ = static_cast<uint32_t>(index_);
@@ -244,7 +243,7 @@ void VehicleLoop::NoteRound(bool was_busy, bool is_judged) {
 }
 
 // The one way to the drives.
-WheelCommand VehicleLoop::PassGate() {
+WheelCommand Pilot::PassGate() {
   const bool may_move =
       (permission_.mode == Mode::kDriving && permission_.motion == Motion::kFollow) ||
       ((permission_.mode == Mode::kDriving || permission_.mode == Mode::kSafeStop) &&

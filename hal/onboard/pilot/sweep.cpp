@@ -2,9 +2,9 @@
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/units.h"
-#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/pilot/pilot.h"
 
-// VehicleLoop: where the vehicle goes until it is at rest, rolled out in every tick from its actual
+// Pilot: where the vehicle goes until it is at rest, rolled out in every tick from its actual
 // state and held against what stands around it; and what nobody has seen where it starts.
 
 namespace hardpack {
@@ -30,7 +30,7 @@ bool MayMove(Mode mode) {
 
 }  // namespace
 
-void VehicleLoop::ConfigureSweep() {
+void Pilot::ConfigureSweep() {
   sweep_.Configure(FootprintOf(config_.planner.vehicle), config_.onboard.safety.sweep_margin_m);
   sweep_advice_ = WayAhead::kClear;
   swept_plan_ = 0;
@@ -42,7 +42,7 @@ void VehicleLoop::ConfigureSweep() {
 
 // At rest nothing is swept, so the way that is about to be driven is looked at instead: else each
 // beginning of a motion would bring the vehicle a little nearer.
-WayAhead VehicleLoop::JudgeSweep() {
+WayAhead Pilot::JudgeSweep() {
   if (!MayMove(permission_.mode)) {
     held_since_ns_ = 0;
     return WayAhead::kClear;
@@ -60,7 +60,7 @@ WayAhead VehicleLoop::JudgeSweep() {
 
 // Either stop will do, as long as there is one: so this brakes in the last tick in which it can. Of
 // two that touch the one that does so more slowly.
-WayAhead VehicleLoop::JudgeStop() {
+WayAhead Pilot::JudgeStop() {
   const DriveModel& model = tracker_.model();
   const StampedPose& here = odometry_.pose();
   const Pose2 pose = {here.position.x_m, here.position.y_m, here.yaw_rad};
@@ -82,7 +82,7 @@ WayAhead VehicleLoop::JudgeStop() {
 
 // Where it would touch, or has just stopped for that, it waits for another plan, and has one made
 // from where it stands.
-WayAhead VehicleLoop::JudgeSettingOut() {
+WayAhead Pilot::JudgeSettingOut() {
   const CommittedPlan& plan = replanner_.committed();
   if (permission_.mode != Mode::kDriving || plan.number == 0) {
     held_since_ns_ = 0;
@@ -109,7 +109,7 @@ WayAhead VehicleLoop::JudgeSettingOut() {
 }
 
 // From where the vehicle is: the turn on the spot that is due, or the next stretch of its path.
-void VehicleLoop::LayFirstWay() {
+void Pilot::LayFirstWay() {
   const CommittedPlan& plan = replanner_.committed();
   const StampedPose& here = odometry_.pose();
   const Pose2 pose = {here.position.x_m, here.position.y_m, here.yaw_rad};
@@ -135,7 +135,7 @@ void VehicleLoop::LayFirstWay() {
 }
 
 // Near the place where the map began nothing beside the vehicle has been seen yet.
-void VehicleLoop::FillUnseenStart(VehicleState& state) const {
+void Pilot::FillUnseenStart(VehicleState& state) const {
   const Vec3& here = odometry_.pose().position;
   const float dx_m = here.x_m - start_odom_.x_m;
   const float dy_m = here.y_m - start_odom_.y_m;
@@ -145,7 +145,7 @@ void VehicleLoop::FillUnseenStart(VehicleState& state) const {
   state.lead_out = lead_out_;
 }
 
-bool VehicleLoop::IsOnLeadOut() const {
+bool Pilot::IsOnLeadOut() const {
   const CommittedPlan& plan = replanner_.committed();
   return plan.number != 0 && replanner_.place().point < plan.lead_points;
 }

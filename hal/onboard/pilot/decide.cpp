@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/math.h"
 #include "core/base/units.h"
-#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/pilot/pilot.h"
 
-// VehicleLoop: what is done about it. Plans, follows the one that is committed as far as the
+// Pilot: what is done about it. Plans, follows the one that is committed as far as the
 // supervisor lets it, and tells the drives.
 
 namespace hardpack {
 
 // Where this tick's command takes effect. The speed is the one that it has been told to have then.
-VehicleState VehicleLoop::PredictedState() const {
+VehicleState Pilot::PredictedState() const {
   VehicleState state;
   state.pose = tracker_.predicted().pose;
   state.speed_mps = tracker_.speed_mps();
@@ -18,7 +18,7 @@ VehicleState VehicleLoop::PredictedState() const {
   return state;
 }
 
-bool VehicleLoop::HasPlan() const {
+bool Pilot::HasPlan() const {
   const CommittedPlan& plan = replanner_.committed();
   const ReplanDecision decision = replanner_.outcome().decision;
   return !goals_.empty() && is_located_ && plan.number != 0 && !plan.is_stop &&
@@ -26,7 +26,7 @@ bool VehicleLoop::HasPlan() const {
          IsUsable(replanner_.outcome().status);
 }
 
-SupervisorInput VehicleLoop::Situation(const TickInput& input) const {
+SupervisorInput Pilot::Situation(const DriveFeedback& drives, bool bus_is_active) const {
   SupervisorInput situation;
   situation.now_ns = now_ns_;
   situation.lidar_ns = lidar_ns_;
@@ -35,20 +35,19 @@ SupervisorInput VehicleLoop::Situation(const TickInput& input) const {
   situation.blind_by = BlindBy(look);
   // Of the wheel speeds themselves, since a tick may have used old ones; seen from the tick before,
   // as the drives are when nothing comes from them: their silence is told rather than its effect.
-  const uint64_t wheels_ns = drives_.feedback(now_ns_).time_ns + now_ns_ - before_ns_;
+  const uint64_t wheels_ns = drives.wheels.time_ns + now_ns_ - before_ns_;
   situation.odometry_ns = odometry_.moved_ns();
   if (wheels_ns < situation.odometry_ns) situation.odometry_ns = wheels_ns;
   if (is_gap_) situation.odometry_ns = 0;
   situation.ins_ns = ins_ns_;
   situation.operator_ns = operator_ns_;
   situation.plan_checked_ns = replanner_.committed().checked_ns;
-  situation.bus_active = input.bus == CanBusState::kActive || input.bus == CanBusState::kWarning ||
-                         input.bus == CanBusState::kPassive;
-  situation.drives_ready = drives_.ready();
-  situation.drives_enabled = drives_.enabled();
-  situation.drives_faulty = !IsUsable(drives_.health()) && !drives_.ready();
-  situation.foreign_sender = drives_.foreign_sender();
-  situation.at_rest = drives_.standstill();
+  situation.bus_active = bus_is_active;
+  situation.drives_ready = drives.ready;
+  situation.drives_enabled = drives.enabled;
+  situation.drives_faulty = drives.faulty;
+  situation.foreign_sender = drives.foreign_sender;
+  situation.at_rest = drives.standstill;
   situation.has_goal = !goals_.empty();
   situation.has_plan = HasPlan();
   situation.has_path = replanner_.committed().number != 0;
@@ -62,8 +61,25 @@ SupervisorInput VehicleLoop::Situation(const TickInput& input) const {
   return situation;
 }
 
+void Pilot::Decide(std::span<const uint8_t> command, const DriveFeedback& drives,
+                   bool bus_is_active, CommandAnswer& answer) {
+  TakeCommand(command, answer);
+  FollowEarth();
+  AdvanceGoal(drives);
+  UpdatePlanner();
+  FollowPlan();
+  WatchMotion(drives.wheels);
+  sweep_advice_ = JudgeSweep();
+  permission_ = supervisor_.Judge(Situation(drives, bus_is_active));
+  if (permission_.drop_goal) DropGoals();
+  if (!answer.has_answer || !IsUsable(answer.answer)) return;
+  answer.answer = permission_.wish_status;
+  answer.reason = permission_.reason;
+  if (!IsUsable(answer.answer)) ++counters_.refused_commands;
+}
+
 // The state that the next plan is made from.
-void VehicleLoop::UpdatePlanner() {
+void Pilot::UpdatePlanner() {
   if (goals_.empty()) return;
   const Goal& goal = goals_[goal_index_];
   const PlanGoal wanted = {.position_odom = goal.position_odom,
@@ -78,7 +94,7 @@ void VehicleLoop::UpdatePlanner() {
 }
 
 // The wheels' commands of this tick. A path that cannot be followed is not.
-void VehicleLoop::Move() {
+void Pilot::Move() {
   const bool follows = permission_.motion == Motion::kFollow;
   const bool has_path = replanner_.committed().path.size() >= 2;
   if ((!follows && permission_.motion != Motion::kStopAlong) || !has_path) {
@@ -100,17 +116,17 @@ void VehicleLoop::Move() {
   if (!IsUsable(status)) tracker_.Zero(tracking_output_);
 }
 
-void VehicleLoop::Command(TickOutput& output) {
-  sevcon::DriveDemand demand;
+DriveDemand Pilot::Act() {
+  Move();
+  DriveDemand demand;
   demand.reset_faults = permission_.reset_faults;  // the tick before they are enabled
   demand.enable = permission_.motion != Motion::kOff && !demand.reset_faults;
   demand.wheels = PassGate();
-  drives_.Tick(now_ns_, demand, output.frames);
+  return demand;
 }
 
-// A fixed number of units, never measured time: so a replay repeats. A safe stop keeps the path
-// that it has.
-void VehicleLoop::StepPlanner() {
+// A safe stop keeps the path that it has.
+void Pilot::PlanOn() {
   if (goals_.empty() || permission_.mode == Mode::kSafeStop) return;
   const bool was_busy = replanner_.busy();
   const bool is_judged =

@@ -3,9 +3,9 @@
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/speed/speed.h"
-#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/pilot/pilot.h"
 
-// VehicleLoop: whether the lidar has looked along the way that is driven, lately, and over the
+// Pilot: whether the lidar has looked along the way that is driven, lately, and over the
 // vehicle's width.
 
 namespace hardpack {
@@ -21,16 +21,14 @@ constexpr int kTurnAhead = 3;
 }  // namespace
 
 // With the map that it is seen into.
-Status VehicleLoop::ConfigureSight() {
+Status Pilot::ConfigureSight() {
   mount_.Reset();
   if (const Status status = ConfigureMapper(); !IsUsable(status)) return status;
-  const ouster::Metadata& lidar = config_.lidar;
   return sight_.Configure(config_.perception.mount, config_.onboard.safety, beam_model_,
-                          lidar.columns_per_packet, lidar.column_window_first,
-                          lidar.column_window_last);
+                          window_.columns_per_datagram, window_.first, window_.last);
 }
 
-bool VehicleLoop::TurnsNext() const {
+bool Pilot::TurnsNext() const {
   const CommittedPlan& plan = replanner_.committed();
   const int here = replanner_.place().point;
   HP_LOOP_BOUND(kTurnAhead)
@@ -42,7 +40,7 @@ bool VehicleLoop::TurnsNext() const {
 
 // Of the directions in which the vehicle's front moves until it stands, all around where it turns
 // on the spot. Without a path of any direction.
-SightLook VehicleLoop::OldestLook() const {
+SightLook Pilot::OldestLook() const {
   SightLook oldest;
   sight_.LookAtFaults(oldest);
   if (mount_.has_turned() && mount_.turned_since_ns() < oldest.time_ns) {
@@ -70,7 +68,7 @@ SightLook VehicleLoop::OldestLook() const {
 }
 
 // The vehicle's front at one place of the path, as it lies in the body frame.
-void VehicleLoop::LookAt(const Pose2& place, SightLook& oldest) const {
+void Pilot::LookAt(const Pose2& place, SightLook& oldest) const {
   const VehicleParams& vehicle = config_.planner.vehicle;
   const float front_m = FrontOf(vehicle);
   const float side_m = SizeOfCorridor().half_width_m;
@@ -88,7 +86,7 @@ void VehicleLoop::LookAt(const Pose2& place, SightLook& oldest) const {
 
 // One column in kEveryColumn, which is enough of a revolution. Not inlined: its calls are counted
 // (config/timing.toml).
-[[gnu::noinline]] void VehicleLoop::WatchMount(int slot) {
+[[gnu::noinline]] void Pilot::WatchMount(int slot) {
   if (slot % kEveryColumn != 0) return;
   const StampedPose& here = odometry_.pose();
   const SinCosPair body = SinCos(here.yaw_rad);
@@ -105,12 +103,12 @@ void VehicleLoop::LookAt(const Pose2& place, SightLook& oldest) const {
 }
 
 // The operator who arms anew has looked at it.
-void VehicleLoop::AdvanceMount() {
+void Pilot::AdvanceMount() {
   if (permission_.mode == Mode::kStandby || is_gap_) mount_.Reset();
   mount_.Advance(now_ns_);
 }
 
-StopReason VehicleLoop::BlindBy(const SightLook& look) const {
+StopReason Pilot::BlindBy(const SightLook& look) const {
   if (mount_.has_turned() && look.time_ns == mount_.turned_since_ns()) {
     return StopReason::kLidarTurned;
   }

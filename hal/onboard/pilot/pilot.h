@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+#include "config/conflicts.h"
+#include "config/onboard_parameters.h"
+#include "config/parameters.h"
+#include "core/autonomy/mapper.h"
+#include "core/autonomy/replanner.h"
+#include "core/base/decision_hash.h"
+#include "core/base/status.h"
+#include "core/committed_plan/path_target.h"
+#include "core/measurements/measurements.h"
+#include "core/odometry/map_from_odom.h"
+#include "core/odometry/odometry.h"
+#include "core/safety/command_gate.h"
+#include "core/safety/corridor.h"
+#include "core/safety/motion_sweep.h"
+#include "core/safety/motion_watch.h"
+#include "core/safety/reaction_meter.h"
+#include "core/safety/supervisor.h"
+#include "core/scan/mount_watch.h"
+#include "core/scan/sight_watch.h"
+#include "core/segmentation/label_table.h"
+#include "core/tracking/stop_motion.h"
+#include "core/tracking/tracking.h"
+#include "hal/onboard/control/messages.h"
+#include "hal/onboard/pilot/loop_counters.h"
+
+// Drives the vehicle, whatever its devices are: measurements with their times in our clock in, what
+// the drives are to do out. It knows no packet and no frame; hal/onboard/vehicle_loop gives it what
+// the devices say, in the order of the functions below, once a tick:
+//
+//   BeginTick, TakeIns..., Localise, TakeLabels..., TakeColumn..., FinishMap, Decide, Act, PlanOn
+
+namespace hardpack {
+
+// Everything that decides how the vehicle behaves, but what its devices are.
+struct PilotConfig {
+  PlannerParams planner;
+  PerceptionParams perception;
+  OnboardParams onboard;
+  LabelTable labels = RellisLabelTable();
+};
+
+// What the answer to an operator's command will say.
+struct CommandAnswer {
+  bool has_answer = false;
+  uint32_t sequence = 0;
+  Status answer = Status::kOk;
+  StopReason reason = StopReason::kNone;  // why it was not permitted
+};
+
+class Pilot {
+ public:
+  static constexpr float kWaypointReached_m = 2.0f;  // where it is not the last one
+  static constexpr float kMovedGoal_m = 3.0f;        // an end beside a goal that is occupied
+  static constexpr float kArrived_m = 0.3f;
+  static constexpr float kArrivedSpeed_mps = 0.05f;
+  // A goal on earth that moves in odom by less than this stays where it is: each move is a new
+  // plan.
+  static constexpr float kGoalFollows_m = 0.05f;
+  // Measured: a turn on the spot is not begun above it.
+  static constexpr float kStandsSpeed_mps = 0.1f;
+  // What a late tick may make up for of the ramps.
+  static constexpr float kLongestTick_s = 0.1f;
+
+  const PilotConfig& config() const { return config_; }
+  const Permission& permission() const { return permission_; }
+  const Supervisor& supervisor() const { return supervisor_; }
+  const Mapper& mapper() const { return mapper_; }
+  const Replanner& replanner() const { return replanner_; }
+  const Corridor& corridor() const { return corridor_; }
+  const MotionSweep& sweep() const { return sweep_; }
+  const CommandGate& gate() const { return gate_; }
+  const MotionWatch& motion() const { return motion_; }
+  const ReactionMeter& reaction() const { return reaction_; }
+  const SightWatch& sight() const { return sight_; }
+  const MountWatch& mount() const { return mount_; }
+  // As the supervisor has it: how long ago the way ahead was looked along.
+  SightLook OldestLook() const;
+  const Odometry& odometry() const { return odometry_; }
+  const MapFromOdom& map_from_odom() const { return map_from_odom_; }
+  const InsSample& newest_ins() const { return newest_ins_; }
+  const LoopCounters& counters() const { return counters_; }
+  uint64_t now_ns() const { return now_ns_; }
+  uint64_t index() const { return index_; }
+  uint64_t lidar_ns() const { return lidar_ns_; }
+  uint64_t ins_ns() const { return ins_ns_; }
+  uint64_t operator_ns() const { return operator_ns_; }
+  int goals() const { return goals_.size(); }
+  int goal_index() const { return goal_index_; }
+  // Precondition: goals() > 0.
+  Vec2 goal_odom() const { return goals_[goal_index_].position_odom; }
+  const TrackingOutput& tracking() const { return tracking_output_; }
+  // Of everything decided since Configure: what was sent, modes, plans.
+  uint64_t decision_hash() const { return hash_.value(); }
+
+ protected:
+  // What came and what was decided.
+  void Forget();
+
+  // Sets everything up, once Forget was called. The statuses of the stages' Configure. Cost:
+  // everything is cleared.
+  Status Configure(const PilotConfig& config, const LidarLayout& lidar);
+
+  // tick_s: since the tick before, within reason.
+  void BeginTick(uint64_t index, uint64_t now_ns);
+
+  // A device's clock may be fixed anew.
+  bool MayFixClocks() const { return supervisor_.mode() == Mode::kStandby; }
+
+  // A message of the INS that was measured at measured_ns.
+  void TakeIns(const InsSample& sample, uint64_t measured_ns);
+
+  // Where the vehicle is, ahead of the columns that were taken before it.
+  void Localise(const WheelFeedback& wheels);
+
+  void TakeLabels(const ColumnLabels& labels);
+  // A column of the lidar that was measured at time_ns.
+  void TakeColumn(const LidarColumn& column, uint64_t time_ns);
+  // One that came, and that the map does not get.
+  void LoseColumn();
+  // What the columns of this tick come to.
+  void FinishMap();
+
+  // Whether and how the vehicle may move. `answer` is that to the command.
+  void Decide(std::span<const uint8_t> command, const DriveFeedback& drives, bool bus_is_active,
+              CommandAnswer& answer);
+
+  // What the drives are to do.
+  DriveDemand Act();
+
+  // A fixed number of units of planning, never measured time: so a replay repeats.
+  void PlanOn();
+
+  // Adds what this tick decided.
+  void AddToHash(const CommandAnswer& answer);
+
+  DecisionHash hash_;
+  LoopCounters counters_;
+
+ private:
+  struct Goal {
+    Vec2 position_odom;
+    bool is_on_earth = false;  // then it moves in odom as that drifts
+    int64_t latitude_ndeg = 0;
+    int64_t longitude_ndeg = 0;
+    bool has_heading = false;
+    float heading_rad = 0.0f;
+  };
+
+  // What comes in (pilot.cpp).
+  void NoteIns(const InsSample& sample, uint64_t measured_ns);
+  void LocateInMap(const StampedPose& pose);
+  Status LimitSpeed(const LidarLayout& lidar);
+  Status ConfigureMapper();
+  void Restart();
+
+  // What the operator wants (goals.cpp).
+  void TakeCommand(std::span<const uint8_t> bytes, CommandAnswer& answer);
+  void NoteOperator();
+  Status TakeGoals();
+  Status InOdom(const control::Waypoint& waypoint, Vec2& position_odom) const;
+  void DropGoals();
+  void FollowEarth();
+  void AdvanceGoal(const DriveFeedback& drives);
+  bool IsAtEndFor(const Goal& goal) const;
+  bool HasArrived() const;
+
+  // What is done about it (decide.cpp).
+  VehicleState PredictedState() const;
+  bool HasPlan() const;
+  SupervisorInput Situation(const DriveFeedback& drives, bool bus_is_active) const;
+  void UpdatePlanner();
+  void Move();
+
+  // What is looked after besides (watch.cpp).
+  Status ConfigureSafety();
+  CorridorSize SizeOfCorridor() const;
+  void TestReturns(bool are_new);
+  bool IsBeside(Vec2 point_odom) const;
+  void TestColumn(int slot, uint32_t max_range_mm);
+  void FollowPlan();
+  WayAhead Ahead() const;
+  float MeasuredYawRate() const;
+  MotionSample SampleMotion(const WheelFeedback& wheels) const;
+  void WatchMotion(const WheelFeedback& wheels);
+  StopReason Misbehaves() const;
+  bool IsPersonNear() const;
+  void NoteNoWay();
+  StopReason HeldBy() const;
+  float ReactionTime() const;
+  bool IsOnLeadOut() const;
+  void NoteRound(bool was_busy, bool is_judged);
+  WheelCommand PassGate();
+
+  // Whether the lidar sees where the vehicle goes (sight.cpp).
+  Status ConfigureSight();
+  bool TurnsNext() const;
+  void WatchMount(int slot);
+  void AdvanceMount();
+  void LookAt(const Pose2& place, SightLook& oldest) const;
+  StopReason BlindBy(const SightLook& look) const;
+
+  // Where the vehicle goes until it is at rest (sweep.cpp).
+  void ConfigureSweep();
+  WayAhead JudgeSweep();
+  WayAhead JudgeStop();
+  WayAhead JudgeSettingOut();
+  void LayFirstWay();
+  void FillUnseenStart(VehicleState& state) const;
+
+  bool has_ticked_ = false;
+  uint64_t index_ = 0;
+  uint64_t now_ns_ = 0;
+  uint64_t lidar_ns_ = 0;  // our time of the newest column in the map
+  uint64_t ins_ns_ = 0;    // of the newest message of the INS that was no repetition: when it was
+                           // measured, as near as its clock tells, else when it came
+  uint64_t operator_ns_ = 0;
+  uint64_t before_ns_ = 0;   // of the tick before
+  float tick_s_ = 0.0f;      // since the tick before, within reason
+  bool is_gap_ = false;      // of the odometry, in this tick
+  bool is_located_ = false;  // the planner has this tick's state
+  PilotConfig config_;
+  OperatorWishes wishes_;
+  control::OperatorCommand command_;
+  FixedVector<Goal, control::kMaxWaypoints> goals_;
+  int32_t goal_index_ = 0;
+  InsSample newest_ins_;
+  AngularRate ins_rate_;         // the newest angular rate, which not every message has
+  uint64_t ins_rate_ns_ = 0;     // the same of it; 0: none yet
+  float ins_speed_mps_ = 0.0f;   // the newest speed over ground that it vouches for ...
+  uint64_t ins_speed_ns_ = 0;    // ... and when; 0: none yet
+  uint32_t operator_press_ = 0;  // the last that a message of the operator's carried
+  InsSample ins_position_;       // of this tick, the newest with a position
+  bool has_position_ = false;
+  Odometry odometry_;
+  MapFromOdom map_from_odom_;
+  Tracker tracker_;
+  TrackingOutput tracking_output_;
+  Supervisor supervisor_;
+  Permission permission_;
+  LidarWindow window_;
+  BeamModel beam_model_;
+  Mapper mapper_;
+  Replanner replanner_;
+  Corridor corridor_;
+  MotionSweep sweep_;
+  SweptMotion swept_;  // scratch of JudgeSweep
+  WayAhead sweep_advice_ = WayAhead::kClear;
+  uint32_t swept_plan_ = 0;        // whose way it stopped on last
+  int32_t lead_out_ = 0;           // that is tried next where it stands for that
+  uint64_t held_since_ns_ = 0;     // that it stands for it; 0: it does not
+  uint64_t person_beside_ns_ = 0;  // somebody was seen within reach last; 0: never
+  bool has_start_ = false;         // the map began ...
+  Pose2 start_odom_;               // ... at this pose
+  CommandGate gate_;
+  MotionWatch motion_;
+  ReactionMeter reaction_;
+  SightWatch sight_;
+  MountWatch mount_;
+  StopReason no_way_ = StopReason::kNone;  // as the last round found
+  uint32_t round_tick_ = 0;                // in which the round began
+  uint32_t seen_plan_ = 0;                 // number and check of the plan that the corridor is of
+  uint64_t seen_check_ns_ = 0;
+};
+static_assert(std::is_trivially_copyable_v<Pilot>);
+
+}  // namespace hardpack
