@@ -13,7 +13,7 @@
 
 using hardpack::CanBatch;
 using hardpack::CanFrame;
-using hardpack::sevcon::DriveDemand;
+using hardpack::DriveDemand;
 using hardpack::sevcon::DrivePair;
 using hardpack::sevcon::Side;
 

@@ -9,7 +9,8 @@ bound=("$1" "$2" --stops hardpack::AssertionFailed --most 16384 --frame memcpy=6
   --frame __ctzdi2=16)
 build=$3
 tapes=("${@:4}")
-"${bound[@]}" "$build" hardpack::VehicleLoop::Tick hardpack::VehicleLoop::Configure
+loop="hardpack::BasicVehicleLoop<hardpack::Warthog>"
+"${bound[@]}" "$build" "$loop::Tick" "$loop::Configure"
 if [ -f "${tapes[0]}" ] && [ -f "${tapes[1]}" ]; then
   program=$("${bound[@]}" "$build" hardpack::bare_metal::ReplayTape)
   most=$(awk '{ print $1 }' <<<"$program")

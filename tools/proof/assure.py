@@ -213,7 +213,7 @@ def measurements(options):
                                      "bare_metal.crowd_is_the_same")),
                         *bounds("cortex_m7"),
                         Promise("static bound of the stack of a tick",
-                                r"(\d+)  hardpack::VehicleLoop::Tick", form="{} bytes", at_most=16384),
+                                r"(\d+)  hardpack::BasicVehicleLoop<hardpack::Warthog>::Tick", form="{} bytes", at_most=16384),
                         Promise("of it taken, painted, the program around it included",
                                 r"mission and crowd took (\d+ of at most \d+ bytes)", "the bound"),
                     ]),

@@ -47,7 +47,7 @@ class MasterAndDrives {
     return text;
   }
 
-  void Run(double seconds, const sevcon::DriveDemand& demand = {}) {
+  void Run(double seconds, const DriveDemand& demand = {}) {
     for (int i = 0; i < static_cast<int>(std::lround(100.0 * seconds)); ++i) {
       now_ns_ += 10'000'000;
       std::vector<CanFrame> of_drives;
@@ -59,8 +59,8 @@ class MasterAndDrives {
     }
   }
 
-  static sevcon::DriveDemand Speed(float left_radps, float right_radps) {
-    sevcon::DriveDemand demand;
+  static DriveDemand Speed(float left_radps, float right_radps) {
+    DriveDemand demand;
     demand.enable = true;
     demand.wheels = {left_radps, right_radps};
     return demand;
@@ -188,7 +188,7 @@ TEST(MasterAndDrives, DriveAgainWhenTheFaultWasReset) {
   both.vehicle().drive(Side::kLeft).RaiseFault({0x2310, 3, 0x4e01});
   both.Run(1.0);
   EXPECT_FALSE(both.master().ready());
-  sevcon::DriveDemand reset;
+  DriveDemand reset;
   reset.reset_faults = true;
   both.Run(1.0, reset);
   both.Run(4.0);
