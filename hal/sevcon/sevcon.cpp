@@ -9,6 +9,7 @@
 #include "hal/sevcon/bus_load.h"
 #include "hal/sevcon/canopen.h"
 #include "hal/sevcon/durations.h"
+#include "hal/sevcon/power_states.h"
 
 namespace hardpack::sevcon {
 namespace {
@@ -280,6 +281,18 @@ Status DrivePair::health() const {
 
 bool DrivePair::foreign_sender() const {
   return was_foreign_heard_ && now_ns_ - foreign_ns_ < kForeignHold_ns;
+}
+
+bool DrivePair::AreOff(uint64_t now_ns) const {
+  constexpr uint64_t kForgotten_ns = 5'000'000'000;  // longer than a stop takes
+  HP_LOOP_BOUND(kSides)
+  for (const Drive& drive : drives_) {
+    const DriveReport& report = drive.report();
+    const bool was_heard =
+        report.wheel_time_ns != 0 && now_ns - report.wheel_time_ns < kForgotten_ns;
+    if (was_heard && PowerStateOf(report.statusword) == PowerState::kOperationEnabled) return false;
+  }
+  return true;
 }
 
 const DriveReport& DrivePair::report(Side side) const {

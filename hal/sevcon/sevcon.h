@@ -64,6 +64,9 @@ class DrivePair {
   // Somebody else sends with identifiers of ours, or did within the last kForeignHold_ns: not to be
   // driven on this bus. The drives' faults stay until they are reset.
   bool foreign_sender() const;
+  // No drive can push: each says itself that it is not enabled, or has said nothing for longer than
+  // a stop takes.
+  bool AreOff(uint64_t now_ns) const;
   const DriveReport& report(Side side) const;
   WheelFeedback feedback(uint64_t now_ns) const;
   DriveFeedback State(uint64_t now_ns) const;

@@ -19,6 +19,7 @@
 #include "port_linux/files/read_file.h"
 #include "port_linux/files/set_parameter.h"
 #include "port_linux/files/toml_lines.h"
+#include "port_linux/files/vehicle_types.h"
 
 // The library's names for its options.
 #define TOML_EXCEPTIONS 0         // NOLINT(readability-identifier-naming)
@@ -185,6 +186,7 @@ class Intake {
   std::string Suggestion(const std::string& unknown) const;
   void CheckDrives();
   void CheckConflicts();
+  void CheckVehicle();
   void CheckPorts();
   void Add(size_t line, Status status, std::string text, std::string unknown = {}) {
     problems_.push_back({line, status, std::move(text), std::move(unknown)});
@@ -320,6 +322,7 @@ void Intake::CheckTogether() {
         "can.interface: no interface has a name with / or a blank in it");
   }
   CheckDrives();
+  CheckVehicle();
   CheckPorts();
 }
 
@@ -364,6 +367,15 @@ void Intake::CheckConflicts() {
   ForEachConflict(read.planner.costmap, read.perception.segmentation, take);
   ForEachConflict(read.planner, read.onboard, take);
   ForEachConflict(read.onboard.drive, take);
+}
+
+void Intake::CheckVehicle() {
+  const std::string& type = configuration_.vehicle_type;
+  const std::vector<std::string_view> types = VehicleTypes();
+  if (std::find(types.begin(), types.end(), type) != types.end()) return;
+  std::string text = "vehicle.type: is \"" + Shown(type) + "\", has to be one of";
+  for (const std::string_view known : types) text.append(" ").append(known);
+  Add(LineOfKey("vehicle.type"), Status::kInvalidArgument, text);
 }
 
 void Intake::CheckPorts() {

@@ -89,6 +89,7 @@ struct ProcessConfiguration {
 };
 
 struct Configuration {
+  std::string vehicle_type = "warthog";  // vehicle.type, one of VehicleTypes()
   PlannerParams planner;
   PerceptionParams perception;
   OnboardParams onboard;

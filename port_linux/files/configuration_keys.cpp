@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "core/base/validate.h"
+#include "hal/onboard/vehicle_loop/vehicles.h"
+#include "port_linux/files/vehicle_types.h"
 
 namespace hardpack {
 namespace {
@@ -64,6 +66,13 @@ void AddDevices(Configuration& c, Keys& keys) {
        "A frame that the bus did not take for so long is dropped: a late command is worse than "
        "none."}};
   keys.insert(keys.end(), rows.begin(), rows.end());
+}
+
+void AddVehicleType(Configuration& c, Keys& keys) {
+  std::string known;
+  for (const std::string_view type : VehicleTypes()) known.append(" ").append(type);
+  keys.push_back({"vehicle.type", &c.vehicle_type, 1, kMaxVehicleType,
+                  "Which of the vehicles that the program is built with it drives:" + known + "."});
 }
 
 void AddProgram(Configuration& c, Keys& keys) {
@@ -174,6 +183,7 @@ std::vector<ConfigurationKey> KeysOf(Configuration& configuration) {
   AddDevices(configuration, keys);
   AddParameters(configuration.onboard, keys);
   AddParameters(configuration.perception, keys);
+  AddVehicleType(configuration, keys);
   AddParameters(configuration.planner, keys);
   AddProgram(configuration, keys);
   // [ins] has keys of the port and parameters; a file may open a table only once.

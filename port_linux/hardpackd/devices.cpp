@@ -76,7 +76,7 @@ void Say(std::string_view text) {
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, line.data(), line.size());
 }
 
-bool Devices::Open(const Startup& startup) {
+bool Devices::Open(const Startup& startup, const AnyVehicle& vehicle) {
   const Configuration& configuration = startup.configuration;
   // First of all, so that a second instance touches nothing.
   const ControlSocketOptions control = {configuration.control.socket, configuration.control.group};
@@ -86,7 +86,7 @@ bool Devices::Open(const Startup& startup) {
   can.bit_rate_bps =
       static_cast<uint32_t>(configuration.onboard.drive.bit_rate_kbps) * kBitsPerKilobit;
   return Tell(configuration.can.interface, can_.Open(configuration.can.interface, can)) &&
-         OpenSensors(configuration) && OpenLog(startup) &&
+         OpenSensors(configuration) && OpenLog(startup, vehicle) &&
          Tell("service manager", watchdog_.Open());
 }
 
@@ -99,7 +99,7 @@ bool Devices::OpenSensors(const Configuration& configuration) {
          Tell("lidar", lidar_.Open(OptionsOf(configuration.lidar)));
 }
 
-bool Devices::OpenLog(const Startup& startup) {
+bool Devices::OpenLog(const Startup& startup, const AnyVehicle& vehicle) {
   const LogConfiguration& log = startup.configuration.log;
   if (!log.enabled) {
     Say("warning: log.enabled = false: this run cannot be replayed");
@@ -116,18 +116,21 @@ bool Devices::OpenLog(const Startup& startup) {
     Say(started.message);
     return false;
   }
-  snapshot_ = std::make_unique<uint8_t[]>(sizeof(VehicleLoop));
-  flight_log_ = std::make_unique<flight_log::FlightLog>(
-      recorder_, std::span(snapshot_.get(), sizeof(VehicleLoop)));
+  const size_t state_bytes = vehicle.state().size();
+  snapshot_ = std::make_unique<uint8_t[]>(state_bytes);
+  flight_log_ =
+      std::make_unique<flight_log::FlightLog>(recorder_, std::span(snapshot_.get(), state_bytes));
   flight_log::FlightLogSetup setup;
   setup.wall_clock_offset_ns = WallClockOffset_ns(clock_);
+  setup.version.state_layout = vehicle.state_layout();
+  Copy(vehicle.type(), setup.version.vehicle);
   setup.version.run = static_cast<uint64_t>(setup.wall_clock_offset_ns) + clock_.Now_ns();
   Copy(HARDPACK_VERSION, setup.version.version);
   Copy(std::string(kRevision) + ", " + __VERSION__, setup.version.build);
   utsname machine = {};
   if (uname(&machine) == 0) Copy(machine.machine, setup.version.processor);
   setup.configuration = BytesOf(startup.configuration_text);
-  setup.lidar_metadata = BytesOf(startup.metadata_text);
+  setup.lidar_metadata = BytesOf(startup.lidar_text);
   const Configuration& configuration = startup.configuration;
   const DatagramSource* const sources[kInputSources] = {
       &configuration.ins, &configuration.label_source, &configuration.lidar};

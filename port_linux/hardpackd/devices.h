@@ -7,8 +7,8 @@
 
 #include "hal/onboard/flight_log/flight_log.h"
 #include "hal/onboard/run_loop/run_loop.h"
-#include "hal/onboard/vehicle_loop/vehicle_loop.h"
-#include "hal/ouster/ouster.h"
+#include "hal/onboard/vehicle_loop/any_vehicle.h"
+#include "port_linux/chosen_vehicle.h"
 #include "port_linux/control_socket.h"
 #include "port_linux/file_recorder.h"
 #include "port_linux/files/configuration.h"
@@ -24,8 +24,8 @@ namespace hardpack {
 struct Startup {
   Configuration configuration;
   std::string configuration_text;  // as TOML, every key, without the drives' password
-  std::string metadata_text;       // the lidar's JSON, as read
-  ouster::Metadata lidar;
+  std::string lidar_text;          // the file that describes the lidar, as read
+  LidarConfigs lidars;
 };
 
 // Everything that hardpackd opens: buses, sockets, recorder, watchdog. Each problem is one line on
@@ -33,7 +33,7 @@ struct Startup {
 class Devices {
  public:
   // False: something that cannot be done without could not be opened.
-  bool Open(const Startup& startup);
+  bool Open(const Startup& startup, const AnyVehicle& vehicle);
 
   // After Open, before the first tick: from here on the tick thread is as punctual as it is
   // permitted to be.
@@ -47,7 +47,7 @@ class Devices {
 
  private:
   bool OpenSensors(const Configuration& configuration);
-  bool OpenLog(const Startup& startup);
+  bool OpenLog(const Startup& startup, const AnyVehicle& vehicle);
 
   MonotonicClock clock_;
   SocketCanBus can_;

@@ -11,8 +11,7 @@
 #include <string_view>
 
 #include "core/base/assert.h"
-#include "port_linux/files/ouster_metadata.h"
-#include "port_linux/files/read_file.h"
+#include "port_linux/chosen_vehicle.h"
 #include "port_linux/hardpackd/allocation_guard.h"
 #include "port_linux/hardpackd/devices.h"
 #include "port_linux/hardpackd/revision.h"
@@ -84,32 +83,11 @@ ReadOutcome ReadStartup(const std::string& path, Startup& startup) {
   ReadOutcome outcome = ReadConfiguration(path, startup.configuration);
   if (!outcome.ok()) return outcome;
   startup.configuration_text = ToToml(startup.configuration, Secrets::kHidden);
-  const std::string& metadata = startup.configuration.lidar.metadata;
-  outcome = ReadFile(metadata, ouster::kMaxMetadataBytes, startup.metadata_text);
-  if (!outcome.ok()) return outcome;
-  return ouster::ParseMetadata(startup.metadata_text, metadata, startup.lidar);
+  return ReadLidar(startup.configuration, startup.lidar_text, startup.lidars);
 }
 
 // 8 MiB that live here and nowhere else.
-VehicleLoop g_loop;
-
-bool SetUp(const Startup& startup) {
-  const Configuration& configuration = startup.configuration;
-  const auto config = std::make_unique<VehicleConfig>();
-  config->planner = configuration.planner;
-  config->perception = configuration.perception;
-  config->onboard = configuration.onboard;
-  config->labels = configuration.labels;
-  config->lidar = startup.lidar;
-  const Status configured = g_loop.Configure(*config);
-  if (IsUsable(configured)) return true;
-  const ParameterConflict conflict = VehicleLoop::ConflictOf(*config);
-  Say(conflict.name != nullptr
-          ? std::string(conflict.name) + " and " + conflict.other + ": " + conflict.name +
-                " has to be " + conflict.rule
-          : std::string("the configuration does not go together: ") + StatusName(configured));
-  return false;
-}
+ChosenVehicle g_vehicle;
 
 // Writes to every page once: the first plan is not to wait for them, should memory not be locked.
 void TouchPages(std::span<std::byte> memory) {
@@ -123,9 +101,9 @@ void TouchPages(std::span<std::byte> memory) {
 int Drive(const Startup& startup) {
   const Configuration& configuration = startup.configuration;
   const auto devices = std::make_unique<Devices>();
-  if (!devices->Open(startup)) return kFailed;
+  if (!devices->Open(startup, *g_vehicle.get())) return kFailed;
   devices->BecomeRealtime(configuration.process);
-  TouchPages(std::as_writable_bytes(std::span(&g_loop, 1)));
+  TouchPages(g_vehicle.memory());
   constexpr uint64_t kNanosecondsPerMillisecond = 1'000'000;
   RunOptions options;
   options.period_ms = configuration.onboard.tick.period_ms;
@@ -136,7 +114,7 @@ int Drive(const Startup& startup) {
   options.realtime_scheduled = devices->realtime().scheduled;
   options.memory_locked = devices->realtime().locked;
   options.allocations = AllocationsSinceFrozen;
-  const auto run_loop = std::make_unique<RunLoop>(g_loop, devices->ForOnboard(), options);
+  const auto run_loop = std::make_unique<RunLoop>(*g_vehicle.get(), devices->ForOnboard(), options);
   Say("running; " + std::to_string(configuration.onboard.tick.period_ms) + " ms a tick");
   FreezeHeap(configuration.process.abort_on_allocation);
   run_loop->Begin();
@@ -161,9 +139,9 @@ int Main(int argc, char** argv) {
     return kBadInput;
   }
   const auto startup = std::make_unique<Startup>();
-  const ReadOutcome outcome = ReadStartup(argv[2], *startup);
+  ReadOutcome outcome = ReadStartup(argv[2], *startup);
+  if (outcome.ok()) outcome = g_vehicle.Configure(startup->configuration, startup->lidars);
   if (!outcome.ok()) return Fail(kBadInput, outcome);
-  if (!SetUp(*startup)) return kBadInput;
   if (prints) std::fputs(ToToml(startup->configuration).c_str(), stdout);
   if (checks || prints) return kDone;
   return Drive(*startup);

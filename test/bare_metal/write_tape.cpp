@@ -8,11 +8,9 @@
 #include <system_error>
 #include <vector>
 
-#include "port_linux/files/configuration.h"
-#include "port_linux/files/ouster_metadata.h"
+#include "port_linux/chosen_vehicle.h"
 #include "test/bare_metal/tape_writer.h"
 #include "tools/capture/flight_reader.h"
-#include "tools/replay/replay.h"
 
 // Writes the first ticks of a flight log, the first file of its run, as a tape.
 
@@ -44,9 +42,10 @@ ReadOutcome ReadConfig(const FlightReader& reader, const std::string& path, Vehi
   const ReadOutcome parsed =
       ParseConfiguration(TextOf(reader.configuration()), path, *configuration);
   if (!parsed.ok()) return parsed;
-  const auto lidar = std::make_unique<ouster::Metadata>();
-  const ReadOutcome read = ouster::ParseMetadata(TextOf(reader.lidar_metadata()), path, *lidar);
-  if (read.ok()) config = replay::ConfigOf(*configuration, *lidar);
+  const auto lidars = std::make_unique<LidarConfigs>();
+  const ReadOutcome read =
+      ParseLidar(*configuration, TextOf(reader.lidar_metadata()), path, *lidars);
+  if (read.ok()) config = ConfigOf<Warthog>(*configuration, *lidars);
   return read;
 }
 

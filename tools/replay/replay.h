@@ -11,12 +11,13 @@
 #include "core/base/pose.h"
 #include "core/safety/supervisor.h"
 #include "hal/onboard/flight_log/records.h"
-#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/vehicle_loop/any_vehicle.h"
+#include "port_linux/chosen_vehicle.h"
 #include "port_linux/files/configuration.h"
 #include "port_linux/files/read_outcome.h"
 
-// Runs a recorded drive through VehicleLoop again (docs/flight_log.md). Of a flight log the ticks
-// are known, and so is what they decided: it has to be decided again, bit for bit. Of a plain
+// Runs a recorded drive through its vehicle's loop again (docs/flight_log.md). Of a flight log the
+// ticks are known, and so is what they decided: it has to be decided again, bit for bit. Of a plain
 // capture
 // (`tcpdump -i any`) the ticks are made from the packets' times, and there is nothing to compare.
 
@@ -92,31 +93,28 @@ struct Report {
   bool same() const { return !difference.found && not_comparable.empty(); }
 };
 
-// What the loop is configured with, from the port's configuration.
-VehicleConfig ConfigOf(const Configuration& configuration, const ouster::Metadata& lidar);
-
 // Whether the files are flight logs or plain captures: they are all the same, or kInvalidArgument.
 ReadOutcome AreFlightLogs(const std::vector<std::string>& files, bool& are_logs);
 
 // Replays a flight log. A failure is input that cannot be used at all (a file or its configuration
 // cannot be read, the files are not of one run, an image is of a program with another layout of the
-// state); everything else is in the report. `loop` ends as it was after the last tick, and
+// state); everything else is in the report. `vehicle` ends as it was after the last tick, and
 // `configuration` is what was used.
-ReadOutcome ReplayLog(const Request& request, VehicleLoop& loop, Configuration& configuration,
+ReadOutcome ReplayLog(const Request& request, ChosenVehicle& vehicle, Configuration& configuration,
                       Report& report);
 
 // Replays a plain capture. A tick takes what the capture took in the period before it, as the
 // onboard program would, which leaves to the next tick what is more than one takes. The bus is
 // taken to be active.
-ReadOutcome ReplayCapture(const Request& request, VehicleLoop& loop, Configuration& configuration,
-                          Report& report);
+ReadOutcome ReplayCapture(const Request& request, ChosenVehicle& vehicle,
+                          Configuration& configuration, Report& report);
 
 // Notes what a tick has changed; for both of them.
 class Observer {
  public:
   explicit Observer(Report& report) : report_(report) {}
-  // One tick of the loop, timed and noted.
-  Status Tick(const TickInput& input, VehicleLoop& loop, TickOutput& output);
+  // One tick of the vehicle, timed and noted.
+  Status Tick(const TickInput& input, AnyVehicle& vehicle, TickOutput& output);
 
  private:
   Report& report_;

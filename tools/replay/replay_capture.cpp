@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "hal/sevcon/canopen.h"
-#include "port_linux/files/ouster_metadata.h"
 #include "tools/capture/pcap_reader.h"
 #include "tools/replay/replay.h"
 
@@ -35,8 +34,8 @@ bool IsFrom(const capture::UdpDatagram& datagram, const DatagramSource& source) 
 
 class CaptureReplay {
  public:
-  CaptureReplay(VehicleLoop& loop, const Configuration& configuration, Report& report)
-      : loop_(loop), configuration_(configuration), report_(report), observer_(report) {
+  CaptureReplay(AnyVehicle& vehicle, const Configuration& configuration, Report& report)
+      : vehicle_(vehicle), configuration_(configuration), report_(report), observer_(report) {
     period_ns_ = configuration.onboard.tick.period_ms * kMillisecond_ns;
   }
 
@@ -101,10 +100,10 @@ class CaptureReplay {
   void Tick() {
     std::vector<std::vector<uint8_t>> taken;
     std::vector<TickDatagram> datagrams;
-    taken.reserve(VehicleLoop::kMaxDatagramsPerTick);
+    taken.reserve(TickLimits::kMaxDatagramsPerTick);
     for (size_t source = 0; source < kInputSources; ++source) {
       std::deque<std::vector<uint8_t>>& queue = datagrams_[source];
-      while (!queue.empty() && taken.size() < VehicleLoop::kMaxDatagramsPerTick) {
+      while (!queue.empty() && taken.size() < TickLimits::kMaxDatagramsPerTick) {
         taken.push_back(std::move(queue.front()));
         queue.pop_front();
         datagrams.push_back({static_cast<InputSource>(source), taken.back()});
@@ -120,10 +119,10 @@ class CaptureReplay {
         {}};
     next_tick_ns_ += period_ns_;
     // A tick that is refused is in the loop's counters.
-    static_cast<void>(observer_.Tick(input, loop_, output_));
+    static_cast<void>(observer_.Tick(input, vehicle_, output_));
   }
 
-  VehicleLoop& loop_;
+  AnyVehicle& vehicle_;
   const Configuration& configuration_;
   Report& report_;
   Observer observer_;
@@ -137,26 +136,26 @@ class CaptureReplay {
 
 }  // namespace
 
-ReadOutcome ReplayCapture(const Request& request, VehicleLoop& loop, Configuration& configuration,
-                          Report& report) {
+ReadOutcome ReplayCapture(const Request& request, ChosenVehicle& vehicle,
+                          Configuration& configuration, Report& report) {
   if (request.configuration_path.empty()) {
     return {Status::kInvalidArgument,
             request.files.front() + ": a plain capture, which needs --config"};
   }
   const ReadOutcome read = ReadConfiguration(request.configuration_path, configuration);
   if (!read.ok()) return read;
-  const std::string& metadata_path =
-      request.metadata_path.empty() ? configuration.lidar.metadata : request.metadata_path;
-  const auto lidar = std::make_unique<ouster::Metadata>();
-  const ReadOutcome metadata = ouster::ReadMetadata(metadata_path, *lidar);
-  if (!metadata.ok()) return metadata;
-  const auto config = std::make_unique<VehicleConfig>(ConfigOf(configuration, *lidar));
-  const Status status = loop.Configure(*config);
-  if (!IsUsable(status)) {
-    return {status, request.configuration_path + ": refused: " + StatusName(status)};
+  if (!request.metadata_path.empty()) configuration.lidar.metadata = request.metadata_path;
+  const auto lidars = std::make_unique<LidarConfigs>();
+  std::string text;
+  const ReadOutcome lidar = ReadLidar(configuration, text, *lidars);
+  if (!lidar.ok()) return lidar;
+  ReadOutcome configured = vehicle.Configure(configuration, *lidars);
+  if (!configured.ok()) {
+    configured.message = request.configuration_path + ": refused: " + configured.message;
+    return configured;
   }
   report.files = request.files;
-  CaptureReplay replay(loop, configuration, report);
+  CaptureReplay replay(*vehicle.get(), configuration, report);
   for (const std::string& path : request.files) {
     const ReadOutcome taken = replay.Read(path);
     if (!taken.ok()) return taken;

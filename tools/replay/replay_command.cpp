@@ -31,16 +31,16 @@ std::string Summary(const replay::Report& report) {
 void RunReplay(const ReplayOptions& options) {
   bool are_logs = false;
   Require(replay::AreFlightLogs(options.request.files, are_logs));
-  const auto loop = std::make_unique<VehicleLoop>();
+  const auto vehicle = std::make_unique<ChosenVehicle>();
   const auto configuration = std::make_unique<Configuration>();
   replay::Report report;
-  Require(are_logs ? replay::ReplayLog(options.request, *loop, *configuration, report)
-                   : replay::ReplayCapture(options.request, *loop, *configuration, report));
-  const nlohmann::json object = replay::ReportToJson(report, *loop);
+  Require(are_logs ? replay::ReplayLog(options.request, *vehicle, *configuration, report)
+                   : replay::ReplayCapture(options.request, *vehicle, *configuration, report));
+  const nlohmann::json object = replay::ReportToJson(report, vehicle->get()->pilot());
   if (!options.out.empty()) {
     MakeOutputFolder(options.out);
     WriteText(options.out + "/replay.json", object.dump(1) + "\n");
-    Require(replay::DrawReplay(report, *loop, configuration->planner.vehicle)
+    Require(replay::DrawReplay(report, vehicle->get()->pilot(), configuration->planner.vehicle)
                 .WritePng(options.out + "/replay.png"));
   }
   if (options.json) std::cout << object.dump() << "\n";

@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "hal/onboard/flight_log/flight_log.h"
-#include "port_linux/files/ouster_metadata.h"
 #include "tools/capture/flight_reader.h"
 #include "tools/replay/replay.h"
 
@@ -80,9 +79,10 @@ ReadOutcome OrderFiles(const std::vector<std::string>& files, std::vector<Openin
 
 class LogReplay {
  public:
-  LogReplay(const Request& request, VehicleLoop& loop, Configuration& configuration, Report& report)
+  LogReplay(const Request& request, ChosenVehicle& vehicle, Configuration& configuration,
+            Report& report)
       : request_(request),
-        loop_(loop),
+        vehicle_(vehicle),
         configuration_(configuration),
         report_(report),
         observer_(report) {}
@@ -177,21 +177,21 @@ class LogReplay {
     if (own.empty() && TextOf(reader.configuration()).find(kHiddenSecret) != std::string::npos) {
       configuration_.onboard.drive.login_password = PasswordOnTheBus();
     }
-    const auto lidar = std::make_unique<ouster::Metadata>();
-    if (request_.metadata_path.empty() && !reader.lidar_metadata().whole) {
+    const bool has_own_lidar = request_.metadata_path.empty();
+    if (has_own_lidar && !reader.lidar_metadata().whole) {
       return {Status::kTruncated, path + ": its metadata are not whole; --metadata gives some"};
     }
-    const ReadOutcome read =
-        request_.metadata_path.empty()
-            ? ouster::ParseMetadata(TextOf(reader.lidar_metadata()), path + " (metadata)", *lidar)
-            : ouster::ReadMetadata(request_.metadata_path, *lidar);
+    const auto lidars = std::make_unique<LidarConfigs>();
+    if (!has_own_lidar) configuration_.lidar.metadata = request_.metadata_path;
+    std::string text;
+    const ReadOutcome read = has_own_lidar
+                                 ? ParseLidar(configuration_, TextOf(reader.lidar_metadata()),
+                                              path + " (metadata)", *lidars)
+                                 : ReadLidar(configuration_, text, *lidars);
     if (!read.ok()) return read;
-    const auto config = std::make_unique<VehicleConfig>(ConfigOf(configuration_, *lidar));
-    const Status status = loop_.Configure(*config);
-    if (!IsUsable(status)) {
-      return {status, path + ": its configuration is refused: " + StatusName(status)};
-    }
-    return {};
+    ReadOutcome configured = vehicle_.Configure(configuration_, *lidars);
+    if (!configured.ok()) configured.message = path + ": refused: " + configured.message;
+    return configured;
   }
 
   // A log's configuration does not show the drives' password. A run that used it has it in a frame,
@@ -221,8 +221,9 @@ class LogReplay {
     if (!opening.has_version) {
       return {Status::kInvalidArgument, opening.path + ": goes on from a file before it"};
     }
-    const bool same_layout = version.state_bytes == sizeof(VehicleLoop) &&
-                             version.state_layout == flight_log::ImageLayout();
+    const bool same_layout = vehicle_.Choose(TextOf(version.vehicle)) &&
+                             version.state_bytes == vehicle_.get()->state().size() &&
+                             version.state_layout == vehicle_.get()->state_layout();
     if (!same_layout) {
       return {Status::kUnsupported,
               opening.path + ": its image of the state is of another layout (hardpack " +
@@ -240,14 +241,14 @@ class LogReplay {
       ParseOnce(opening.path, reader);
     }
     const bool usable = reader.image().whole &&
-                        reader.image().bytes.size() == sizeof(VehicleLoop) &&
+                        reader.image().bytes.size() == version.state_bytes &&
                         reader.image_index() + 1 == version.next_tick;
     if (!usable) {
       return {Status::kTruncated, opening.path +
                                       ": its image of the state is not whole: replay it "
                                       "with the files before it"};
     }
-    std::memcpy(static_cast<void*>(&loop_), reader.image().bytes.data(), sizeof(VehicleLoop));
+    static_cast<void>(vehicle_.get()->Restore(std::as_bytes(std::span(reader.image().bytes))));
     report_.from_image = report_.ticks == 0;
     return {};
   }
@@ -266,7 +267,7 @@ class LogReplay {
     }
     const TickInput input = {logged.begin.index, logged.begin.now_ns, logged.begin.bus,
                              datagrams_,         logged.frames_in,    logged.command};
-    const Status status = observer_.Tick(input, loop_, output_);
+    const Status status = observer_.Tick(input, *vehicle_.get(), output_);
     report_.logged.Add(logged.begin.index, logged.end.duration_ns);
     const std::string difference = DifferenceOf(logged, status);
     if (difference.empty()) return;
@@ -290,13 +291,13 @@ class LogReplay {
     if (frames != logged.frames_out.size()) {
       return std::to_string(frames) + " frames, logged " + std::to_string(logged.frames_out.size());
     }
-    if (loop_.decision_hash() == logged.end.decision_hash) return {};
-    return "decision hash: " + HexOf(loop_.decision_hash()) + ", logged " +
-           HexOf(logged.end.decision_hash);
+    const uint64_t decision_hash = vehicle_.get()->pilot().decision_hash();
+    if (decision_hash == logged.end.decision_hash) return {};
+    return "decision hash: " + HexOf(decision_hash) + ", logged " + HexOf(logged.end.decision_hash);
   }
 
   const Request& request_;
-  VehicleLoop& loop_;
+  ChosenVehicle& vehicle_;
   Configuration& configuration_;
   Report& report_;
   Observer observer_;
@@ -306,11 +307,6 @@ class LogReplay {
 };
 
 }  // namespace
-
-VehicleConfig ConfigOf(const Configuration& configuration, const ouster::Metadata& lidar) {
-  return {configuration.planner, configuration.perception, configuration.onboard,
-          configuration.labels, lidar};
-}
 
 ReadOutcome AreFlightLogs(const std::vector<std::string>& files, bool& are_logs) {
   size_t logs = 0;
@@ -327,9 +323,9 @@ ReadOutcome AreFlightLogs(const std::vector<std::string>& files, bool& are_logs)
   return {};
 }
 
-ReadOutcome ReplayLog(const Request& request, VehicleLoop& loop, Configuration& configuration,
+ReadOutcome ReplayLog(const Request& request, ChosenVehicle& vehicle, Configuration& configuration,
                       Report& report) {
-  return LogReplay(request, loop, configuration, report).Run();
+  return LogReplay(request, vehicle, configuration, report).Run();
 }
 
 }  // namespace hardpack::replay

@@ -31,11 +31,10 @@ picture::Range Grown(const picture::Range& range) {
 
 }  // namespace
 
-picture::Canvas DrawReplay(const Report& report, const VehicleLoop& loop,
-                           const VehicleParams& vehicle) {
-  const StampedPose& end = loop.odometry().pose();
+picture::Canvas DrawReplay(const Report& report, const Pilot& pilot, const VehicleParams& vehicle) {
+  const StampedPose& end = pilot.odometry().pose();
   const Pose2 pose = {end.position.x_m, end.position.y_m, end.yaw_rad};
-  const CommittedPlan& committed = loop.replanner().committed();
+  const CommittedPlan& committed = pilot.replanner().committed();
   std::vector<Pose2> path;
   if (committed.number != 0) path.assign(committed.path.begin(), committed.path.end());
   picture::Range x = {double{pose.x_m}, double{pose.x_m}};
@@ -48,7 +47,7 @@ picture::Canvas DrawReplay(const Report& report, const VehicleLoop& loop,
   }
   picture::Canvas canvas(kWidth_px, kHeight_px);
   picture::Axes axes = picture::Axes::OfMap(canvas, kMapArea, Grown(x), Grown(y));
-  picture::DrawCostmap(canvas, axes, loop.replanner().planner().costmap());
+  picture::DrawCostmap(canvas, axes, pilot.replanner().planner().costmap());
   axes.ClipBegin();
   axes.Line(PointsOf(report.driven), {.colour = picture::kVehicle, .line_px = 2.6});
   axes.Line(PointsOf(path), {.colour = picture::kOptimizedPath, .line_px = 3.2});

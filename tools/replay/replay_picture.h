@@ -10,7 +10,6 @@
 
 namespace hardpack::replay {
 
-picture::Canvas DrawReplay(const Report& report, const VehicleLoop& loop,
-                           const VehicleParams& vehicle);
+picture::Canvas DrawReplay(const Report& report, const Pilot& pilot, const VehicleParams& vehicle);
 
 }  // namespace hardpack::replay

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "hal/onboard/control/status_table.h"
 #include "port_linux/hardpackctl/code_names.h"
 
 namespace hardpack::replay {
@@ -81,23 +82,14 @@ json BySource(const std::array<int64_t, kInputSources>& counts) {
           {"lidar", counts[static_cast<size_t>(InputSource::kLidar)]}};
 }
 
-json CountersJson(const VehicleLoop& loop) {
-  const LoopCounters& counters = loop.counters();
-  std::array<int64_t, kInputSources> refused = {};
-  for (size_t i = 0; i < refused.size(); ++i) {
-    refused[i] = static_cast<int64_t>(counters.refused_datagrams[i]);
-  }
-  return {{"ticks", counters.ticks},
-          {"missed_ticks", counters.missed_ticks},
-          {"refused_ticks", counters.refused_ticks},
-          {"refused_datagrams", BySource(refused)},
-          {"refused_columns", counters.refused_columns},
-          {"suspect_columns", counters.suspect_columns},
-          {"lidar_restarts", counters.lidar_restarts},
-          {"clock_jumps", counters.clock_jumps},
-          {"commands", counters.commands},
-          {"refused_commands", counters.refused_commands},
-          {"plans", loop.replanner().counters().plans}};
+// By the names that an operator sees.
+json CountersJson(const LoopCounters& counters) {
+  json object = json::object();
+  const auto add = [&object](const char* name, FieldKind, control::Concern, uint64_t count) {
+    object[name] = count;
+  };
+  control::VisitLoop(counters, add);
+  return object;
 }
 
 // Of all columns so far; null: never, or none yet (core/safety/reaction_meter.h).
@@ -130,7 +122,7 @@ std::string HashText(uint64_t hash) {
   return text.data();
 }
 
-json ReportToJson(const Report& report, const VehicleLoop& loop) {
+json ReportToJson(const Report& report, const Pilot& pilot) {
   json object = {{"files", report.files},
                  {"kind", report.is_flight_log ? "flight_log" : "capture"},
                  {"ticks", report.ticks},
@@ -143,8 +135,8 @@ json ReportToJson(const Report& report, const VehicleLoop& loop) {
                  {"cut", report.cut},
                  {"modes", ModesJson(report)},
                  {"plans", PlansJson(report)},
-                 {"counters", CountersJson(loop)},
-                 {"reaction", ReactionJson(loop.reaction())},
+                 {"counters", CountersJson(pilot.counters())},
+                 {"reaction", ReactionJson(pilot.reaction())},
                  {"durations", {{"replayed", DurationJson(report.replayed)}}}};
   if (report.is_flight_log) {
     object["same"] = report.same();
@@ -157,6 +149,7 @@ json ReportToJson(const Report& report, const VehicleLoop& loop) {
     object["logged_by"] = {{"version", TextOf(report.version.version)},
                            {"build", TextOf(report.version.build)},
                            {"processor", TextOf(report.version.processor)},
+                           {"vehicle", TextOf(report.version.vehicle)},
                            {"run", HashText(report.version.run)}};
   } else {
     object["own_frames"] = report.own_frames;

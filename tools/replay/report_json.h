@@ -13,6 +13,6 @@ namespace hardpack::replay {
 // As 16 digits, "0123456789abcdef".
 std::string HashText(uint64_t hash);
 
-nlohmann::json ReportToJson(const Report& report, const VehicleLoop& loop);
+nlohmann::json ReportToJson(const Report& report, const Pilot& pilot);
 
 }  // namespace hardpack::replay

@@ -14,7 +14,7 @@ namespace hardpack::control {
 namespace {
 
 // The body: u32 of the table, then the fields in its order: numbers little-endian in their own
-// sizes, a flag as a byte, an age as two u64, a text as its kVersionBytes bytes.
+// sizes, a flag as a byte, an age as two u64, a text as its kTextBytes bytes.
 constexpr size_t kFieldsOffset = kHeaderBytes + 4;
 
 template <typename Value>
@@ -99,8 +99,8 @@ class Writing {
     writer_.U64(value.age_ns);
     writer_.U64(value.limit_ns);
   }
-  void operator()(const char*, FieldKind, Concern, const char (&text)[kVersionBytes]) {
-    HP_LOOP_BOUND(kVersionBytes)
+  void operator()(const char*, FieldKind, Concern, const char (&text)[kTextBytes]) {
+    HP_LOOP_BOUND(kTextBytes)
     for (const char letter : text) writer_.U8(static_cast<uint8_t>(letter));
   }
 
@@ -123,15 +123,15 @@ class Reading {
     if (keep_) value = read;
     offset_ += EncodedBytes<Value>();
   }
-  void operator()(const char*, FieldKind, Concern, char (&text)[kVersionBytes]) {
-    char read[kVersionBytes] = {};
-    HP_LOOP_BOUND(kVersionBytes)
-    for (size_t i = 0; i < kVersionBytes; ++i) {
+  void operator()(const char*, FieldKind, Concern, char (&text)[kTextBytes]) {
+    char read[kTextBytes] = {};
+    HP_LOOP_BOUND(kTextBytes)
+    for (size_t i = 0; i < kTextBytes; ++i) {
       read[i] = static_cast<char>(reader_.U8(offset_ + i));
       if (keep_) text[i] = read[i];
     }
     Require(IsText(read));
-    offset_ += kVersionBytes;
+    offset_ += kTextBytes;
   }
 
   Status status() const { return status_; }
@@ -165,7 +165,8 @@ class Reading {
 Status Encode(const StatusReport& report, uint32_t sequence, std::span<uint8_t> buffer,
               int& size_bytes) {
   size_bytes = 0;
-  if (!IsText(report.program.version)) return Status::kInvalidArgument;
+  const ProgramPart& program = report.program;
+  if (!IsText(program.version) || !IsText(program.vehicle)) return Status::kInvalidArgument;
   if (buffer.size() < kMessageBytes) return Status::kCapacityExceeded;
   MessageWriter writer(buffer, Kind::kStatus, sequence);
   writer.U32(kTable.value());

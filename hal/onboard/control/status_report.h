@@ -31,11 +31,12 @@ constexpr Age AgeAt(uint64_t now_ns, uint64_t then_ns, uint64_t limit_ns = 0) {
   return {then_ns < now_ns ? now_ns - then_ns : 0, limit_ns};
 }
 
-inline constexpr int kVersionBytes = 32;
+inline constexpr int kTextBytes = 32;
 
 struct ProgramPart {
-  char version[kVersionBytes] = {};  // printable ASCII, ended by a zero
-  uint64_t uptime_ns = 0;            // since the first tick
+  char version[kTextBytes] = {};  // printable ASCII, ended by a zero; so is the next one
+  char vehicle[kTextBytes] = {};  // its type
+  uint64_t uptime_ns = 0;         // since the first tick
   uint64_t tick_index = 0;
   uint64_t missed_ticks = 0;
   uint64_t dropped_datagrams = 0;   // that had waited for too long to be told as new
@@ -277,22 +278,22 @@ inline constexpr int kInputSourceCount = 3;  // INS, labels, lidar
 
 struct LoopPart {
   uint64_t ticks = 0;
-  uint64_t missed_ticks = 0;
-  uint64_t refused_ticks = 0;
+  uint64_t missed_ticks = 0;   // gaps of the index
+  uint64_t refused_ticks = 0;  // input that no tick can have: time or index ran backwards
   uint64_t datagrams[kInputSourceCount] = {};
   uint64_t refused_datagrams[kInputSourceCount] = {};
-  uint64_t refused_columns = 0;
-  uint64_t suspect_columns = 0;
+  uint64_t refused_columns = 0;  // those beyond a tick's directions among them
+  uint64_t suspect_columns = 0;  // dropped while the lidar's clock was not to be relied upon
   uint64_t lidar_restarts = 0;
-  uint64_t clock_jumps = 0;
-  uint64_t untimed_ins = 0;
-  uint64_t odometry_gaps = 0;
-  uint64_t odometry_jumps = 0;
-  uint64_t refused_labels = 0;
+  uint64_t clock_jumps = 0;     // of the lidar
+  uint64_t untimed_ins = 0;     // INS messages dropped while its clock was not to be relied upon
+  uint64_t odometry_gaps = 0;   // pauses that odometry does not bridge: the map began anew
+  uint64_t odometry_jumps = 0;  // steps that no vehicle makes: the same
+  uint64_t refused_labels = 0;  // columns of labels that the map has no use for any more
   uint64_t commands = 0;
   uint64_t refused_commands = 0;
-  uint64_t plans = 0;
-  uint64_t refused_states = 0;
+  uint64_t plans = 0;           // rounds of planning that were judged
+  uint64_t refused_states = 0;  // that the planner would not take
 };
 
 // What came over the control socket. The port counts it.
@@ -352,8 +353,8 @@ struct StatusReport {
 static_assert(std::is_trivially_copyable_v<StatusReport>);
 
 // Writes the answer to a kGetStatus of that number and sets `size_bytes`. kCapacityExceeded: the
-// buffer is too small; kInvalidArgument: the version is no text. Then nothing is written, and
-// size_bytes is 0. Cost: one pass over the fields.
+// buffer is too small; kInvalidArgument: the version or the vehicle is no text. Then nothing is
+// written, and size_bytes is 0. Cost: one pass over the fields.
 Status Encode(const StatusReport& report, uint32_t sequence, std::span<uint8_t> buffer,
               int& size_bytes);
 

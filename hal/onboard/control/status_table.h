@@ -53,6 +53,7 @@ enum class Concern : uint8_t {
 template <typename Part, typename Visit>
 constexpr void VisitProgram(Part& part, Visit& visit) {
   HP_STATUS_FIELD(version);
+  HP_STATUS_FIELD(vehicle);
   HP_STATUS_SHOWN(uptime_ns, kDuration);
   HP_STATUS_FIELD(tick_index);
   HP_STATUS_LOSS(missed_ticks);

@@ -17,7 +17,7 @@ TickBeginRecord Describe(const TickInput& input) {
   record.now_ns = input.now_ns;
   record.bus = input.bus;
   InputSource before = InputSource::kIns;
-  HP_LOOP_BOUND(VehicleLoop::kMaxDatagramsPerTick)
+  HP_LOOP_BOUND(TickLimits::kMaxDatagramsPerTick)
   for (const TickDatagram& datagram : input.datagrams) {
     // Readers tell the sources apart by their counts.
     HP_ASSERT(datagram.source >= before);
@@ -49,7 +49,7 @@ Status FlightLog::Start(const FlightLogSetup& setup) {
 
 void FlightLog::BeginTick(const TickInput& input, const TickArrivals& arrivals,
                           std::span<const std::byte> state) {
-  HP_ASSERT(input.datagrams.size() <= VehicleLoop::kMaxDatagramsPerTick &&
+  HP_ASSERT(input.datagrams.size() <= TickLimits::kMaxDatagramsPerTick &&
             input.frames.size() <= CanBus::kMaxFramesPerTick &&
             input.command.size() <= kMaxCommandBytes);
   HP_ASSERT(arrivals.datagrams.empty() || arrivals.datagrams.size() == input.datagrams.size());
@@ -63,7 +63,7 @@ void FlightLog::BeginTick(const TickInput& input, const TickArrivals& arrivals,
     const uint64_t age_ns = is_timed ? input.now_ns - frame.received_ns : 0;
     RecordFrame(frame, Direction::kIn, tick_time_ns_ - static_cast<int64_t>(age_ns));
   }
-  HP_LOOP_BOUND(VehicleLoop::kMaxDatagramsPerTick)
+  HP_LOOP_BOUND(TickLimits::kMaxDatagramsPerTick)
   for (size_t i = 0; i < input.datagrams.size(); ++i) {
     RecordDatagram(input.datagrams[i],
                    arrivals.datagrams.empty() ? nullptr : &arrivals.datagrams[i]);
@@ -124,7 +124,6 @@ void FlightLog::RecordVersion(size_t state_bytes) {
   record.file = files_++;
   record.next_tick = any_tick_ ? last_index_ + 1 : 0;
   record.state_bytes = state_bytes;
-  record.state_layout = ImageLayout();
   RecordOwn(RecordHead(record), {});
 }
 

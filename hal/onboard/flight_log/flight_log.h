@@ -8,17 +8,17 @@
 #include "core/base/status.h"
 #include "hal/onboard/flight_log/packets.h"
 #include "hal/onboard/flight_log/records.h"
-#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/vehicle_loop/tick.h"
 #include "hal/recorder.h"
 
 // Writes a run into a Recorder as a capture of what went over the wires, in and out, with records
-// of our own between (records.h): everything that VehicleLoop::Tick was given, so that the run can
+// of our own between (records.h): everything that a tick was given, so that the run can
 // be done again, and what it decided, to be compared. docs/flight_log.md is for those who read such
 // files. Around every tick:
 //
-//   log.BeginTick(input, arrivals, state);   // state: std::as_bytes(std::span(&loop, 1))
-//   status = loop.Tick(input, output);
-//   log.EndTick({index, status, loop.decision_hash(), duration_ns, refused}, output);
+//   log.BeginTick(input, arrivals, state);   // state: AnyVehicle::state()
+//   status = vehicle.Tick(input, output);
+//   log.EndTick({index, status, vehicle.pilot().decision_hash(), duration_ns, refused}, output);
 //
 // A file:  Version  Configuration...  LidarMetadata...  [State image...]  tick  tick  ...  [End]
 // A tick:  TickBegin  frames in  datagrams in  [Command]  frames out  [part of the image]  TickEnd
@@ -30,7 +30,7 @@
 namespace hardpack::flight_log {
 
 struct FlightLogSetup {
-  // Of the program; state_bytes, state_layout, file and next_tick are filled in here.
+  // Of the program and of its vehicle; state_bytes, file and next_tick are filled in here.
   VersionRecord version;
   // The texts that the VehicleConfig was made from. They must outlive the log.
   std::span<const uint8_t> configuration;   // TOML, at most kMaxTextBytes

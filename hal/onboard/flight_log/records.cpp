@@ -2,7 +2,6 @@
 #include "hal/onboard/flight_log/records.h"
 
 #include <array>
-#include <bit>
 
 #include "core/base/assert.h"
 #include "core/base/byte_reader.h"
@@ -17,7 +16,8 @@ static_assert(std::is_trivially_copyable_v<RecordHead>);
 constexpr size_t kVersionTextOffset = kRecordHeaderBytes + 36;
 constexpr size_t kBuildTextOffset = kVersionTextOffset + sizeof(VersionRecord::version);
 constexpr size_t kProcessorTextOffset = kBuildTextOffset + sizeof(VersionRecord::build);
-constexpr size_t kVersionBytes = kProcessorTextOffset + sizeof(VersionRecord::processor);
+constexpr size_t kVehicleTextOffset = kProcessorTextOffset + sizeof(VersionRecord::processor);
+constexpr size_t kVersionBytes = kVehicleTextOffset + sizeof(VersionRecord::vehicle);
 constexpr size_t kPartHeadBytes = kRecordHeaderBytes + 8;
 constexpr size_t kImageHeadBytes = kRecordHeaderBytes + 20;
 constexpr size_t kTickBeginBytes = kRecordHeaderBytes + 17 + 2 * kInputSources + 4;
@@ -79,6 +79,7 @@ RecordHead::RecordHead(const VersionRecord& record) : RecordHead(RecordKind::kVe
   AddText(record.version);
   AddText(record.build);
   AddText(record.processor);
+  AddText(record.vehicle);
 }
 
 RecordHead::RecordHead(RecordKind kind, const PartRecord& record) : RecordHead(kind) {
@@ -159,6 +160,7 @@ Status Decode(std::span<const uint8_t> payload, VersionRecord& record) {
   ReadText(reader.Sub(kVersionTextOffset, sizeof(record.version)), record.version);
   ReadText(reader.Sub(kBuildTextOffset, sizeof(record.build)), record.build);
   ReadText(reader.Sub(kProcessorTextOffset, sizeof(record.processor)), record.processor);
+  ReadText(reader.Sub(kVehicleTextOffset, sizeof(record.vehicle)), record.vehicle);
   return reader.status();
 }
 
@@ -246,33 +248,6 @@ uint32_t ExtendCrc32(uint32_t before, std::span<const uint8_t> bytes) {
   HP_LOOP_BOUND(kMaxPartBytes)
   for (const uint8_t byte : bytes) crc = crc >> 8 ^ kCrcTable[(crc ^ byte) & 0xffu];
   return ~crc;
-}
-
-uint64_t ImageLayout() {
-  constexpr std::array<uint64_t, 19> kSizes = {
-      sizeof(void*),
-      sizeof(VehicleLoop),
-      alignof(VehicleLoop),
-      sizeof(VehicleConfig),
-      sizeof(LoopCounters),
-      sizeof(Mapper),
-      sizeof(Replanner),
-      sizeof(Odometry),
-      sizeof(MapFromOdom),
-      sizeof(Tracker),
-      sizeof(Supervisor),
-      sizeof(Timebase),
-      sizeof(sevcon::DrivePair),
-      sizeof(ouster::PacketMonitor),
-      sizeof(vectornav::StreamParser),
-      sizeof(control::OperatorCommand),
-      sizeof(PlannerParams),
-      sizeof(OnboardParams),
-      std::endian::native == std::endian::little ? 1u : 0u};
-  DecisionHash hash;
-  HP_LOOP_BOUND(kSizes.size())
-  for (const uint64_t size : kSizes) hash.AddU64(size);
-  return hash.value();
 }
 
 }  // namespace hardpack::flight_log

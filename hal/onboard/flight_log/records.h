@@ -9,7 +9,7 @@
 #include "core/base/status.h"
 #include "hal/can_bus.h"
 #include "hal/onboard/flight_log/packets.h"
-#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/pilot/input_source.h"
 
 // What a flight log holds and no wire carries: records of our own, each the payload of one UDP
 // datagram from 127.0.0.1 to 127.0.0.1, port kRecordPort both (docs/flight_log.md).
@@ -48,10 +48,11 @@ struct VersionRecord {
   uint32_t file = 0;          // counts the files of a run that were begun, from 0
   uint64_t next_tick = 0;     // the index after the last tick of the file before; 0: there was none
   uint64_t state_bytes = 0;   // of the whole state
-  uint64_t state_layout = 0;  // ImageLayout() of the program that wrote it
+  uint64_t state_layout = 0;  // AnyVehicle::state_layout() of the program that wrote it
   char version[32] = {};
   char build[64] = {};
   char processor[16] = {};
+  char vehicle[32] = {};  // its type
 };
 
 struct PartRecord {  // kConfiguration, kLidarMetadata
@@ -136,9 +137,5 @@ Status Decode(std::span<const uint8_t> payload, GapRecord& record);
 // CRC-32/ISO-HDLC (as of Ethernet and zip) of what gave `before` and these bytes behind it;
 // `before` is 0 at the start. Precondition: at most kMaxPartBytes. Cost: one pass.
 uint32_t ExtendCrc32(uint32_t before, std::span<const uint8_t> bytes);
-
-// Tells apart programs whose VehicleLoop is laid out differently, as far as the sizes of its parts
-// show it: the image of one is nothing to the other.
-uint64_t ImageLayout();
 
 }  // namespace hardpack::flight_log

@@ -28,7 +28,8 @@
 #include "core/tracking/stop_motion.h"
 #include "core/tracking/tracking.h"
 #include "hal/onboard/control/messages.h"
-#include "hal/onboard/pilot/loop_counters.h"
+#include "hal/onboard/control/status_report.h"
+#include "hal/onboard/pilot/input_source.h"
 
 // Drives the vehicle, whatever its devices are: measurements with their times in our clock in, what
 // the drives are to do out. It knows no packet and no frame; hal/onboard/vehicle_loop gives it what
@@ -53,6 +54,10 @@ struct CommandAnswer {
   Status answer = Status::kOk;
   StopReason reason = StopReason::kNone;  // why it was not permitted
 };
+
+// Counts as an operator is told them. Since the loop was configured.
+using LoopCounters = control::LoopPart;
+static_assert(control::kInputSourceCount == kInputSources);
 
 class Pilot {
  public:

@@ -28,14 +28,14 @@ void Copy(const From (&from)[kSize], To (&to)[kSize]) {
   for (size_t i = 0; i < kSize; ++i) to[i] = from[i];
 }
 
-void Fill(const VehicleLoop& loop, control::VehiclePart& part) {
-  const Permission& permission = loop.permission();
+void Fill(const Pilot& pilot, control::VehiclePart& part) {
+  const Permission& permission = pilot.permission();
   part.mode = static_cast<uint8_t>(permission.mode);
   part.stop_reason = static_cast<uint8_t>(permission.reason);
-  part.last_stop = static_cast<uint8_t>(loop.supervisor().last_stop());
+  part.last_stop = static_cast<uint8_t>(pilot.supervisor().last_stop());
   part.motion = static_cast<uint8_t>(permission.motion);
-  const Odometry& odometry = loop.odometry();
-  part.stop_reason_age = control::AgeAt(loop.now_ns(), permission.reason_since_ns);
+  const Odometry& odometry = pilot.odometry();
+  part.stop_reason_age = control::AgeAt(pilot.now_ns(), permission.reason_since_ns);
   part.x_m = odometry.pose().position.x_m;
   part.y_m = odometry.pose().position.y_m;
   part.yaw_rad = odometry.pose().yaw_rad;
@@ -43,8 +43,8 @@ void Fill(const VehicleLoop& loop, control::VehiclePart& part) {
   part.yaw_rate_radps = odometry.yaw_rate_radps();
   part.uses_ins_rate = odometry.uses_ins_rate();
   part.odometry_gaps = odometry.gaps();
-  part.commanded_speed_mps = loop.tracking().speed_mps;
-  part.commanded_yaw_rate_radps = loop.tracking().yaw_rate_radps;
+  part.commanded_speed_mps = pilot.tracking().speed_mps;
+  part.commanded_yaw_rate_radps = pilot.tracking().yaw_rate_radps;
 }
 
 void Fill(const Odometry& odometry, control::OdometryPart& part) {
@@ -86,30 +86,30 @@ void Fill(const MapFromOdom& map, control::OdometryPart& part) {
   part.map_yaw_sigma_rad = map.yaw_sigma_rad();
 }
 
-void Fill(const VehicleLoop& loop, control::AgePart& part) {
-  const SafetyParams& safety = loop.config().onboard.safety;
-  const uint64_t now_ns = loop.now_ns();
-  part.lidar_age = control::AgeAt(now_ns, loop.lidar_ns(), InNanoseconds(safety.max_lidar_age_s));
-  part.ins_age = control::AgeAt(now_ns, loop.ins_ns(),
+void Fill(const Pilot& pilot, control::AgePart& part) {
+  const SafetyParams& safety = pilot.config().onboard.safety;
+  const uint64_t now_ns = pilot.now_ns();
+  part.lidar_age = control::AgeAt(now_ns, pilot.lidar_ns(), InNanoseconds(safety.max_lidar_age_s));
+  part.ins_age = control::AgeAt(now_ns, pilot.ins_ns(),
                                 safety.needs_ins != 0 ? InNanoseconds(safety.max_ins_age_s) : 0);
   part.odometry_age =
-      control::AgeAt(now_ns, loop.odometry().moved_ns(), InNanoseconds(safety.max_odometry_age_s));
+      control::AgeAt(now_ns, pilot.odometry().moved_ns(), InNanoseconds(safety.max_odometry_age_s));
   part.operator_age =
-      control::AgeAt(now_ns, loop.operator_ns(), InNanoseconds(safety.operator_timeout_s));
+      control::AgeAt(now_ns, pilot.operator_ns(), InNanoseconds(safety.operator_timeout_s));
 }
 
-void Fill(const VehicleLoop& loop, control::SightPart& part) {
+void Fill(const Pilot& pilot, control::SightPart& part) {
   static_assert(control::SightPart::kParts == SightWatch::kShown);
-  const uint64_t now_ns = loop.now_ns();
-  const float limit_s = loop.config().onboard.safety.max_look_age_s;
-  const SightWatch& sight = loop.sight();
-  part.look_age = control::AgeAt(now_ns, loop.OldestLook().time_ns, InNanoseconds(limit_s));
+  const uint64_t now_ns = pilot.now_ns();
+  const float limit_s = pilot.config().onboard.safety.max_look_age_s;
+  const SightWatch& sight = pilot.sight();
+  part.look_age = control::AgeAt(now_ns, pilot.OldestLook().time_ns, InNanoseconds(limit_s));
   part.sectors = static_cast<uint32_t>(sight.sectors());
   part.old_sectors = static_cast<uint32_t>(sight.OldSectors(now_ns, limit_s));
   part.covered_sectors = static_cast<uint32_t>(sight.covered_sectors());
   part.frozen_sectors = static_cast<uint32_t>(sight.frozen_sectors());
-  part.lidar_turned = loop.mount().has_turned();
-  part.ground_tilt_rad = loop.mount().tilt_rad();
+  part.lidar_turned = pilot.mount().has_turned();
+  part.ground_tilt_rad = pilot.mount().tilt_rad();
   part.revolution_ns = sight.revolution_ns();
   HP_LOOP_BOUND(SightWatch::kShown)
   for (int i = 0; i < SightWatch::kShown; ++i) {
@@ -119,12 +119,12 @@ void Fill(const VehicleLoop& loop, control::SightPart& part) {
   }
 }
 
-void Fill(const VehicleLoop& loop, control::GoalPart& part) {
-  part.goals = static_cast<uint32_t>(loop.goals());
+void Fill(const Pilot& pilot, control::GoalPart& part) {
+  part.goals = static_cast<uint32_t>(pilot.goals());
   if (part.goals == 0) return;
-  const Vec2 goal = loop.goal_odom();
-  const Vec3& here = loop.odometry().pose().position;
-  part.goal_index = static_cast<uint32_t>(loop.goal_index());
+  const Vec2 goal = pilot.goal_odom();
+  const Vec3& here = pilot.odometry().pose().position;
+  part.goal_index = static_cast<uint32_t>(pilot.goal_index());
   part.goal_x_m = goal.x_m;
   part.goal_y_m = goal.y_m;
   const float dx_m = goal.x_m - here.x_m;
@@ -132,8 +132,8 @@ void Fill(const VehicleLoop& loop, control::GoalPart& part) {
   part.distance_to_goal_m = Sqrt(dx_m * dx_m + dy_m * dy_m);
 }
 
-void Fill(const VehicleLoop& loop, control::PlanPart& part) {
-  const Replanner& replanner = loop.replanner();
+void Fill(const Pilot& pilot, control::PlanPart& part) {
+  const Replanner& replanner = pilot.replanner();
   const ReplanOutcome& outcome = replanner.outcome();
   part.decision = static_cast<uint8_t>(outcome.decision);
   part.reason = static_cast<uint8_t>(outcome.reason);
@@ -142,29 +142,29 @@ void Fill(const VehicleLoop& loop, control::PlanPart& part) {
   const CommittedPlan& plan = replanner.committed();
   part.number = plan.number;
   if (plan.number == 0) return;
-  part.check_age = control::AgeAt(loop.now_ns(), plan.checked_ns,
-                                  InNanoseconds(loop.config().onboard.safety.max_plan_age_s));
+  part.check_age = control::AgeAt(pilot.now_ns(), plan.checked_ns,
+                                  InNanoseconds(pilot.config().onboard.safety.max_plan_age_s));
   part.distance_to_end_m = LengthOf(plan.path) - replanner.place().along_m;
   part.reaches_goal = plan.reaches_goal;
   part.is_stop = plan.is_stop;
   part.narrow = plan.narrow;
 }
 
-void Fill(const VehicleLoop& loop, control::SafetyPart& part) {
-  const Corridor& corridor = loop.corridor();
+void Fill(const Pilot& pilot, control::SafetyPart& part) {
+  const Corridor& corridor = pilot.corridor();
   part.obstacle_ahead = corridor.has_obstacle();
   part.person_ahead = corridor.is_person();
   if (corridor.has_obstacle()) {
-    part.obstacle_distance_m = corridor.obstacle_along_m() - loop.replanner().place().along_m;
+    part.obstacle_distance_m = corridor.obstacle_along_m() - pilot.replanner().place().along_m;
   }
-  const ReactionMeter& reaction = loop.reaction();
+  const ReactionMeter& reaction = pilot.reaction();
   part.reaction_median_s = reaction.Time_s(0.5f);
   part.reaction_p99_s = reaction.Time_s(0.99f);
   part.reaction_median_m = reaction.Radius_m(0.5f);
   part.reaction_p99_m = reaction.Radius_m(0.99f);
   part.reaction_columns = reaction.columns();
   part.reaction_lost = reaction.lost();
-  const GateCounters& gate = loop.gate().counters();
+  const GateCounters& gate = pilot.gate().counters();
   part.commands_not_finite = gate.not_finite;
   part.commands_not_permitted = gate.not_permitted;
   part.commands_above_speed = gate.above_speed;
@@ -197,77 +197,6 @@ void Fill(const InsSample& sample, control::InsPart& part) {
   part.position_uncertainty_m = sample.position_uncertainty_m;
 }
 
-void Fill(const vectornav::StreamCounters& counters, control::InsStreamPart& part) {
-  part.bytes = counters.bytes;
-  part.skipped_bytes = counters.skipped_bytes;
-  part.binary_messages = counters.binary_messages;
-  part.ascii_messages = counters.ascii_messages;
-  part.samples = counters.samples;
-  part.unused = counters.unused;
-  part.not_finite = counters.not_finite;
-  part.out_of_range = counters.out_of_range;
-  part.bad_checksum = counters.bad_checksum;
-  part.unsupported = counters.unsupported;
-}
-
-void Fill(const sevcon::DriveReport& drive, uint64_t now_ns, const DriveParams& params,
-          control::DrivePart& part) {
-  constexpr uint64_t kNanosecondsPerMillisecond = 1'000'000;
-  part.state = static_cast<uint8_t>(drive.state);
-  part.fault = static_cast<uint8_t>(drive.fault);
-  part.nmt_state = drive.nmt_state;
-  part.statusword = drive.statusword;
-  part.emergency_code = drive.emergency_code;
-  part.emergency_register = drive.emergency_register;
-  part.sevcon_fault_id = drive.sevcon_fault_id;
-  part.sdo_abort_code = drive.sdo_abort_code;
-  part.sdo_index = drive.sdo_index;
-  part.sdo_abort_reason = drive.sdo_abort_reason;
-  part.wheel_radps = drive.wheel_radps;
-  part.wheel_age = control::AgeAt(
-      now_ns, drive.wheel_time_ns,
-      static_cast<uint64_t>(params.feedback_timeout_ms) * kNanosecondsPerMillisecond);
-  part.torque_share = drive.torque_share;
-  part.has_supply = drive.has_supply;
-  part.battery_V = drive.battery_V;
-  part.battery_A = drive.battery_A;
-  part.capacitor_V = drive.capacitor_V;
-  part.heatsink_degC = drive.heatsink_degC;
-  part.emergencies = drive.emergencies;
-  part.reboots = drive.reboots;
-  part.sdo_timeouts = drive.sdo_timeouts;
-  part.sdo_aborts = drive.sdo_aborts;
-  part.heartbeats_missed = drive.heartbeats_missed;
-  part.doubled_reports = drive.doubled_reports;
-}
-
-void Fill(const ouster::PacketCounters& counters, control::LidarPacketPart& part) {
-  part.accepted = counters.accepted;
-  part.wrong_size = counters.wrong_size;
-  part.wrong_type = counters.wrong_type;
-  part.bad_crc = counters.bad_crc;
-  part.wrong_sensor = counters.wrong_sensor;
-  part.not_resumed = counters.not_resumed;
-  part.before_start = counters.before_start;
-  part.duplicates = counters.duplicates;
-  part.restarts = counters.restarts;
-  part.out_of_order = counters.out_of_order;
-  part.missing = counters.missing;
-  part.jumps = counters.jumps;
-  part.unplaced = counters.unplaced;
-}
-
-void Fill(const Timebase& clock, control::LidarClockPart& part) {
-  part.started = clock.started();
-  part.suspect = clock.suspect();
-  if (clock.started()) part.offset_ns = clock.offset_ns();
-  part.observations = clock.counters().observations;
-  part.jumps = clock.counters().jumps;
-  part.late = clock.counters().late;
-  part.beyond_drift = clock.counters().beyond_drift;
-  part.refused = clock.counters().refused;
-}
-
 void Fill(const MapperCounters& counters, control::MapperPart& part) {
   part.columns_without_pose = counters.columns_without_pose;
   part.columns_over_limit = counters.columns_over_limit;
@@ -282,67 +211,31 @@ void Fill(const MapperCounters& counters, control::MapperPart& part) {
   part.sensor_restarts = counters.sensor_restarts;
 }
 
-void Fill(const LoopCounters& counters, control::LoopPart& part) {
-  static_assert(control::kInputSourceCount == kInputSources);
-  part.ticks = counters.ticks;
-  part.missed_ticks = counters.missed_ticks;
-  part.refused_ticks = counters.refused_ticks;
-  Copy(counters.datagrams, part.datagrams);
-  Copy(counters.refused_datagrams, part.refused_datagrams);
-  part.refused_columns = counters.refused_columns;
-  part.suspect_columns = counters.suspect_columns;
-  part.lidar_restarts = counters.lidar_restarts;
-  part.clock_jumps = counters.clock_jumps;
-  part.untimed_ins = counters.untimed_ins;
-  part.odometry_gaps = counters.odometry_gaps;
-  part.odometry_jumps = counters.odometry_jumps;
-  part.refused_labels = counters.refused_labels;
-  part.commands = counters.commands;
-  part.refused_commands = counters.refused_commands;
-  part.plans = counters.plans;
-  part.refused_states = counters.refused_states;
-}
-
-void Fill(const VehicleLoop& loop, const CanBus& bus, control::CanPart& part) {
-  const sevcon::PairCounters& counters = loop.drives().counters();
-  part.state = static_cast<uint8_t>(bus.state());
-  part.bus_load_percent = static_cast<uint32_t>(loop.drives().bus_load_percent());
-  part.bus = bus.counters();
-  part.frames_taken = counters.frames_taken;
-  part.frames_ignored = counters.frames_ignored;
-  part.frames_malformed = counters.frames_malformed;
-  part.foreign_frames = counters.foreign_frames;
-  part.frames_old = counters.frames_old;
-}
-
 }  // namespace
 
 void RunLoop::Report(control::StatusReport& report) const {
+  const Pilot& pilot = vehicle_.pilot();
   report = kNothing;
   report.program = program_;
-  report.program.uptime_ns = loop_.now_ns() - first_ns_;
+  report.program.uptime_ns = pilot.now_ns() - first_ns_;
   report.program.tick_index = index_;
-  report.program.decision_hash = loop_.decision_hash();
+  report.program.decision_hash = pilot.decision_hash();
   if (options_.allocations != nullptr) report.program.heap_allocations = options_.allocations();
-  Fill(loop_, report.vehicle);
-  Fill(loop_.odometry(), report.odometry);
-  Fill(loop_.map_from_odom(), report.odometry);
-  Fill(loop_, report.inputs);
-  Fill(loop_, report.goal);
-  Fill(loop_, report.plan);
-  Fill(loop_, report.safety);
-  Fill(loop_, report.sight);
-  Fill(loop_.replanner().counters(), report.replan);
-  Fill(loop_.newest_ins(), report.ins);
-  Fill(loop_.ins().counters(), report.ins_stream);
-  const DriveParams& drive = loop_.config().onboard.drive;
-  Fill(loop_.drives().report(sevcon::Side::kLeft), loop_.now_ns(), drive, report.left_drive);
-  Fill(loop_.drives().report(sevcon::Side::kRight), loop_.now_ns(), drive, report.right_drive);
-  Fill(loop_, *devices_.can, report.can);
-  Fill(loop_.lidar().monitor().counters(), report.lidar_packets);
-  Fill(loop_.lidar_time(), report.lidar_clock);
-  Fill(loop_.mapper().counters(), report.mapper);
-  Fill(loop_.counters(), report.loop);
+  Fill(pilot, report.vehicle);
+  Fill(pilot.odometry(), report.odometry);
+  Fill(pilot.map_from_odom(), report.odometry);
+  Fill(pilot, report.inputs);
+  Fill(pilot, report.goal);
+  Fill(pilot, report.plan);
+  Fill(pilot, report.safety);
+  Fill(pilot, report.sight);
+  Fill(pilot.replanner().counters(), report.replan);
+  Fill(pilot.newest_ins(), report.ins);
+  Fill(pilot.mapper().counters(), report.mapper);
+  report.loop = pilot.counters();
+  vehicle_.Report(report);
+  report.can.state = static_cast<uint8_t>(devices_.can->state());
+  report.can.bus = devices_.can->counters();
   report.lidar_socket = devices_.lidar->counters();
   if (devices_.ins != nullptr) report.ins_socket = devices_.ins->counters();
   if (devices_.labels != nullptr) report.label_socket = devices_.labels->counters();

@@ -4,7 +4,6 @@
 #include "core/base/loop_bound.h"
 #include "core/base/status.h"
 #include "core/base/wide_int.h"
-#include "hal/sevcon/power_states.h"
 
 namespace hardpack {
 namespace {
@@ -15,8 +14,6 @@ constexpr int kMaxBacklog = 4096;
 constexpr int kMaxWaiting = 64;
 // Longer than it takes to make up for a late tick.
 constexpr uint64_t kMaxBehind_ns = 100'000'000;
-// Longer than a stop takes.
-constexpr uint64_t kForgotten_ns = 5'000'000'000;
 
 uint64_t Period_ns(const RunOptions& options) {
   constexpr uint64_t kNanosecondsPerMillisecond = 1'000'000;
@@ -43,12 +40,16 @@ uint64_t Drop(DatagramSocket& socket, int batches) {
 
 }  // namespace
 
-RunLoop::RunLoop(VehicleLoop& loop, const OnboardDevices& devices, const RunOptions& options)
-    : loop_(loop), devices_(devices), options_(options) {
-  constexpr size_t kMost = sizeof(program_.version) - 1;
+RunLoop::RunLoop(AnyVehicle& vehicle, const OnboardDevices& devices, const RunOptions& options)
+    : vehicle_(vehicle), devices_(devices), options_(options) {
+  constexpr size_t kMost = control::kTextBytes - 1;
   HP_LOOP_BOUND(kMost)
   for (size_t i = 0; i < kMost && i < options.version.size(); ++i) {
     program_.version[i] = options.version[i];
+  }
+  HP_LOOP_BOUND(kMost)
+  for (size_t i = 0; i < kMost && vehicle.type()[i] != '\0'; ++i) {
+    program_.vehicle[i] = vehicle.type()[i];
   }
   disarm_.kind = control::Kind::kDisarm;
   program_.realtime_scheduled = options.realtime_scheduled;
@@ -95,19 +96,9 @@ uint64_t RunLoop::NoteLateness(uint64_t late_ns) {
   return skipped;
 }
 
-// The drives say so themselves: neither being told nor being asked to is it. One that has said
-// nothing for as long as a stop takes is not waited for.
+// The drives say so themselves: neither being told nor being asked to is it.
 bool RunLoop::IsOff() const {
-  if (loop_.permission().motion != Motion::kOff) return false;
-  HP_LOOP_BOUND(2)
-  for (const sevcon::Side side : {sevcon::Side::kLeft, sevcon::Side::kRight}) {
-    const sevcon::DriveReport& drive = loop_.drives().report(side);
-    const bool was_heard =
-        drive.wheel_time_ns != 0 && loop_.now_ns() - drive.wheel_time_ns < kForgotten_ns;
-    const sevcon::PowerState state = sevcon::PowerStateOf(drive.statusword);
-    if (was_heard && state == sevcon::PowerState::kOperationEnabled) return false;
-  }
-  return true;
+  return vehicle_.pilot().permission().motion == Motion::kOff && vehicle_.DrivesAreOff();
 }
 
 void RunLoop::Tick(uint64_t now_ns, uint64_t skipped) {
@@ -117,10 +108,10 @@ void RunLoop::Tick(uint64_t now_ns, uint64_t skipped) {
   TakeFrames();
   datagram_count_ = 0;
   input_.now_ns = now_ns;
-  TakeDatagrams(devices_.ins, InputSource::kIns, VehicleLoop::kMaxInsDatagrams);
-  TakeDatagrams(devices_.labels, InputSource::kLabels, VehicleLoop::kMaxLabelDatagrams);
+  TakeDatagrams(devices_.ins, InputSource::kIns, TickLimits::kMaxInsDatagrams);
+  TakeDatagrams(devices_.labels, InputSource::kLabels, TickLimits::kMaxLabelDatagrams);
   TakeDatagrams(devices_.lidar, InputSource::kLidar,
-                VehicleLoop::kMaxDatagramsPerTick - datagram_count_);
+                TickLimits::kMaxDatagramsPerTick - datagram_count_);
   input_.index = index_;
   input_.bus = devices_.can->state();
   input_.frames = std::span(frames_).first(static_cast<size_t>(frame_count_));
@@ -133,15 +124,15 @@ void RunLoop::Tick(uint64_t now_ns, uint64_t skipped) {
     const flight_log::TickArrivals arrivals = {
         std::span(arrivals_).first(static_cast<size_t>(datagram_count_)),
         has_command_ ? message_.user : 0u};
-    log->BeginTick(input_, arrivals, std::as_bytes(std::span(&loop_, 1)));
+    log->BeginTick(input_, arrivals, vehicle_.state());
   }
-  const Status status = loop_.Tick(input_, output_);
+  const Status status = vehicle_.Tick(input_, output_);
   const int refused = SendFrames();
   NoteDuration(now_ns);
   if (log != nullptr) {
-    log->EndTick(
-        {index_, status, loop_.decision_hash(), devices_.clock->Now_ns() - now_ns, refused},
-        output_);
+    log->EndTick({index_, status, vehicle_.pilot().decision_hash(),
+                  devices_.clock->Now_ns() - now_ns, refused},
+                 output_);
   }
   AnswerCommand();
   if (devices_.watchdog != nullptr) {

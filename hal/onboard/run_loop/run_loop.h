@@ -10,11 +10,11 @@
 #include "hal/onboard/control/operator_link.h"
 #include "hal/onboard/control/status_report.h"
 #include "hal/onboard/flight_log/flight_log.h"
-#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/vehicle_loop/any_vehicle.h"
 #include "hal/recorder.h"
 #include "hal/watchdog.h"
 
-// The small loop that joins the interfaces to VehicleLoop::Tick: waits for the next period, takes
+// The small loop that joins the interfaces to a vehicle's tick: waits for the next period, takes
 // what came, ticks, sends, answers, records. A port implements the interfaces and calls Next; tests
 // run it on fakes. Nothing in it blocks but the wait for the next period, and nothing allocates.
 
@@ -47,7 +47,7 @@ struct RunOptions {
 
 class RunLoop {
  public:
-  RunLoop(VehicleLoop& loop, const OnboardDevices& devices, const RunOptions& options);
+  RunLoop(AnyVehicle& vehicle, const OnboardDevices& devices, const RunOptions& options);
 
   // Drops what the sensors' sockets hold from before. Once, before the first Next.
   void Begin();
@@ -85,7 +85,7 @@ class RunLoop {
   int SendFrames();
   void NoteDuration(uint64_t now_ns);
 
-  VehicleLoop& loop_;
+  AnyVehicle& vehicle_;
   OnboardDevices devices_;
   RunOptions options_;
 
@@ -103,8 +103,8 @@ class RunLoop {
   int32_t datagram_count_ = 0;
   CanFrame frames_[CanBus::kMaxFramesPerTick];
   uint64_t full_since_ns_[kInputSources] = {};  // batches have been full since; 0: the last was not
-  TickDatagram datagrams_[VehicleLoop::kMaxDatagramsPerTick];
-  flight_log::Arrival arrivals_[VehicleLoop::kMaxDatagramsPerTick];
+  TickDatagram datagrams_[TickLimits::kMaxDatagramsPerTick];
+  flight_log::Arrival arrivals_[TickLimits::kMaxDatagramsPerTick];
   bool has_command_ = false;
   ControlMessage message_;
   control::OperatorCommand disarm_;  // of our own, to end

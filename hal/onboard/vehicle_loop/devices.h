@@ -67,6 +67,8 @@ concept InsDevice = DeviceState<T> &&
 //   TakeFrame   each frame of the bus that came, in order
 //   State       of this tick, after its frames
 //   Tick        once, after State: adds what is to be sent
+//   AreOff      none of them can push: they said so, or have been silent for longer than a stop
+//   takes
 template <typename T>
 concept DriveDevice = DeviceState<T> &&
     requires(T drives, const T& known, const OnboardParams& onboard, const CanFrame& frame,
@@ -74,6 +76,7 @@ concept DriveDevice = DeviceState<T> &&
   { drives.Configure(T::ParamsOf(onboard)) } -> std::same_as<Status>;
   { drives.TakeFrame(frame, now_ns) } -> std::same_as<void>;
   { known.State(now_ns) } -> std::same_as<DriveFeedback>;
+  { known.AreOff(now_ns) } -> std::same_as<bool>;
   { drives.Tick(now_ns, demand, out) } -> std::same_as<void>;
 };
 

@@ -8,11 +8,9 @@
 #include "core/base/loop_bound.h"
 #include "core/base/status.h"
 #include "core/timebase/timebase.h"
-#include "hal/can_batch.h"
-#include "hal/can_bus.h"
-#include "hal/datagram_socket.h"
 #include "hal/labels/labels.h"
 #include "hal/onboard/pilot/pilot.h"
+#include "hal/onboard/vehicle_loop/tick.h"
 #include "hal/onboard/vehicle_loop/vehicles.h"
 
 // The whole system for one period: bytes in, CAN frames out. Makes no call through an interface and
@@ -23,42 +21,10 @@
 
 namespace hardpack {
 
-struct TickDatagram {
-  InputSource source = InputSource::kIns;
-  std::span<const uint8_t> bytes;
-};
-
-struct TickInput {
-  uint64_t index = 0;   // of the tick; a gap: ticks that were missed
-  uint64_t now_ns = 0;  // our clock, read once: everything in this input counts as received now
-  CanBusState bus = CanBusState::kDown;
-  std::span<const TickDatagram> datagrams;  // at most kMaxDatagramsPerTick
-  std::span<const CanFrame> frames;         // at most CanBus::kMaxFramesPerTick, in order
-  std::span<const uint8_t> command;         // one control message of a permitted sender, or empty
-};
-
-struct TickOutput : CommandAnswer {
-  CanBatch frames;  // to be sent, in order
-};
-
 // Everything that decides how the vehicle behaves.
 template <VehicleType Vehicle>
 struct BasicVehicleConfig : PilotConfig {
   typename Vehicle::Lidar::Config lidar;
-};
-
-// What a tick takes of each source, whatever the vehicle.
-struct TickLimits {
-  static constexpr int kMaxDatagramsPerTick = 32;
-  // Of these the port takes at most so many of the INS and of labels, so that none can keep the
-  // others out: as many of labels as the fastest lidar sends. The lidar has what they leave.
-  static constexpr int kMaxInsDatagrams = 6;
-  static constexpr int kMaxLabelDatagrams = 13;
-  // Of a datagram of the INS: more than a second of its messages.
-  static constexpr int kMaxInsDatagram_bytes = 4096;
-  static constexpr int kMaxInsFeeds = 4;
-  // Of all datagrams of a tick: a quarter of a second of the fastest INS. What is more waits.
-  static constexpr int kMaxInsMessages = 64;
 };
 
 template <VehicleType Vehicle>
@@ -96,6 +62,7 @@ class BasicVehicleLoop : public Pilot, public TickLimits {
   void Send(const DriveDemand& demand, TickOutput& output);
   void AddToHash(const TickOutput& output);
   void TakeDatagrams(const TickInput& input, InputSource source);
+  void TakeDatagram(const TickDatagram& datagram);
   Status TakeIns(std::span<const uint8_t> bytes);
   Status TakeLabels(std::span<const uint8_t> bytes);
   Status TakeLidar(std::span<const uint8_t> bytes);

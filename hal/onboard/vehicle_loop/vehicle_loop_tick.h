@@ -118,17 +118,21 @@ void BasicVehicleLoop<Vehicle>::AddToHash(const TickOutput& output) {
 
 template <VehicleType Vehicle>
 void BasicVehicleLoop<Vehicle>::TakeDatagrams(const TickInput& input, InputSource source) {
-  const auto place = static_cast<size_t>(source);
   HP_LOOP_BOUND(kMaxDatagramsPerTick)
   for (const TickDatagram& datagram : input.datagrams) {
-    if (datagram.source != source) continue;
-    ++counters_.datagrams[place];
-    Status status = Status::kOk;
-    if (source == InputSource::kIns) status = TakeIns(datagram.bytes);
-    if (source == InputSource::kLabels) status = TakeLabels(datagram.bytes);
-    if (source == InputSource::kLidar) status = TakeLidar(datagram.bytes);
-    if (!IsUsable(status)) ++counters_.refused_datagrams[place];
+    if (datagram.source == source) TakeDatagram(datagram);
   }
+}
+
+template <VehicleType Vehicle>
+void BasicVehicleLoop<Vehicle>::TakeDatagram(const TickDatagram& datagram) {
+  const auto place = static_cast<size_t>(datagram.source);
+  ++counters_.datagrams[place];
+  Status status = Status::kOk;
+  if (datagram.source == InputSource::kIns) status = TakeIns(datagram.bytes);
+  if (datagram.source == InputSource::kLabels) status = TakeLabels(datagram.bytes);
+  if (datagram.source == InputSource::kLidar) status = TakeLidar(datagram.bytes);
+  if (!IsUsable(status)) ++counters_.refused_datagrams[place];
 }
 
 // A bridge cuts the stream where it likes: what comes before and behind a message is counted by the

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "port_linux/files/configuration_keys.h"
+#include "port_linux/files/vehicle_types.h"
 
 #include <algorithm>
 #include <bit>
@@ -97,6 +98,7 @@ class RandomConfiguration {
       configuration.onboard.drive = {};
       configuration.onboard.drive.gear_ratio = Between(0.1f, 500.0f);
     }
+    configuration.vehicle_type = VehicleTypes()[Below(VehicleTypes().size())];
     configuration.lidar.address.value |= 1;
     configuration.ins.address.value |= 1;
     configuration.label_source.address.value |= 1;

@@ -75,7 +75,7 @@ class LoggedDrive {
       for (const CanFrame& frame : output_.frames) vehicle.TakeFrame(frame, now_ns);
     }
     log_.End();
-    decision_hash = loop_->decision_hash();
+    decision_hash = onboard_->get()->pilot().decision_hash();
     Write();
   }
 
@@ -83,11 +83,13 @@ class LoggedDrive {
     Configuration parsed;
     const ReadOutcome outcome = ParseConfiguration(configuration_, "made up", parsed);
     ASSERT_TRUE(outcome.ok()) << outcome.message;
-    const auto lidar = std::make_unique<ouster::Metadata>();
-    ASSERT_TRUE(ouster::ParseMetadata(metadata_, "made up", *lidar).ok());
-    const auto config = std::make_unique<VehicleConfig>(ConfigOf(parsed, *lidar));
-    ASSERT_EQ(loop_->Configure(*config), Status::kOk);
+    const auto lidars = std::make_unique<LidarConfigs>();
+    ASSERT_TRUE(ParseLidar(parsed, metadata_, "made up", *lidars).ok());
+    const ReadOutcome configured = onboard_->Configure(parsed, *lidars);
+    ASSERT_TRUE(configured.ok()) << configured.message;
     flight_log::FlightLogSetup setup;
+    setup.version.state_layout = onboard_->get()->state_layout();
+    std::strcpy(setup.version.vehicle, onboard_->get()->type());
     setup.version.run = 77;
     setup.configuration = BytesOf(configuration_);
     setup.lidar_metadata = BytesOf(metadata_);
@@ -112,20 +114,20 @@ class LoggedDrive {
     ++ticks;
     const std::vector<uint8_t> command = Command();
     const TickInput input = {index_, now_ns, CanBusState::kActive, datagrams, out.frames, command};
-    log_.BeginTick(input, {}, std::as_bytes(std::span(loop_.get(), 1)));
-    const Status status = loop_->Tick(input, output_);
+    log_.BeginTick(input, {}, onboard_->get()->state());
+    const Status status = onboard_->get()->Tick(input, output_);
     EXPECT_EQ(status, Status::kOk);
-    log_.EndTick({index_, status, loop_->decision_hash(), 1000, 0}, output_);
+    log_.EndTick({index_, status, onboard_->get()->pilot().decision_hash(), 1000, 0}, output_);
   }
 
   // Arms once the drives are ready, and then sends the vehicle off.
   std::vector<uint8_t> Command() {
     control::OperatorCommand command;
     command.sequence = ++sequence_;
-    if (!armed_ && loop_->drives().ready() && ticks > 300) {
+    if (!armed_ && onboard_->get()->Drives().ready && ticks > 300) {
       armed_ = true;
       command.kind = control::Kind::kArm;
-    } else if (armed_ && !sent_ && loop_->drives().enabled()) {
+    } else if (armed_ && !sent_ && onboard_->get()->Drives().enabled) {
       sent_ = true;
       command.kind = control::Kind::kGoal;
       command.waypoints = 1;
@@ -167,7 +169,7 @@ class LoggedDrive {
   LogDirectory directory_;
   std::string configuration_;
   std::string metadata_;
-  std::unique_ptr<VehicleLoop> loop_ = std::make_unique<VehicleLoop>();
+  std::unique_ptr<ChosenVehicle> onboard_ = std::make_unique<ChosenVehicle>();
   std::vector<uint8_t> snapshot_ = std::vector<uint8_t>(sizeof(VehicleLoop));
   MemoryRecorder recorder_{kRotateBytes};
   flight_log::FlightLog log_{recorder_, snapshot_};
@@ -181,7 +183,7 @@ class LoggedDrive {
 struct Replayed {
   ReadOutcome outcome;
   Report report;
-  std::unique_ptr<VehicleLoop> loop = std::make_unique<VehicleLoop>();
+  std::unique_ptr<ChosenVehicle> vehicle = std::make_unique<ChosenVehicle>();
 };
 
 Replayed Replay(const Request& request) {
@@ -190,9 +192,9 @@ Replayed Replay(const Request& request) {
   bool are_logs = false;
   replayed.outcome = AreFlightLogs(request.files, are_logs);
   if (!replayed.outcome.ok()) return replayed;
-  replayed.outcome = are_logs
-                         ? ReplayLog(request, *replayed.loop, configuration, replayed.report)
-                         : ReplayCapture(request, *replayed.loop, configuration, replayed.report);
+  replayed.outcome =
+      are_logs ? ReplayLog(request, *replayed.vehicle, configuration, replayed.report)
+               : ReplayCapture(request, *replayed.vehicle, configuration, replayed.report);
   return replayed;
 }
 
@@ -215,7 +217,7 @@ TEST(Replay, DecidesALoggedDriveTheSameAgain) {
                           [](const ModeChange& change) { return change.mode == Mode::kDriving; }));
   EXPECT_FALSE(replayed.report.plans.empty());
   EXPECT_GT(replayed.report.driven.size(), 5u);
-  const nlohmann::json object = ReportToJson(replayed.report, *replayed.loop);
+  const nlohmann::json object = ReportToJson(replayed.report, replayed.vehicle->get()->pilot());
   EXPECT_EQ(object["decision_hash"], HashText(drive.decision_hash));
   EXPECT_EQ(object["same"], true);
   EXPECT_EQ(object["counters"]["missed_ticks"], drive.ticks / 100);
@@ -355,8 +357,8 @@ TEST(Replay, FormsTheTicksOfAPlainCapture) {
   EXPECT_GT(replayed.report.frames_in, 100);
   EXPECT_GT(replayed.report.datagrams[static_cast<size_t>(InputSource::kLidar)], 100);
   EXPECT_GT(replayed.report.datagrams[static_cast<size_t>(InputSource::kIns)], 100);
-  EXPECT_FALSE(replayed.loop->drives().foreign_sender());
-  EXPECT_TRUE(replayed.loop->mapper().has_seen());
+  EXPECT_FALSE(replayed.vehicle->get()->Drives().foreign_sender);
+  EXPECT_TRUE(replayed.vehicle->get()->pilot().mapper().has_seen());
   EXPECT_EQ(Replay(request).report.decision_hash, replayed.report.decision_hash);
 }
 

@@ -33,6 +33,18 @@ FRAME = re.compile(r"(\d+) bytes \(([^)]*)\)")
 INDIRECT = "__indirect_call"
 
 
+def with_arguments(name):
+    """A template's function as a linker shows it: "A<T>::f() [with T = B]" is A<B>::f()."""
+    match = re.fullmatch(r"(.*) \[with (.*)\]", name)
+    if not match:
+        return name
+    name = match.group(1)
+    for argument in match.group(2).split("; "):
+        parameter, _, value = argument.partition(" = ")
+        name = re.sub(rf"(?<=[<, ]){re.escape(parameter)}(?=[>,])", value, name)
+    return name
+
+
 class CallGraph:
     """Of all units of a folder. A function that several units have counts with its largest frame
     and with the calls of all."""
@@ -67,7 +79,7 @@ class CallGraph:
 
     def _read_node(self, symbol, label):
         parts = label.split("\\n")
-        self.names[symbol] = parts[0]
+        self.names[symbol] = with_arguments(parts[0])
         frame = next(filter(None, map(FRAME.match, parts)), None)
         if frame is None:
             return

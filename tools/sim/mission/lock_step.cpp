@@ -2,17 +2,14 @@
 #include "tools/sim/mission/lock_step.h"
 
 #include <algorithm>
-
-#include "port_linux/files/ouster_metadata.h"
-#include "tools/replay/replay.h"
+#include <cstring>
 
 namespace hardpack::mission {
 namespace {
 
 // Of each source at most so many a tick, as the port takes them.
-constexpr int kMostPerTick[kInputSources] = {VehicleLoop::kMaxInsDatagrams,
-                                             VehicleLoop::kMaxLabelDatagrams,
-                                             VehicleLoop::kMaxDatagramsPerTick};
+constexpr int kMostPerTick[kInputSources] = {
+    TickLimits::kMaxInsDatagrams, TickLimits::kMaxLabelDatagrams, TickLimits::kMaxDatagramsPerTick};
 constexpr int64_t kWallClockOffset_ns = 1'795'000'000'000'000'000;
 constexpr uint32_t kVehicleAddress = 0x0a000001u;  // 10.0.0.1: nothing is sent there
 constexpr uint32_t kSensorAddress[kInputSources] = {0x0a000006u, 0x0a000007u, 0x0a000005u};
@@ -60,13 +57,12 @@ ReadOutcome LockStep::Start(const LockStepSettings& settings) {
   configuration_text_ = ToToml(told);
   ReadOutcome outcome = ParseConfiguration(configuration_text_, "simulation", configuration_);
   if (!outcome.ok()) return outcome;
-  const auto lidar = std::make_unique<ouster::Metadata>();
-  outcome = ouster::ParseMetadata(metadata_, "simulation", *lidar);
+  const auto lidars = std::make_unique<LidarConfigs>();
+  outcome = ParseLidar(configuration_, metadata_, "simulation", *lidars);
   if (!outcome.ok()) return outcome;
-  const auto config = std::make_unique<VehicleConfig>(replay::ConfigOf(configuration_, *lidar));
-  loop_ = std::make_unique<VehicleLoop>();
-  const Status status = loop_->Configure(*config);
-  if (!IsUsable(status)) return {status, std::string("simulation: ") + StatusName(status)};
+  onboard_ = std::make_unique<ChosenVehicle>();
+  outcome = onboard_->Configure(configuration_, *lidars);
+  if (!outcome.ok()) return {outcome.status, "simulation: " + outcome.message};
   return settings.log.empty() ? ReadOutcome() : StartLog(settings.log);
 }
 
@@ -75,6 +71,9 @@ ReadOutcome LockStep::StartLog(const std::string& path) {
   if (!outcome.ok()) return outcome;
   log_ = std::make_unique<flight_log::FlightLog>(file_, std::span<uint8_t>());
   flight_log::FlightLogSetup setup;
+  const AnyVehicle& onboard = *onboard_->get();
+  setup.version.state_layout = onboard.state_layout();
+  std::strncpy(setup.version.vehicle, onboard.type(), sizeof(setup.version.vehicle) - 1);
   setup.configuration = BytesOf(configuration_text_);
   setup.lidar_metadata = BytesOf(metadata_);
   const uint16_t ports[kInputSources] = {static_cast<uint16_t>(configuration_.ins.port),
@@ -97,7 +96,7 @@ void LockStep::CollectDatagrams() {
   }
   taken_.clear();
   datagrams_.clear();
-  size_t room = VehicleLoop::kMaxDatagramsPerTick;
+  size_t room = TickLimits::kMaxDatagramsPerTick;
   for (size_t i = 0; i < kInputSources; ++i) {
     size_t left = std::min(room, static_cast<size_t>(kMostPerTick[i]));
     for (; left > 0 && !waiting_[i].empty(); --left, --room) {
@@ -121,9 +120,10 @@ Status LockStep::Tick(std::span<const uint8_t> command) {
   const size_t frames = std::min<size_t>(sent_.frames.size(), CanBus::kMaxFramesPerTick);
   input.frames = std::span(sent_.frames).first(frames);
   input.command = command;
-  if (log_) log_->BeginTick(input, {}, std::as_bytes(std::span(loop_.get(), 1)));
-  const Status status = loop_->Tick(input, output_);
-  if (log_) log_->EndTick({index_, status, loop_->decision_hash(), 0, 0}, output_);
+  AnyVehicle& onboard = *onboard_->get();
+  if (log_) log_->BeginTick(input, {}, onboard.state());
+  const Status status = onboard.Tick(input, output_);
+  if (log_) log_->EndTick({index_, status, pilot().decision_hash(), 0, 0}, output_);
   for (const CanFrame& frame : output_.frames) vehicle_->TakeFrame(frame, now_ns_);
   return status;
 }

@@ -10,13 +10,14 @@
 
 #include "hal/onboard/control/messages.h"
 #include "hal/onboard/flight_log/flight_log.h"
-#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/vehicle_loop/any_vehicle.h"
+#include "port_linux/chosen_vehicle.h"
 #include "port_linux/files/configuration.h"
 #include "port_linux/files/read_outcome.h"
 #include "tools/sim/mission/capture_file.h"
 #include "tools/sim/script/scripted_vehicle.h"
 
-// The onboard program's VehicleLoop and a simulated vehicle in one process and in lock step, 100
+// The onboard program's vehicle loop and a simulated vehicle in one process and in lock step, 100
 // ticks a second of simulated time, as fast as it goes: what the vehicle has sent by a tick is that
 // tick's input, and what the tick sends the vehicle hears at once. The same settings decide the
 // same, bit for bit, and the log that is written on the way replays (`hardpack replay`).
@@ -50,7 +51,8 @@ class LockStep {
   // Writes the log's end.
   ReadOutcome End();
 
-  const VehicleLoop& loop() const { return *loop_; }
+  const AnyVehicle& onboard() const { return *onboard_->get(); }
+  const Pilot& pilot() const { return onboard_->get()->pilot(); }
   sim::ScriptedVehicle& vehicle() { return *vehicle_; }
   const sim::ScriptedVehicle& vehicle() const { return *vehicle_; }
   const world::World& world() const { return vehicle_->world(); }
@@ -67,7 +69,7 @@ class LockStep {
   std::string configuration_text_;
   std::string metadata_;
   std::unique_ptr<sim::ScriptedVehicle> vehicle_;
-  std::unique_ptr<VehicleLoop> loop_;
+  std::unique_ptr<ChosenVehicle> onboard_;
   CaptureFile file_;
   std::unique_ptr<flight_log::FlightLog> log_;
   uint64_t now_ns_ = kStart_ns;

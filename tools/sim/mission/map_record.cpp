@@ -39,10 +39,10 @@ Part KnownPart(const Costmap& map) {
   return part;
 }
 
-MapRecord RecordOf(const VehicleLoop& loop, const sim::Pose& pose, double t_s) {
-  const Costmap& map = loop.replanner().planner().costmap();
+MapRecord RecordOf(const Pilot& pilot, const sim::Pose& pose, double t_s) {
+  const Costmap& map = pilot.replanner().planner().costmap();
   const Part part = KnownPart(map);
-  const StampedPose& odom = loop.odometry().pose();
+  const StampedPose& odom = pilot.odometry().pose();
   const Vec2 corner = {
       static_cast<float>(map.window.origin.x + part.left) * kCellSize_m,
       static_cast<float>(map.window.origin.y + part.low) * kCellSize_m,
@@ -66,14 +66,14 @@ MapRecord RecordOf(const VehicleLoop& loop, const sim::Pose& pose, double t_s) {
 
 }  // namespace
 
-void MapRecorder::Watch(const VehicleLoop& loop, const sim::Pose& pose, double t_s,
+void MapRecorder::Watch(const Pilot& pilot, const sim::Pose& pose, double t_s,
                         std::vector<MapRecord>& maps) {
   // Between two rounds the map is whole: that of the plan that was judged last.
-  const uint64_t plans = loop.counters().plans;
-  const bool is_whole = plans != plans_ && !loop.replanner().busy();
+  const uint64_t plans = pilot.counters().plans;
+  const bool is_whole = plans != plans_ && !pilot.replanner().busy();
   plans_ = plans;
   if (!is_whole || t_s < next_s_) return;
-  maps.push_back(RecordOf(loop, pose, t_s));
+  maps.push_back(RecordOf(pilot, pose, t_s));
   if (maps.size() > kMost) {
     size_t kept = 0;
     for (size_t i = 0; i < maps.size(); i += 2) maps[kept++] = std::move(maps[i]);

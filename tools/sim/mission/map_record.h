@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/pilot/pilot.h"
 #include "tools/sim/vehicle/pose.h"
 
 // What the vehicle's costmap was at a few times of a mission, for pictures.
@@ -33,8 +33,7 @@ class MapRecorder {
   static constexpr double kShortest_s = 0.5;
 
   // Once a tick.
-  void Watch(const VehicleLoop& loop, const sim::Pose& pose, double t_s,
-             std::vector<MapRecord>& maps);
+  void Watch(const Pilot& pilot, const sim::Pose& pose, double t_s, std::vector<MapRecord>& maps);
 
  private:
   uint64_t plans_ = 0;

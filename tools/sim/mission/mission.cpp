@@ -99,18 +99,18 @@ control::OperatorCommand Command(control::Kind kind) {
 }
 
 Moment MomentOf(const LockStep& run) {
-  const VehicleLoop& loop = run.loop();
+  const Pilot& pilot = run.pilot();
   Moment now;
   now.time_s = run.time_s();
   now.vehicle = &run.vehicle();
-  now.mode = loop.permission().mode;
-  now.reason = loop.permission().reason;
-  now.goals = static_cast<uint32_t>(loop.goals());
-  now.commanded_mps = loop.tracking().speed_mps;
-  now.commanded_yaw_radps = loop.tracking().yaw_rate_radps;
-  now.reaction_m = loop.reaction().Radius_m(0.5f);
-  now.plan = loop.replanner().committed().number;
-  now.loop = &loop;
+  now.mode = pilot.permission().mode;
+  now.reason = pilot.permission().reason;
+  now.goals = static_cast<uint32_t>(pilot.goals());
+  now.commanded_mps = pilot.tracking().speed_mps;
+  now.commanded_yaw_radps = pilot.tracking().yaw_rate_radps;
+  now.reaction_m = pilot.reaction().Radius_m(0.5f);
+  now.plan = pilot.replanner().committed().number;
+  now.pilot = &pilot;
   return now;
 }
 
@@ -133,17 +133,17 @@ bool Until(LockStep& run, double limit_s, Condition&& condition) {
 
 // Boots, arms and gives the goal. Empty, or why it was not accepted.
 std::string Begin(LockStep& run, world::Point2 goal) {
-  if (!Until(run, kBootLimit_s, [&] { return run.loop().drives().ready(); })) {
+  if (!Until(run, kBootLimit_s, [&] { return run.onboard().Drives().ready; })) {
     return "the drives do not become ready";
   }
   const double settled_s = run.time_s() + kSettle_s;
   if (!Until(run, kBootLimit_s, [&] { return run.time_s() > settled_s; })) return "a tick failed";
   const Status armed = run.Say(Command(control::Kind::kArm));
   if (!IsUsable(armed) || run.output().answer != Status::kOk) return "arming was refused";
-  if (!Until(run, kBootLimit_s, [&] { return run.loop().drives().enabled(); })) {
+  if (!Until(run, kBootLimit_s, [&] { return run.onboard().Drives().enabled; })) {
     return "the drives are not enabled";
   }
-  const WorldFromOdom frame(run.vehicle().vehicle().pose(), run.loop().odometry().pose());
+  const WorldFromOdom frame(run.vehicle().vehicle().pose(), run.pilot().odometry().pose());
   control::OperatorCommand command = Command(control::Kind::kGoal);
   command.waypoints = 1;
   command.waypoint[0].frame = control::GoalFrame::kOdom;
@@ -213,9 +213,9 @@ ReadOutcome RunMission(const MissionSettings& settings, RunResult& result, Missi
     if (!IsUsable(run.Tick())) return Bad("a tick was refused");
     observer.Watch(MomentOf(run));
   }
-  observer.Finish(run.loop().decision_hash());
-  AddBins(run.loop().reaction().time_bins(), result.reaction_s);
-  AddBins(run.loop().reaction().radius_bins(), result.reaction_m);
+  observer.Finish(run.pilot().decision_hash());
+  AddBins(run.pilot().reaction().time_bins(), result.reaction_s);
+  AddBins(run.pilot().reaction().radius_bins(), result.reaction_m);
   result.driven_m = run.vehicle().vehicle().driven_m();
   result.success = result.outcome == WantedOutcome(settings.scenario.name);
   return run.End();
@@ -225,10 +225,10 @@ ReadOutcome ReplaysTheSame(const std::string& log, uint64_t decision_hash,
                            std::string& difference) {
   replay::Request request;
   request.files = {log};
-  const auto loop = std::make_unique<VehicleLoop>();
+  const auto vehicle = std::make_unique<ChosenVehicle>();
   const auto configuration = std::make_unique<Configuration>();
   replay::Report report;
-  const ReadOutcome outcome = replay::ReplayLog(request, *loop, *configuration, report);
+  const ReadOutcome outcome = replay::ReplayLog(request, *vehicle, *configuration, report);
   if (!outcome.ok()) return outcome;
   if (report.difference.found) {
     difference = "tick " + std::to_string(report.difference.index) + ": " + report.difference.what;

@@ -26,7 +26,7 @@ world::Point2 Here(const Moment& now) {
 
 // Precondition: it is known.
 WorldFromOdom FrameOf(const Moment& now) {
-  return {now.vehicle->vehicle().pose(), now.loop->odometry().pose()};
+  return {now.vehicle->vehicle().pose(), now.pilot->odometry().pose()};
 }
 
 // Of the committed plan where the vehicle is; 0 without one.
@@ -111,8 +111,8 @@ void Observer::WatchPlan(const Moment& now, double t_s) {
   if (is_replan) ++result_.replans;
   plan_ = now.plan;
   path_.clear();
-  if (now.plan == 0 || now.loop == nullptr) return;
-  const Replanner& replanner = now.loop->replanner();
+  if (now.plan == 0 || now.pilot == nullptr) return;
+  const Replanner& replanner = now.pilot->replanner();
   const WorldFromOdom frame = FrameOf(now);
   std::vector<world::Point2> in_world;
   for (const Pose2& pose : replanner.committed().path) {
@@ -127,9 +127,9 @@ void Observer::WatchPlan(const Moment& now, double t_s) {
 
 // How far the odometry has drifted since the goal was accepted.
 void Observer::WatchOdometry(const Moment& now) {
-  if (now.loop == nullptr) return;
+  if (now.pilot == nullptr) return;
   if (!first_) first_ = FrameOf(now);
-  const auto& odom = now.loop->odometry().pose().position;
+  const auto& odom = now.pilot->odometry().pose().position;
   const world::Point2 taken =
       first_->ToWorld({static_cast<float>(odom.x_m), static_cast<float>(odom.y_m)});
   const world::Point2 here = Here(now);
@@ -138,8 +138,8 @@ void Observer::WatchOdometry(const Moment& now) {
 }
 
 void Observer::WatchReaction(const Moment& now) {
-  if (now.loop == nullptr) return;
-  const auto bins = now.loop->reaction().time_bins();
+  if (now.pilot == nullptr) return;
+  const auto bins = now.pilot->reaction().time_bins();
   const bool is_fast = now.vehicle->vehicle().speed_mps() >= kFast_mps;
   reactions_.resize(bins.size());
   experiment::Histogram& fast = result_.reaction_fast_s;
@@ -166,7 +166,7 @@ void Observer::WatchMotion(const Moment& now, double t_s) {
   WatchOdometry(now);
   WatchReaction(now);
   if (path_.size() < 2 || now.mode != Mode::kDriving) return;
-  const auto& odom = now.loop->odometry().pose().position;
+  const auto& odom = now.pilot->odometry().pose().position;
   cross_track_m_ = CrossTrack_m({double{odom.x_m}, double{odom.y_m}}, path_);
   if (std::fabs(speed_mps) <= 0.1) return;
   result_.cross_track_m.Add(cross_track_m_);
@@ -209,18 +209,18 @@ void Observer::WatchMode(const Moment& now, double t_s) {
   }
 }
 
-void Observer::SampleInside(const VehicleLoop& loop, MissionTrace::Sample& sample) {
-  sample.planned_mps = PlannedSpeed_mps(loop.replanner());
-  sample.commanded_curvature_per_m = loop.tracking().curvature_per_m;
-  reaction_.Add(loop.reaction().radius_bins());
+void Observer::SampleInside(const Pilot& pilot, MissionTrace::Sample& sample) {
+  sample.planned_mps = PlannedSpeed_mps(pilot.replanner());
+  sample.commanded_curvature_per_m = pilot.tracking().curvature_per_m;
+  reaction_.Add(pilot.reaction().radius_bins());
   sample.reaction_median_m = reaction_.Radius_m(0.5);
   sample.reaction_p99_m = reaction_.Radius_m(0.99);
 }
 
 void Observer::Sample(const Moment& now, double t_s) {
   if (trace_ == nullptr) return;
-  if (now.loop != nullptr) {
-    maps_.Watch(*now.loop, now.vehicle->vehicle().pose(), t_s, trace_->maps);
+  if (now.pilot != nullptr) {
+    maps_.Watch(*now.pilot, now.vehicle->vehicle().pose(), t_s, trace_->maps);
   }
   if (t_s < next_sample_s_) return;
   next_sample_s_ = t_s + kSample_s - 1.0e-6;
@@ -237,7 +237,7 @@ void Observer::Sample(const Moment& now, double t_s) {
   sample.cross_track_m = cross_track_m_;
   sample.clearance_m = clearance_m_;
   sample.reaction_median_m = now.reaction_m;
-  if (now.loop != nullptr) SampleInside(*now.loop, sample);
+  if (now.pilot != nullptr) SampleInside(*now.pilot, sample);
   for (const world::Person& person : now.vehicle->world().people()) {
     sample.people.push_back(person.At(now.time_s));
   }

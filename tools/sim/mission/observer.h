@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/safety/supervisor.h"
-#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/pilot/pilot.h"
 #include "tools/sim/experiment/run_result.h"
 #include "tools/sim/mission/frame.h"
 #include "tools/sim/mission/map_record.h"
@@ -36,7 +36,7 @@ struct Moment {
   double reaction_m = 0.0;  // the median so far
   // What is only known inside: paths, maps, odometry. Null over the wire: then there are no plans,
   // no cross-track errors and no maps.
-  const VehicleLoop* loop = nullptr;
+  const Pilot* pilot = nullptr;
 };
 
 class Observer {
@@ -84,7 +84,7 @@ class Observer {
   void WatchOdometry(const Moment& now);
   void WatchReaction(const Moment& now);
   void Sample(const Moment& now, double t_s);
-  void SampleInside(const VehicleLoop& loop, MissionTrace::Sample& sample);
+  void SampleInside(const Pilot& pilot, MissionTrace::Sample& sample);
   void Note(double t_s, const std::string& text);
   void End(experiment::Outcome outcome);
   void EndBy(experiment::Outcome contact, double t_s, const std::string& text);

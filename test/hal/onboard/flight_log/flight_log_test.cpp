@@ -75,7 +75,8 @@ TEST(FlightLog, HandsOutTheImageWithTheTicksOfALaterFile) {
   EXPECT_EQ(version.file, 1u);
   EXPECT_EQ(version.next_tick, last.index + 1);
   EXPECT_EQ(version.state_bytes, 300'000u);
-  EXPECT_EQ(version.state_layout, ImageLayout());
+  EXPECT_EQ(version.state_layout, MadeUpRun::kStateLayout);
+  EXPECT_STREQ(version.vehicle, "made up");
 
   std::vector<uint8_t> image;
   uint32_t crc = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <random>
 #include <string>
@@ -36,6 +37,7 @@ inline CanFrame RandomFrame(std::mt19937& random) {
 
 class MadeUpRun {
  public:
+  static constexpr uint64_t kStateLayout = 0x5151515151515151u;
   static constexpr int64_t kWallOffset_ns = 1'795'000'000'000'000'000;
 
   explicit MadeUpRun(Recorder& recorder, size_t state_bytes = 300'000, uint32_t seed = 1)
@@ -44,6 +46,8 @@ class MadeUpRun {
     metadata_ = "{\"metadata\": true}";
     flight_log::FlightLogSetup setup;
     setup.version.run = 0x1122334455667788u;
+    setup.version.state_layout = kStateLayout;
+    std::strcpy(setup.version.vehicle, "made up");
     setup.configuration = Bytes(configuration_);
     setup.lidar_metadata = Bytes(metadata_);
     for (uint16_t source = 0; source < kInputSources; ++source) {

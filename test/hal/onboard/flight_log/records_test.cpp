@@ -40,6 +40,7 @@ TEST(Records, GiveAVersionBack) {
   record.state_bytes = 14;
   record.state_layout = 15;
   std::strcpy(record.version, "0.1.0");
+  std::strcpy(record.vehicle, "warthog");
   std::memset(record.build, 'b', sizeof(record.build));  // fills its field
   std::strcpy(record.processor, "x86-64");
   VersionRecord read;
@@ -50,6 +51,7 @@ TEST(Records, GiveAVersionBack) {
   EXPECT_EQ(read.state_bytes, 14u);
   EXPECT_EQ(read.state_layout, 15u);
   EXPECT_STREQ(read.version, "0.1.0");
+  EXPECT_STREQ(read.vehicle, "warthog");
   EXPECT_EQ(std::memcmp(read.build, record.build, sizeof(record.build)), 0);
   EXPECT_STREQ(read.processor, "x86-64");
 }

@@ -91,7 +91,7 @@ double EndAfter_s(ClosedLoop& drive) {
   SimulatedDevices simulated(drive);
   NothingComes lidar;
   OnboardDevices devices = DevicesOf(simulated, lidar);
-  const auto run_loop = std::make_unique<RunLoop>(drive.loop(), devices, RunOptions{});
+  const auto run_loop = std::make_unique<RunLoop>(drive.onboard(), devices, RunOptions{});
   const uint64_t begin_ns = simulated.Now_ns();
   simulated.SleepUntil(begin_ns + ClosedLoop::kTick_ns);
   run_loop->Tick(simulated.Now_ns(), drive.loop().index());  // its count goes on from there
@@ -115,7 +115,7 @@ TEST(RunLoop, SkipsTheTicksThatItIsTooLateFor) {
     OnboardDevices devices = DevicesOf(simulated, lidar);
     RunOptions options;
     options.period_ms = period_ms;
-    const auto run_loop = std::make_unique<RunLoop>(drive.loop(), devices, options);
+    const auto run_loop = std::make_unique<RunLoop>(drive.onboard(), devices, options);
     const auto period_ns = static_cast<uint64_t>(period_ms) * 1'000'000u;
     const uint64_t begin_ns = simulated.Now_ns();
     run_loop->Begin();
@@ -152,7 +152,7 @@ TEST(RunLoop, DropsWhatCameBeforeTheFirstTick) {
   OnboardDevices devices = DevicesOf(simulated, lidar);
   devices.ins = &ins;
   devices.labels = &labels;
-  const auto run_loop = std::make_unique<RunLoop>(drive.loop(), devices, RunOptions{});
+  const auto run_loop = std::make_unique<RunLoop>(drive.onboard(), devices, RunOptions{});
   RunToTheEnd(*run_loop);
   EXPECT_GT(drive.loop().counters().ticks, 0u);
   for (const uint64_t datagrams : drive.loop().counters().datagrams) EXPECT_EQ(datagrams, 0u);
@@ -170,7 +170,7 @@ struct Flood {
 
   Flood() {
     devices.ins = &ins;
-    run_loop = std::make_unique<RunLoop>(drive.loop(), devices, RunOptions{});
+    run_loop = std::make_unique<RunLoop>(drive.onboard(), devices, RunOptions{});
   }
   void Tick(fakes::MemoryDatagramSocket& socket, int datagrams) {
     const std::vector<uint8_t> bytes(100, 0xfa);
@@ -275,7 +275,7 @@ TEST(RunLoop, ObeysAnEmergencyStopWhileItEnds) {
   NothingComes lidar;
   OnboardDevices devices = DevicesOf(simulated, lidar);
   devices.control = &link;
-  const auto run_loop = std::make_unique<RunLoop>(drive.loop(), devices, RunOptions{});
+  const auto run_loop = std::make_unique<RunLoop>(drive.onboard(), devices, RunOptions{});
   simulated.SleepUntil(simulated.Now_ns() + ClosedLoop::kTick_ns);
   run_loop->Tick(simulated.Now_ns(), drive.loop().index());
   const std::map<int, Kind> said = {{8, Kind::kArm}, {9, Kind::kStop}, {10, Kind::kEmergencyStop}};

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "hal/onboard/control/messages.h"
-#include "hal/onboard/vehicle_loop/vehicle_loop.h"
+#include "hal/onboard/vehicle_loop/any_vehicle.h"
 #include "port_linux/files/ouster_metadata.h"
 #include "test/loop_count/counted_beams.h"
 #include "tools/sim/script/script.h"
@@ -53,9 +53,10 @@ class ClosedLoop {
   // The loop is made in memory that is full of `fill`: nothing may be left as it was found.
   explicit ClosedLoop(std::string_view script = "", world::World world = sim::LaneWorld(),
                       uint8_t fill = 0xa5, sim::LidarProfile profile = sim::LidarProfile::kLegacy)
-      : memory_(std::make_unique<std::byte[]>(sizeof(VehicleLoop))) {
-    std::memset(memory_.get(), fill, sizeof(VehicleLoop));
-    loop_ = new (memory_.get()) VehicleLoop;  // trivially destructible
+      : memory_(std::make_unique<std::byte[]>(sizeof(VehicleOf<Warthog>))) {
+    std::memset(memory_.get(), fill, sizeof(VehicleOf<Warthog>));
+    onboard_ = new (memory_.get()) VehicleOf<Warthog>;  // trivially destructible
+    loop_ = &onboard_->loop();
     settings_.world = std::move(world);
     settings_.lidar.columns = 512;  // quicker to cast
     settings_.lidar.profile = profile;
@@ -76,6 +77,7 @@ class ClosedLoop {
   }
 
   VehicleLoop& loop() { return *loop_; }
+  AnyVehicle& onboard() { return *onboard_; }
   sim::ScriptedVehicle& vehicle() { return *vehicle_; }
   const VehicleConfig& config() const { return *config_; }
   const TickOutput& output() const { return output_; }
@@ -193,6 +195,7 @@ class ClosedLoop {
   std::unique_ptr<sim::ScriptedVehicle> vehicle_;
   std::unique_ptr<VehicleConfig> config_;
   std::unique_ptr<std::byte[]> memory_;
+  VehicleOf<Warthog>* onboard_ = nullptr;
   VehicleLoop* loop_ = nullptr;
   std::vector<uint8_t> last_ins_;
   TickOutput output_;

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace hardpack {
+
+// Where a datagram came from, in the order in which a tick has to be given them.
+enum class InputSource : uint8_t { kIns = 0, kLabels = 1, kLidar = 2 };
+inline constexpr int kInputSources = 3;
+
+}  // namespace hardpack
