@@ -12,10 +12,10 @@ int main(int argc, char** argv) {
   using namespace hardpack;
   replay::Request request;
   request.files.assign(argv + 1, argv + argc);
-  const auto loop = std::make_unique<VehicleLoop>();
+  const auto vehicle = std::make_unique<ChosenVehicle>();
   const auto configuration = std::make_unique<Configuration>();
   replay::Report report;
-  const ReadOutcome outcome = replay::ReplayLog(request, *loop, *configuration, report);
+  const ReadOutcome outcome = replay::ReplayLog(request, *vehicle, *configuration, report);
   if (!outcome.ok()) {
     std::fprintf(stderr, "%s\n", outcome.message.c_str());
     return 2;

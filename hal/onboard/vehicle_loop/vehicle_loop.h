@@ -66,6 +66,7 @@ class BasicVehicleLoop : public Pilot, public TickLimits {
   Status TakeIns(std::span<const uint8_t> bytes);
   Status TakeLabels(std::span<const uint8_t> bytes);
   Status TakeLidar(std::span<const uint8_t> bytes);
+  void TakeLidarColumn(std::span<const uint8_t> bytes, int index);
   Status CheckLidar(std::span<const uint8_t> bytes);
   Status ObserveLidarClock(std::span<const uint8_t> bytes);
   uint64_t MeasuredAt(const InsSample& sample);

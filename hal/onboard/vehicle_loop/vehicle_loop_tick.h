@@ -176,13 +176,13 @@ Status BasicVehicleLoop<Vehicle>::TakeLabels(std::span<const uint8_t> bytes) {
   const Status status =
       labels::CheckDatagram(bytes, model.beams, model.columns_per_revolution, header);
   if (!IsUsable(status)) return status;
+  const int columns = header.columns < labels_left_ ? header.columns : labels_left_;
+  labels_left_ -= columns;
   HP_LOOP_BOUND(labels::kMaxColumns)
-  for (int i = 0; i < header.columns; ++i) {
-    if (labels_left_ == 0) return Status::kCapacityExceeded;
-    --labels_left_;
+  for (int i = 0; i < columns; ++i) {
     if (IsUsable(labels::DecodeColumn(header, bytes, i, labels_))) Pilot::TakeLabels(labels_);
   }
-  return Status::kOk;
+  return columns == header.columns ? Status::kOk : Status::kCapacityExceeded;
 }
 
 // The newest stamp of the datagram, which was delayed the least.
@@ -216,25 +216,22 @@ Status BasicVehicleLoop<Vehicle>::TakeLidar(std::span<const uint8_t> bytes) {
   if (!IsUsable(status)) return status;
   const int columns = lidar_.columns();
   HP_LOOP_BOUND(Lidar::kMaxColumns)
-  for (int i = 0; i < columns; ++i) {
-    if (columns_left_ == 0) {
-      LoseColumn();
-      continue;
-    }
-    --columns_left_;
-    if (!IsUsable(lidar_.Decode(bytes, i, column_))) continue;
-    if (lidar_time_.suspect()) {
-      ++counters_.suspect_columns;
-      continue;
-    }
-    const Result<uint64_t> time_ns = lidar_time_.ToHost(column_.timestamp_ns);
-    if (time_ns.ok()) {
-      TakeColumn(column_, time_ns.value());
-    } else {
-      LoseColumn();
-    }
-  }
+  for (int i = 0; i < columns; ++i) TakeLidarColumn(bytes, i);
   return Status::kOk;
+}
+
+template <VehicleType Vehicle>
+void BasicVehicleLoop<Vehicle>::TakeLidarColumn(std::span<const uint8_t> bytes, int index) {
+  if (columns_left_ == 0) return LoseColumn();
+  --columns_left_;
+  if (!IsUsable(lidar_.Decode(bytes, index, column_))) return;
+  if (lidar_time_.suspect()) {
+    ++counters_.suspect_columns;
+    return;
+  }
+  const Result<uint64_t> time_ns = lidar_time_.ToHost(column_.timestamp_ns);
+  if (!time_ns.ok()) return LoseColumn();
+  TakeColumn(column_, time_ns.value());
 }
 
 }  // namespace hardpack
