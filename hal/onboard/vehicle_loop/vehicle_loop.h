@@ -65,6 +65,7 @@ class BasicVehicleLoop : public Pilot, public TickLimits {
   void TakeDatagram(const TickDatagram& datagram);
   Status TakeIns(std::span<const uint8_t> bytes);
   Status TakeLabels(std::span<const uint8_t> bytes);
+  void TakeLabelColumn(const labels::Header& header, std::span<const uint8_t> bytes, int index);
   Status TakeLidar(std::span<const uint8_t> bytes);
   void TakeLidarColumn(std::span<const uint8_t> bytes, int index);
   Status CheckLidar(std::span<const uint8_t> bytes);

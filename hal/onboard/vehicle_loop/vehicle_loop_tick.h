@@ -179,10 +179,14 @@ Status BasicVehicleLoop<Vehicle>::TakeLabels(std::span<const uint8_t> bytes) {
   const int columns = header.columns < labels_left_ ? header.columns : labels_left_;
   labels_left_ -= columns;
   HP_LOOP_BOUND(labels::kMaxColumns)
-  for (int i = 0; i < columns; ++i) {
-    if (IsUsable(labels::DecodeColumn(header, bytes, i, labels_))) Pilot::TakeLabels(labels_);
-  }
+  for (int i = 0; i < columns; ++i) TakeLabelColumn(header, bytes, i);
   return columns == header.columns ? Status::kOk : Status::kCapacityExceeded;
+}
+
+template <VehicleType Vehicle>
+void BasicVehicleLoop<Vehicle>::TakeLabelColumn(const labels::Header& header,
+                                                std::span<const uint8_t> bytes, int index) {
+  if (IsUsable(labels::DecodeColumn(header, bytes, index, labels_))) Pilot::TakeLabels(labels_);
 }
 
 // The newest stamp of the datagram, which was delayed the least.

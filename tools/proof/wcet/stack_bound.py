@@ -62,6 +62,7 @@ class CallGraph:
                     self._read(os.path.join(place, file))
         if not found:
             raise Refused(f"{folder}: there are no call graphs (*.ci)")
+        self._join_instances()
         self.given = {self.symbol(name): n for name, n in (frames or {}).items()}
         self.stops = {self.symbol(name) for name in stops}
         self._bounds = {}
@@ -86,6 +87,21 @@ class CallGraph:
         self.frames[symbol] = max(int(frame.group(1)), self.frames.get(symbol, 0))
         if frame.group(2) != "static":
             self.dynamic.add(symbol)
+
+    def _join_instances(self):
+        """g++ writes the unit's path before the symbol of a template's instance, as it does before
+        that of a function that only the unit sees: it is the function that other units call so."""
+        short = {s: s.rpartition(":")[2] for s in self.names}
+        short = {s: plain for s, plain in short.items() if s != plain and plain in self.names}
+        for symbol, plain in short.items():
+            if symbol in self.frames:
+                self.frames[plain] = max(self.frames.pop(symbol), self.frames.get(plain, 0))
+            if symbol in self.dynamic:
+                self.dynamic.add(plain)
+            del self.names[symbol]
+            self.calls.setdefault(plain, set()).update(self.calls.pop(symbol, ()))
+        for symbol, called in self.calls.items():
+            self.calls[symbol] = {short.get(s, s) for s in called}
 
     def symbol(self, name):
         """Of the one function of that name; several that are the same text, of several units, are

@@ -75,6 +75,16 @@ class StackBound(unittest.TestCase):
         self.assertGreaterEqual(int(done.stdout.split()[0]),
                                 self.frame("Top") + self.frame("Middle") + self.frame("Low") + 200)
 
+    def test_follows_calls_into_the_instances_of_templates(self):
+        self.compile("template <int n> struct Of { static void Low(); }; extern template struct "
+                     "Of<9>; void Fill(int*); void Top() { int a[40]; Fill(a); Of<9>::Low(); "
+                     "Fill(a); }")
+        self.compile("void Fill(int*); template <int n> struct Of { static void Low() { int a[n]; "
+                     "Fill(a); } }; template struct Of<9>; void Near() { Of<9>::Low(); }", "b")
+        done = self.run_tool("--frame", "Fill=100", "Top")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertGreaterEqual(int(done.stdout.split()[0]), self.frame("Top") + 36 + 100)
+
     def test_does_not_count_what_does_not_return(self):
         self.compile("[[noreturn]] void Fail(); void Top(bool b) { if (b) Fail(); }")
         self.assertEqual(self.run_tool("--stops", "Fail", "Top").stdout.split()[1], "Top")
