@@ -4,10 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstring>
+#include <memory>
 #include <ostream>
 #include <random>
+#include <span>
 
+#include "hal/onboard/vehicle_loop/any_vehicle.h"
 #include "test/hal/onboard/vehicle_loop/closed_loop.h"
 
 namespace hardpack {
@@ -409,6 +413,17 @@ TEST(VehicleLoop, StandsStillUnderNoise) {
     ASSERT_EQ(drive.loop().drives().commanded().right_radps, 0.0f);
     ASSERT_NE(drive.mode(), Mode::kDriving);
   }
+}
+
+TEST(AnyVehicle, TakesBackAStateThatWasCopied) {
+  ClosedLoop drive;
+  const auto vehicle = std::make_unique<VehicleOf<Warthog>>();
+  const std::span<const std::byte> state = drive.onboard().state();
+  ASSERT_NE(std::memcmp(vehicle->state().data(), state.data(), state.size()), 0);
+  EXPECT_EQ(vehicle->Restore(state.first(state.size() - 1)), Status::kInvalidArgument);
+  ASSERT_EQ(vehicle->Restore(state), Status::kOk);
+  EXPECT_EQ(std::memcmp(vehicle->state().data(), state.data(), state.size()), 0);
+  EXPECT_EQ(vehicle->state_layout(), drive.onboard().state_layout());
 }
 
 }  // namespace
