@@ -123,7 +123,7 @@ bool Devices::OpenLog(const Startup& startup, const AnyVehicle& vehicle) {
   flight_log::FlightLogSetup setup;
   setup.wall_clock_offset_ns = WallClockOffset_ns(clock_);
   setup.version.state_layout = vehicle.state_layout();
-  Copy(vehicle.type(), setup.version.vehicle);
+  vehicle.CopyType(setup.version.vehicle);
   setup.version.run = static_cast<uint64_t>(setup.wall_clock_offset_ns) + clock_.Now_ns();
   Copy(HARDPACK_VERSION, setup.version.version);
   Copy(std::string(kRevision) + ", " + __VERSION__, setup.version.build);

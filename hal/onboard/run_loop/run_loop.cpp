@@ -47,10 +47,7 @@ RunLoop::RunLoop(AnyVehicle& vehicle, const OnboardDevices& devices, const RunOp
   for (size_t i = 0; i < kMost && i < options.version.size(); ++i) {
     program_.version[i] = options.version[i];
   }
-  HP_LOOP_BOUND(kMost)
-  for (size_t i = 0; i < kMost && vehicle.type()[i] != '\0'; ++i) {
-    program_.vehicle[i] = vehicle.type()[i];
-  }
+  vehicle.CopyType(program_.vehicle);
   disarm_.kind = control::Kind::kDisarm;
   program_.realtime_scheduled = options.realtime_scheduled;
   program_.memory_locked = options.memory_locked;

@@ -25,6 +25,8 @@ class AnyVehicle {
  public:
   // The name of its type: vehicle.type in a configuration.
   virtual const char* type() const = 0;
+  // The same into a field of a report or a record, with zeros behind it.
+  void CopyType(char (&text)[kMaxVehicleType + 1]) const;
 
   // BasicVehicleLoop::Tick.
   virtual Status Tick(const TickInput& input, TickOutput& output) = 0;
@@ -54,6 +56,16 @@ class AnyVehicle {
  protected:
   ~AnyVehicle() = default;
 };
+
+inline void AnyVehicle::CopyType(char (&text)[kMaxVehicleType + 1]) const {
+  const char* const name = type();
+  bool ended = false;
+  HP_LOOP_BOUND(kMaxVehicleType + 1)
+  for (int i = 0; i <= kMaxVehicleType; ++i) {
+    ended = ended || i == kMaxVehicleType || name[i] == '\0';
+    text[i] = ended ? '\0' : name[i];
+  }
+}
 
 template <VehicleType Vehicle>
 class VehicleOf final : public AnyVehicle {

@@ -89,7 +89,7 @@ class LoggedDrive {
     ASSERT_TRUE(configured.ok()) << configured.message;
     flight_log::FlightLogSetup setup;
     setup.version.state_layout = onboard_->get()->state_layout();
-    std::strcpy(setup.version.vehicle, onboard_->get()->type());
+    onboard_->get()->CopyType(setup.version.vehicle);
     setup.version.run = 77;
     setup.configuration = BytesOf(configuration_);
     setup.lidar_metadata = BytesOf(metadata_);

@@ -2,7 +2,6 @@
 #include "tools/sim/mission/lock_step.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace hardpack::mission {
 namespace {
@@ -73,7 +72,7 @@ ReadOutcome LockStep::StartLog(const std::string& path) {
   flight_log::FlightLogSetup setup;
   const AnyVehicle& onboard = *onboard_->get();
   setup.version.state_layout = onboard.state_layout();
-  std::strncpy(setup.version.vehicle, onboard.type(), sizeof(setup.version.vehicle) - 1);
+  onboard.CopyType(setup.version.vehicle);
   setup.configuration = BytesOf(configuration_text_);
   setup.lidar_metadata = BytesOf(metadata_);
   const uint16_t ports[kInputSources] = {static_cast<uint16_t>(configuration_.ins.port),
