@@ -9,9 +9,11 @@
 namespace hardpack {
 namespace {
 
-template <typename... Vehicle, typename Storage>
-bool Emplace(VehicleList<Vehicle...>, std::string_view type, Storage& storage) {
-  return ((type == Vehicle::kType && (storage.template emplace<VehicleOf<Vehicle>>(), true)) ||
+// Makes the vehicle that is called so and gives it to `use`. False: there is none.
+template <typename... Vehicle, typename Storage, typename Use>
+bool Make(VehicleList<Vehicle...>, std::string_view type, Storage& storage, const Use& use) {
+  storage.template emplace<std::monostate>();
+  return ((type == Vehicle::kType && (use(storage.template emplace<VehicleOf<Vehicle>>()), true)) ||
           ...);
 }
 
@@ -44,25 +46,16 @@ ReadOutcome ParseLidar(const Configuration& /*configuration*/, std::string_view 
 }
 
 bool ChosenVehicle::Choose(std::string_view type) {
-  vehicle_.emplace<std::monostate>();
-  return Emplace(Vehicles{}, type, vehicle_);
+  return Make(Vehicles{}, type, vehicle_, [](const AnyVehicle&) {});
 }
 
 ReadOutcome ChosenVehicle::Configure(const Configuration& configuration,
                                      const LidarConfigs& lidars) {
-  if (!Choose(configuration.vehicle_type)) {
-    return {Status::kUnsupported,
-            "vehicle.type: this program has no " + configuration.vehicle_type};
-  }
-  return std::visit(
-      [&](auto& vehicle) -> ReadOutcome {
-        if constexpr (std::is_same_v<std::decay_t<decltype(vehicle)>, std::monostate>) {
-          return {Status::kNotStarted, "no vehicle is chosen"};
-        } else {
-          return SetUp(configuration, lidars, vehicle);
-        }
-      },
-      vehicle_);
+  ReadOutcome outcome = {Status::kUnsupported,
+                         "vehicle.type: this program has no " + configuration.vehicle_type};
+  Make(Vehicles{}, configuration.vehicle_type, vehicle_,
+       [&](auto& vehicle) { outcome = SetUp(configuration, lidars, vehicle); });
+  return outcome;
 }
 
 AnyVehicle* ChosenVehicle::get() {

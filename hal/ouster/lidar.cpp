@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/ouster/lidar.h"
 
+#include "core/base/saturate.h"
+
 namespace hardpack::ouster {
 
 LidarLayout Lidar::LayoutOf(const Metadata& metadata) {
-  const auto beams = static_cast<size_t>(
-      metadata.beams < 0 ? 0 : (metadata.beams < kMaxBeams ? metadata.beams : kMaxBeams));
+  const auto beams = static_cast<size_t>(ClampInt(metadata.beams, 0, kMaxBeams));
   const std::span<const float> altitude_deg(metadata.beam_altitude_deg);
   const std::span<const float> azimuth_deg(metadata.beam_azimuth_deg);
   return {.altitude_deg = altitude_deg.first(beams),

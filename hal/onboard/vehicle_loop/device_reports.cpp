@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/onboard/vehicle_loop/device_reports.h"
 
+#include "hal/sevcon/durations.h"
+
 namespace hardpack {
 namespace {
 
 void Fill(const sevcon::DriveReport& drive, uint64_t now_ns, const DriveParams& params,
           control::DrivePart& part) {
-  constexpr uint64_t kNanosecondsPerMillisecond = 1'000'000;
   part.state = static_cast<uint8_t>(drive.state);
   part.fault = static_cast<uint8_t>(drive.fault);
   part.nmt_state = drive.nmt_state;
@@ -18,9 +19,8 @@ void Fill(const sevcon::DriveReport& drive, uint64_t now_ns, const DriveParams& 
   part.sdo_index = drive.sdo_index;
   part.sdo_abort_reason = drive.sdo_abort_reason;
   part.wheel_radps = drive.wheel_radps;
-  part.wheel_age = control::AgeAt(
-      now_ns, drive.wheel_time_ns,
-      static_cast<uint64_t>(params.feedback_timeout_ms) * kNanosecondsPerMillisecond);
+  part.wheel_age =
+      control::AgeAt(now_ns, drive.wheel_time_ns, sevcon::Milliseconds(params.feedback_timeout_ms));
   part.torque_share = drive.torque_share;
   part.has_supply = drive.has_supply;
   part.battery_V = drive.battery_V;
