@@ -27,8 +27,8 @@ concept DeviceState = std::is_trivially_copyable_v<T> && std::default_initializa
 //
 //   Config, LayoutOf, MostColumnsPerSecond  what it is; the layout refers to the configuration
 //   Check       judges a datagram before any column is taken from it. kOk: its columns can be
-//   decoded;
-//               kSensorRestarted: it began anew, and so it will say until Resume; all else: refused
+//               decoded; kSensorRestarted: the sensor has restarted, and Check says so until
+//               Resume; all else: refused
 //   columns     of a datagram that Check accepted, at most kMaxColumns
 //   Decode      one of them. Not usable: there is none, whatever `column` is
 template <typename T>
@@ -67,8 +67,8 @@ concept InsDevice = DeviceState<T> &&
 //   TakeFrame   each frame of the bus that came, in order
 //   State       of this tick, after its frames
 //   Tick        once, after State: adds what is to be sent
-//   AreOff      none of them can push: they said so, or have been silent for longer than a stop
-//   takes
+//   AreOff      no drive can push: each has said so, or has been silent for longer than a stop
+//               takes
 template <typename T>
 concept DriveDevice = DeviceState<T> &&
     requires(T drives, const T& known, const OnboardParams& onboard, const CanFrame& frame,
