@@ -72,7 +72,7 @@ void AddVehicleType(Configuration& c, Keys& keys) {
   std::string known;
   for (const std::string_view type : VehicleTypes()) known.append(" ").append(type);
   keys.push_back({"vehicle.type", &c.vehicle_type, 1, kMaxVehicleType,
-                  "Which of the vehicles that the program is built with it drives:" + known + "."});
+                  "Which vehicle to drive, one of those that the program has:" + known + "."});
 }
 
 void AddProgram(Configuration& c, Keys& keys) {
