@@ -10,7 +10,8 @@ rm -rf "$work"
 mkdir -p "$work"
 cmake --install "$build" --prefix "$work/prefix" --component development >"$work/install.log"
 # A copy outside the project's tree: a header that is found must be an installed one.
-cp "$source/CMakeLists.txt" "$source/main.cpp" "$source/lidar.cpp" "$source/vehicle.cpp" "$work"
+cp "$source/CMakeLists.txt" "$source/main.cpp" "$source/lidar.cpp" "$source/vehicle.cpp" \
+  "$source/board.cpp" "$work"
 cmake -S "$work" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER="$3" \
   -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror"
 cmake --build "$work/build"
@@ -18,6 +19,10 @@ cmake --build "$work/build"
 "$work/build/vehicle" >"$work/vehicle.txt"
 cat "$work/vehicle.txt"
 grep -qx "my_vehicle: in standby, it calls its drives" "$work/vehicle.txt"
+
+"$work/build/board" >"$work/board.txt"
+cat "$work/board.txt"
+grep -qx "warthog: 101 ticks, frames sent, drives off" "$work/board.txt"
 
 # The lidar's datagrams, the first of them twice, as networks do.
 if [ -x "$build/tools/hardpack" ]; then
