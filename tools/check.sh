@@ -91,7 +91,8 @@ if $only_deps; then exit 0; fi
 # --- steps ----------------------------------------------------------------------------------------
 
 if command -v ccache >/dev/null; then
-  export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_DIR=$root/build/ccache
+  # The user's own cache: what another checkout of the same sources has compiled is not compiled again.
+  export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1
   export CCACHE_SLOPPINESS=pch_defines,time_macros  # without which it leaves out what begins with a PCH
 fi
 jobs=$(nproc)

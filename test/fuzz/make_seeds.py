@@ -165,6 +165,16 @@ def maps(seeds):
     seeds.add("map", "png", scale + png(16, 3, 1, [b"\xf0\x0f", b"\xff\xff", b"\x00\x81"]))
 
 
+def point_files(seeds):
+    header = b"# .PCD v0.7\nVERSION 0.7\nFIELDS x y z ring\nSIZE 4 4 4 2\nTYPE F F F U\n" \
+        b"COUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA "
+    seeds.add("points", "pcd", b"\0" + header + b"ascii\n1 2 -0.5 3\nnan nan nan 0\n")
+    seeds.add("points", "pcd", b"\0" + header + b"binary\n" + struct.pack("<3fH", 5, -4, 1, 7) +
+              struct.pack("<3fH", -2, 0.5, -1.3, 8))
+    seeds.add("points", "csv", b"\1x,y,z,laser_id\n1,2,3,4\n-5,6,-1e1,15\n")
+    seeds.add("points", "csv", b"\1" + b"1,2,3\n4,5,-1,9\n")
+
+
 def label_datagrams(seeds):
     for columns, beams in ((16, 64), (1, 128), (64, 32)):
         codes = bytes((3 * i) % 35 for i in range(columns * beams))
@@ -346,8 +356,8 @@ def main(arguments):
         print(__doc__)
         return 2
     seeds = Seeds(pathlib.Path(arguments[0]))
-    for make in (configurations, maps, label_datagrams, control_messages, drive_scripts, scripts,
-                 plans):
+    for make in (configurations, maps, point_files, label_datagrams, control_messages, drive_scripts,
+                 scripts, plans):
         make(seeds)
     can = [can_frame(">", 0x180 + i, bytes(range(i))) for i in range(9)]
     seeds.add("capture", "can", b"\0" + pcap(CAN_SOCKETCAN, can))

@@ -12,6 +12,7 @@
 #include "core/segmentation/label_table.h"
 #include "hal/ouster/ouster.h"
 #include "port_linux/files/read_outcome.h"
+#include "tools/capture/standing_scan.h"
 
 // One revolution of a recorded lidar through the mapper: a capture (pcap), the sensor's metadata
 // (JSON) and, where there are any, the labels of its returns (CSV). Joins the readers of this
@@ -30,28 +31,18 @@ struct LidarScanRequest {
   StampedPose pose;  // of the vehicle while the revolution was taken; its time has no effect
 };
 
-// One return as it was filed.
-struct ClassedPoint {
-  Vec3 point_odom;
-  ReturnClass return_class = ReturnClass::kIgnored;
-};
-
 // What was found on the way. Reading ends with the revolution that is taken, and so do the counts.
 struct LidarScanReport {
   ouster::Metadata metadata;
-  uint16_t frame_id = 0;             // the revolution that was taken
-  int64_t datagrams = 0;             // UDP datagrams in the capture, whole ones
-  int64_t packets = 0;               // of these, lidar packets of this sensor
-  int64_t foreign_packets = 0;       // the others: of another size, type, sensor or connection
-  int64_t damaged_datagrams = 0;     // cut by the capture, or fragments that never became whole
-  int64_t columns = 0;               // valid columns of the revolution taken
-  int64_t missing_columns = 0;       // of the sensor's column window, not received as valid
-  int64_t returns = 0;               // with a range, in those columns
-  int64_t labelled_returns = 0;      // of these, those that the label file names
-  int64_t self_returns = 0;          // of these, the vehicle itself or outside the usable range
-  int64_t ignored_returns = 0;       // of the others, those of class kIgnored
-  int64_t returns_off_grid = 0;      // of the others, those too far away for the grid
-  std::vector<ClassedPoint> points;  // all but self and ignored, in the order of columns and rows
+  uint16_t frame_id = 0;          // the revolution that was taken
+  int64_t datagrams = 0;          // UDP datagrams in the capture, whole ones
+  int64_t packets = 0;            // of these, lidar packets of this sensor
+  int64_t foreign_packets = 0;    // the others: of another size, type, sensor or connection
+  int64_t damaged_datagrams = 0;  // cut by the capture, or fragments that never became whole
+  int64_t columns = 0;            // valid columns of the revolution taken
+  int64_t missing_columns = 0;    // of the sensor's column window, not received as valid
+  int64_t labelled_returns = 0;   // returns that the label file names
+  FiledReturns filed;
 };
 
 // Reads one revolution: the first that is complete (all columns of the sensor's window), else the

@@ -19,6 +19,7 @@ namespace {
 
 struct PlanOptions {
   LidarFiles lidar;
+  PointsFile points;
   MapFile map = {.yaml = "", .unknown_is = "soft"};
   std::string start;
   std::string goal;
@@ -50,14 +51,14 @@ PlanRequest RequestFrom(const PlanOptions& options) {
 
 void CheckInputs(const PlanOptions& options) {
   const bool lidar = !options.lidar.capture.empty();
-  if (lidar == !options.map.yaml.empty()) {
-    throw CommandFailure(kBadInput, "give either --lidar or --map");
-  }
+  const int inputs =
+      (lidar ? 1 : 0) + (options.points.path.empty() ? 0 : 1) + (options.map.yaml.empty() ? 0 : 1);
+  if (inputs != 1) throw CommandFailure(kBadInput, "give one of --lidar, --points and --map");
   if (lidar && options.lidar.metadata.empty()) {
     throw CommandFailure(kBadInput, "--metadata: is needed with --lidar (the sensor's JSON)");
   }
   if (!lidar && (!options.lidar.metadata.empty() || !options.lidar.labels.empty())) {
-    throw CommandFailure(kBadInput, "--metadata and --labels go with --lidar, not with --map");
+    throw CommandFailure(kBadInput, "--metadata and --labels go with --lidar");
   }
 }
 
@@ -159,14 +160,13 @@ void WritePictures(const PlanReport& report, const Costmap& map, const std::stri
 void WriteClasses(const PlanReport& report, const PlannedInput& input, bool labelled,
                   const std::string& folder) {
   const Pose2& pose = report.request.start.pose;
-  const std::string frame = std::to_string(report.input["frame_id"].get<int>());
   const picture::ClassPicture classes = {.map = &input.planner->costmap(),
                                          .vehicle = report.params.vehicle,
                                          .pose = pose,
                                          .beams = input.mapper->model().beams,
                                          .columns = input.mapper->model().columns_per_revolution,
                                          .returns = picture::ReturnsOf(*input.mapper, pose),
-                                         .title = "Revolution " + frame +
+                                         .title = input.revolution +
                                                   " as the vehicle understood it, " +
                                                   (labelled ? "by labels" : "by geometry alone")};
   Require(picture::DrawClasses(classes).WritePng(folder + "/classes.png"));
@@ -179,9 +179,10 @@ void RunPlan(const PlanOptions& options) {
   SetParameters(options.parameters, parameters);
   parameters.perception.mapping.use_labels = options.lidar.labels.empty() ? 0 : 1;
   MakeOutputFolder(options.out);
-  const PlannedInput input = options.map.yaml.empty()
-                                 ? PlanOnLidar(options.lidar, parameters, request)
-                                 : PlanOnMap(options.map, parameters, request);
+  const PlannedInput input = !options.map.yaml.empty() ? PlanOnMap(options.map, parameters, request)
+                             : !options.points.path.empty()
+                                 ? PlanOnPoints(options.points, parameters, request)
+                                 : PlanOnLidar(options.lidar, parameters, request);
   if (!IsUsable(input.begin_status)) throw FailureOf(input.begin_status, request);
 
   const Plan& plan = input.planner->result();
@@ -218,19 +219,22 @@ void RunPlan(const PlanOptions& options) {
 }  // namespace
 
 void AddPlanCommand(CLI::App& app) {
-  CLI::App* plan = app.add_subcommand("plan",
-                                      "Plan a path on one lidar scan or one occupancy map; write "
-                                      "plan.json, plan.png, costmap.png\n"
-                                      "and, with --lidar, classes.png: what each return was "
-                                      "taken for.\n"
-                                      "Lengths are metres, angles radians anticlockwise from +x; "
-                                      "with --lidar the vehicle stands at\n"
-                                      "--start (default 0,0,0), x ahead, y left.");
+  CLI::App* plan =
+      app.add_subcommand("plan",
+                         "Plan a path on one lidar scan, on plain points or on one "
+                         "occupancy map; write plan.json,\n"
+                         "plan.png, costmap.png and, but with --map, classes.png: what "
+                         "each return was taken for.\n"
+                         "Lengths are metres, angles radians anticlockwise from +x; "
+                         "but with --map the vehicle stands at\n"
+                         "--start (default 0,0,0), x ahead, y left.");
   const auto options = std::make_shared<PlanOptions>();
   plan->add_option("--lidar", options->lidar.capture, "Capture of an Ouster lidar (pcap)");
   plan->add_option("--metadata", options->lidar.metadata, "The sensor's metadata (JSON)");
   plan->add_option("--labels", options->lidar.labels,
                    "Class of each return (CSV: ring, meas_id, label)");
+  plan->add_option("--points", options->points.path,
+                   "Points of one scan in the lidar's frame (PCD or CSV)");
   plan->add_option("--map", options->map.yaml, "Occupancy map (ROS map_server YAML; PGM or PNG)");
   plan->add_option("--unknown", options->map.unknown_is,
                    "What unknown cells of --map become: soft (default), hard or free")

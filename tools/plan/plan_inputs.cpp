@@ -2,14 +2,23 @@
 #include "tools/plan/plan_inputs.h"
 
 #include <chrono>
+#include <filesystem>
 #include <sstream>
 
 #include "port_linux/command_line/command.h"
+#include "tools/capture/point_columns.h"
+#include "tools/capture/point_file.h"
 #include "tools/capture/scan_loader.h"
+#include "tools/capture/standing_scan.h"
 #include "tools/map_server/map_server.h"
 
 namespace hardpack::command {
 namespace {
+
+// Of what is read from a file, which the message does not name.
+void Require(const std::string& path, const ReadOutcome& outcome) {
+  command::Require(ReadOutcome{outcome.status, path + ": " + outcome.message});
+}
 
 class Stopwatch {
  public:
@@ -34,10 +43,26 @@ nlohmann::json LidarReport(const LidarFiles& files, const capture::LidarScanRepo
           {"damaged_datagrams", scan.damaged_datagrams},
           {"columns", scan.columns},
           {"missing_columns", scan.missing_columns},
-          {"returns", scan.returns},
+          {"returns", scan.filed.returns},
           {"labelled_returns", scan.labelled_returns},
-          {"self_returns", scan.self_returns},
-          {"returns_off_grid", scan.returns_off_grid}};
+          {"self_returns", scan.filed.self_returns},
+          {"returns_off_grid", scan.filed.returns_off_grid}};
+}
+
+nlohmann::json PointsReport(const PointsFile& file, const capture::PointCloud& cloud,
+                            const capture::PointColumns& columns,
+                            const capture::FiledReturns& filed) {
+  return {{"kind", "points"},
+          {"points", file.path},
+          {"without_position", cloud.without_position},
+          {"rows", columns.model.beams},
+          {"rows_from", capture::NameOf(columns.rows)},
+          {"largest_elevation_error_rad", columns.largest_elevation_error_rad},
+          {"columns", columns.model.columns_per_revolution},
+          {"hidden", columns.hidden},
+          {"returns", filed.returns},
+          {"self_returns", filed.self_returns},
+          {"returns_off_grid", filed.returns_off_grid}};
 }
 
 nlohmann::json MapReport(const MapFile& file, const map_server::OccupancyMap& map) {
@@ -64,6 +89,20 @@ map_server::UnknownIs UnknownFrom(const std::string& word) {
   return word == "free" ? map_server::UnknownIs::kFree : map_server::UnknownIs::kSoft;
 }
 
+// Where the vehicle stands.
+StampedPose PoseOf(const PlanRequest& request) {
+  const Pose2& start = request.start.pose;
+  StampedPose pose;
+  pose.position = {start.x_m, start.y_m, 0.0f};
+  pose.yaw_rad = start.theta_rad;
+  return pose;
+}
+
+void PlanOnMapper(const Parameters& parameters, const PlanRequest& request, PlannedInput& input) {
+  input.begin_status = input.planner->Begin(*input.mapper, parameters.planner, request);
+  if (IsUsable(input.begin_status)) input.times = RunToEnd(*input.planner, *input.mapper);
+}
+
 }  // namespace
 
 PlannedInput PlanOnLidar(const LidarFiles& files, const Parameters& parameters,
@@ -73,22 +112,41 @@ PlannedInput PlanOnLidar(const LidarFiles& files, const Parameters& parameters,
   input.mapper = std::make_unique<Mapper>();
   Mapper& mapper = *input.mapper;
   capture::LidarScanReport scan;
-  const Pose2& start = request.start.pose;
-  StampedPose pose;
-  pose.position = {start.x_m, start.y_m, 0.0f};
-  pose.yaw_rad = start.theta_rad;
   Require(capture::LoadLidarScan({.capture_path = files.capture,
                                   .metadata_path = files.metadata,
                                   .labels_path = files.labels,
                                   .perception = parameters.perception,
                                   .costmap = parameters.planner.costmap,
                                   .labels = parameters.labels,
-                                  .pose = pose},
+                                  .pose = PoseOf(request)},
                                  mapper, scan));
   input.report = LidarReport(files, scan);
+  input.revolution = "Revolution " + std::to_string(scan.frame_id);
   input.load_us = stopwatch.us();
-  input.begin_status = input.planner->Begin(mapper, parameters.planner, request);
-  if (IsUsable(input.begin_status)) input.times = RunToEnd(*input.planner, mapper);
+  PlanOnMapper(parameters, request, input);
+  return input;
+}
+
+PlannedInput PlanOnPoints(const PointsFile& file, const Parameters& parameters,
+                          const PlanRequest& request) {
+  PlannedInput input;
+  const Stopwatch stopwatch;
+  capture::PointCloud cloud;
+  Require(capture::ReadPoints(file.path, cloud));
+  capture::PointColumns columns;
+  Require(file.path, capture::MakeColumns(cloud.points, columns));
+  input.mapper = std::make_unique<Mapper>();
+  Mapper& mapper = *input.mapper;
+  const int last = columns.model.columns_per_revolution - 1;
+  Require(file.path, {mapper.Configure(parameters.perception, parameters.planner.costmap,
+                                       parameters.labels, columns.model, 0, last),
+                      "parameters: out of their range"});
+  Require(file.path, {capture::MapRevolution(columns.columns, PoseOf(request), nullptr, mapper),
+                      "cannot be placed"});
+  input.report = PointsReport(file, cloud, columns, capture::ReturnsIn(mapper));
+  input.revolution = std::filesystem::path(file.path).filename().string();
+  input.load_us = stopwatch.us();
+  PlanOnMapper(parameters, request, input);
   return input;
 }
 

@@ -10,8 +10,8 @@
 #include "tools/plan/parameter_list.h"
 #include "tools/plan/planner_run.h"
 
-// The two things that a plan can be made on: a recorded revolution of the lidar, and an occupancy
-// map. Either fills a planner, runs it, and says what was read.
+// What a plan can be made on: a recorded revolution of the lidar, plain points, and an occupancy
+// map. Each fills a planner, runs it, and says what was read.
 
 namespace hardpack::command {
 
@@ -21,6 +21,11 @@ struct LidarFiles {
   std::string labels;  // empty: none
 };
 
+// Points in the lidar's frame (tools/capture/point_file.h).
+struct PointsFile {
+  std::string path;
+};
+
 struct MapFile {
   std::string yaml;
   std::string unknown_is;  // soft, hard or free
@@ -28,16 +33,19 @@ struct MapFile {
 
 struct PlannedInput {
   std::unique_ptr<Planner> planner = std::make_unique<Planner>();
-  std::unique_ptr<Mapper> mapper;             // the revolution, with --lidar
+  std::unique_ptr<Mapper> mapper;             // the revolution, with --lidar or --points
+  std::string revolution;                     // what it is called in a picture
   Status begin_status = Status::kNotStarted;  // the planner has run when it is usable
   StageTimes times;
   double load_us = 0.0;   // reading and filing the input, wall clock
   nlohmann::json report;  // "input" of plan.json
 };
 
-// Both throw a CommandFailure (bad input) naming the file and the field when it cannot be read.
+// All throw a CommandFailure (bad input) naming the file and the field when it cannot be read.
 PlannedInput PlanOnLidar(const LidarFiles& files, const Parameters& parameters,
                          const PlanRequest& request);
+PlannedInput PlanOnPoints(const PointsFile& file, const Parameters& parameters,
+                          const PlanRequest& request);
 // Besides: when the start or the goal is off the map.
 PlannedInput PlanOnMap(const MapFile& file, const Parameters& parameters,
                        const PlanRequest& request);

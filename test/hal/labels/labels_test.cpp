@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
 #include <random>
 #include <sstream>
@@ -81,9 +80,7 @@ void ExpectSameHeader(const Header& a, const Header& b) {
 }
 
 std::string DocumentText() {
-  const std::filesystem::path root =
-      std::filesystem::path(__FILE__).parent_path().parent_path().parent_path().parent_path();
-  std::ifstream file(root / "docs" / "label_datagram.md");
+  std::ifstream file(HARDPACK_SOURCE "/docs/label_datagram.md");
   EXPECT_TRUE(file) << "the document is not beside the sources";
   std::ostringstream text;
   text << file.rdbuf();

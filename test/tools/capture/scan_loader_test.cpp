@@ -87,7 +87,7 @@ class ScanLoader : public testing::Test {
   }
   // The first point within a centimetre of (x, y).
   const ClassedPoint* PointAt(float x_m, float y_m) const {
-    for (const ClassedPoint& point : report_.points) {
+    for (const ClassedPoint& point : report_.filed.points) {
       const Vec3& p = point.point_odom;
       if (std::abs(p.x_m - x_m) < 0.01f && std::abs(p.y_m - y_m) < 0.01f) return &point;
     }
@@ -110,7 +110,7 @@ TEST_F(ScanLoader, TakesTheFirstCompleteRevolution) {
   EXPECT_EQ(report_.frame_id, 8);
   EXPECT_EQ(report_.columns, kColumns);
   EXPECT_EQ(report_.missing_columns, 0);
-  EXPECT_EQ(report_.returns, kColumns * kBeams);
+  EXPECT_EQ(report_.filed.returns, kColumns * kBeams);
   EXPECT_EQ(mapper_->ring().at(SlotOf(0), 0).range_mm(), 4000u);
   EXPECT_EQ(report_.packets, kPacketsPerRevolution - 20 + kPacketsPerRevolution);
 }
@@ -175,7 +175,7 @@ TEST_F(ScanLoader, PutsReturnsWhereThePoseSays) {
   AddRevolution(8, 0, kPacketsPerRevolution, 4000);
   request_.pose = {.position = {100.0f, 50.0f, 0.5f}, .yaw_rad = kHalfPi};
   ASSERT_TRUE(Load().ok());
-  ASSERT_EQ(report_.points.size(), static_cast<size_t>(kColumns * kBeams));
+  ASSERT_EQ(report_.filed.points.size(), static_cast<size_t>(kColumns * kBeams));
   const ClassedPoint* const ahead = PointAt(100.0f, 54.0f);
   ASSERT_NE(ahead, nullptr);
   EXPECT_NE(PointAt(100.0f, 46.0f), nullptr);
@@ -191,10 +191,11 @@ TEST_F(ScanLoader, PutsReturnsWhereThePoseSays) {
 TEST_F(ScanLoader, LeavesOutTheVehicleItself) {
   AddRevolution(8, 0, kPacketsPerRevolution, 1500);
   ASSERT_TRUE(Load().ok());
-  EXPECT_GT(report_.self_returns, 0);
-  EXPECT_EQ(report_.returns, kColumns * kBeams);
-  EXPECT_EQ(static_cast<int64_t>(report_.points.size()), report_.returns - report_.self_returns);
-  for (const ClassedPoint& point : report_.points) {
+  EXPECT_GT(report_.filed.self_returns, 0);
+  EXPECT_EQ(report_.filed.returns, kColumns * kBeams);
+  EXPECT_EQ(static_cast<int64_t>(report_.filed.points.size()),
+            report_.filed.returns - report_.filed.self_returns);
+  for (const ClassedPoint& point : report_.filed.points) {
     EXPECT_FALSE(IsSelfReturn(request_.perception.mount, point.point_odom, 1.5f));
   }
 }
@@ -206,7 +207,7 @@ TEST_F(ScanLoader, NeverTakesALabelledPersonForTheVehicle) {
   request_.labels_path = labels.path();
   ASSERT_TRUE(Load().ok());
   const auto persons =
-      std::count_if(report_.points.begin(), report_.points.end(),
+      std::count_if(report_.filed.points.begin(), report_.filed.points.end(),
                     [](const auto& p) { return p.return_class == ReturnClass::kPerson; });
   EXPECT_EQ(persons, 1);
   EXPECT_TRUE(mapper_->ring().at(SlotOf(256), 1).self()) << "the one beside it is the vehicle";
@@ -219,7 +220,7 @@ TEST_F(ScanLoader, ClassesReturnsByTheirLabels) {
   const ReadOutcome outcome = Load();
   ASSERT_TRUE(outcome.ok()) << outcome.message;
   EXPECT_EQ(report_.labelled_returns, 5);
-  EXPECT_EQ(report_.ignored_returns, 0);
+  EXPECT_EQ(report_.filed.ignored_returns, 0);
   const PackedReturn person = mapper_->ring().at(SlotOf(0), 0);
   EXPECT_EQ(person.return_class(), ReturnClass::kPerson);
   EXPECT_EQ(mapper_->ring().at(SlotOf(0), 1).return_class(), ReturnClass::kSoft);
@@ -245,7 +246,7 @@ TEST_F(ScanLoader, CountsReturnsOffTheGrid) {
   request_.perception.mount.max_range_m = 500.0f;
   AddRevolution(8, 0, kPacketsPerRevolution, 200000);
   ASSERT_TRUE(Load().ok());
-  EXPECT_EQ(report_.returns_off_grid, kColumns * kBeams);
+  EXPECT_EQ(report_.filed.returns_off_grid, kColumns * kBeams);
 }
 
 TEST_F(ScanLoader, NamesTheFileOfWhatIsWrong) {
@@ -297,11 +298,11 @@ TEST_F(ScanLoader, LoadsTheRecordedScanWithItsLabels) {
   EXPECT_EQ(report_.packets, 128);
   EXPECT_EQ(report_.columns, 2048);
   EXPECT_EQ(report_.missing_columns, 0);
-  EXPECT_EQ(report_.returns, 77708);
+  EXPECT_EQ(report_.filed.returns, 77708);
   EXPECT_EQ(report_.labelled_returns, 77708);
-  EXPECT_EQ(report_.ignored_returns, 0) << "unlabelled returns that the box does not hold";
+  EXPECT_EQ(report_.filed.ignored_returns, 0) << "unlabelled returns that the box does not hold";
   int64_t person = 0;
-  for (const ClassedPoint& point : report_.points) {
+  for (const ClassedPoint& point : report_.filed.points) {
     person += point.return_class == ReturnClass::kPerson ? 1 : 0;
   }
   EXPECT_GT(person, 1290);  // of 1310

@@ -7,6 +7,7 @@ import math
 import os
 import pathlib
 import re
+import struct
 import unittest
 
 from command_line import CommandTest, png_size
@@ -23,14 +24,14 @@ def keys_of(value, path=""):
 
 
 def documented_keys():
-    """Those of both kinds of input, by kind."""
+    """Those of each kind of input, by kind."""
     text = DOCUMENT.read_text()
-    common, lidar, occupancy = re.split(r"^With `--(?:lidar|map)`:$", text, flags=re.M)
+    common, lidar, points, occupancy = re.split(r"^With `--(?:lidar|points|map)`:$", text, flags=re.M)
     rows = [re.findall(r"`([\w.]+)`", line.split("|")[1])
             for line in common.splitlines() if line.startswith("| `")]
     keys = {key for row in rows for key in row}
     by_kind = {}
-    for kind, part in (("lidar", lidar), ("map", occupancy)):
+    for kind, part in (("lidar", lidar), ("points", points), ("map", occupancy)):
         more = re.findall(r"`(input\.\w+)`", part)
         by_kind[kind] = keys | set(more)
     return by_kind
@@ -104,6 +105,63 @@ class PlanOnARecording(CommandTest):
         for plan in plans:
             del plan["stage_us"]
         self.assertEqual(*plans)
+
+
+def fence_with_gap(beams):
+    """(x, y, z, ring) of a scan from 1.284 m above level ground: a fence 13 m ahead, 2 m high, that is
+    open from y = 2 to 6 m."""
+    points = []
+    for ring in range(beams):
+        elevation = math.radians(15 - 30 * ring / (beams - 1))
+        for step in range(0, 3600, 3):
+            azimuth = math.radians(step / 10)
+            x, y, z = (math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth),
+                       math.sin(elevation))
+            ranges = [-1.284 / z] if z < 0 else []
+            if x > 0:
+                to_fence = 13 / x
+                if not 2 < y * to_fence < 6 and z * to_fence < 2 - 1.284:
+                    ranges.append(to_fence)
+            if ranges and min(ranges) < 80:
+                points.append((x * min(ranges), y * min(ranges), z * min(ranges), ring))
+    return points
+
+
+class PlanOnPoints(CommandTest):
+    def expect_way_through_the_gap(self, path, rows_from, points):
+        self.expect_done(["plan", "--points", path, "--goal", "22,4", "--out", self.out])
+        plan = json.loads((self.out / "plan.json").read_text())
+        self.assertTrue(plan["usable"])
+        self.assertEqual(plan["input"]["rows_from"], rows_from)
+        self.assertEqual(plan["input"]["rows"], len({ring for _, _, _, ring in points}))
+        crossing = [y for x, y in zip(plan["x_m"], plan["y_m"]) if abs(x - 13) < 0.3]
+        self.assertTrue(crossing and all(2.5 < y < 5.5 for y in crossing), crossing)
+        return plan
+
+    def test_csv_with_rings(self):
+        points = fence_with_gap(32)
+        path = self.write("cloud.csv", "x,y,z,ring\n" + "".join(
+            f"{x:.4f},{y:.4f},{z:.4f},{ring}\n" for x, y, z, ring in points))
+        plan = self.expect_way_through_the_gap(path, "ring", points)
+        self.assertEqual(plan["input"]["returns"], len(points))
+        self.assertEqual(keys_of(plan), documented_keys()["points"])
+        for name in ("plan.png", "costmap.png", "classes.png"):
+            self.assertGreater(min(png_size(self.out / name)), 800)
+
+    def test_binary_pcd_without_rings(self):
+        points = fence_with_gap(64)
+        header = (f"# .PCD v0.7\nVERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\n"
+                  f"COUNT 1 1 1 1\nWIDTH {len(points)}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\n"
+                  f"POINTS {len(points)}\nDATA binary\n")
+        path = self.write("cloud.pcd", header.encode() + b"".join(
+            struct.pack("<4f", x, y, z, 1.0) for x, y, z, _ in points))
+        self.expect_way_through_the_gap(path, "elevation", points)
+
+    def test_a_file_that_cannot_be_read_is_named(self):
+        self.expect_bad_input(["plan", "--points", self.write("cloud.csv", "x,y,z\n1,2\n"),
+                               "--goal", "3,4", "--out", self.out], "cloud.csv:2", "z")
+        self.expect_bad_input(["plan", "--points", self.write("cloud.xyz", "1 2 3\n"),
+                               "--goal", "3,4", "--out", self.out], "cloud.xyz", ".pcd")
 
 
 class PlanOnAMap(CommandTest):

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <random>
@@ -65,13 +64,7 @@ Bytes Resized(Bytes bytes, size_t size) {
 }
 
 Bytes ExampleOfTheDocs() {
-  const std::filesystem::path root = std::filesystem::path(__FILE__)
-                                         .parent_path()
-                                         .parent_path()
-                                         .parent_path()
-                                         .parent_path()
-                                         .parent_path();
-  std::ifstream file(root / "docs" / "control.md");
+  std::ifstream file(HARDPACK_SOURCE "/docs/control.md");
   EXPECT_TRUE(file) << "the document is not beside the sources";
   std::ostringstream text;
   text << file.rdbuf();
