@@ -74,7 +74,8 @@ inline constexpr std::array kVehicleTable = {
     HP_VEHICLE(axle_offset_m, -3.0f, 3.0f,
                "How far the axle's centre, the point about which the vehicle turns on the spot and "
                "the origin of the body frame, is ahead of the middle of its length; negative: "
-               "behind it (ours). Not more than half of vehicle.length_m."),
+               "behind it (ours). With steered front wheels it is the rear axle's. Not more than "
+               "half of vehicle.length_m."),
     HP_VEHICLE(wheel_radius_m, 0.05f, 1.0f, "Radius of the wheels."),
     HP_VEHICLE(skid_baseline_m, 0.2f, 5.0f,
                "Effective distance of the left from the right wheels in a skid-steer turn: more "
@@ -84,7 +85,18 @@ inline constexpr std::array kVehicleTable = {
                "Height of the lowest part between the wheels above the ground; the lesser of it "
                "and max_step_m is the least height that the vehicle cannot pass over."),
     HP_VEHICLE(max_step_m, 0.02f, 2.0f,
-               "Height of a step that the wheels climb: two thirds of their radius (ours).")};
+               "Height of a step that the wheels climb: two thirds of their radius (ours)."),
+    HP_VEHICLE(
+        kinematics, 0.0f, 1.0f,
+        "How it is steered: 0 skid-steered, by its wheels' speeds, and it turns on the spot; "
+        "1 Ackermann, by its front wheels, and it does not (ours)."),
+    HP_VEHICLE(wheelbase_m, 0.3f, 5.0f,
+               "With vehicle.kinematics 1: distance from the rear axle to the front axle."),
+    HP_VEHICLE(
+        max_steering_rad, 0.05f, 1.2f,
+        "With vehicle.kinematics 1: largest steering angle to either side, of a wheel in the "
+        "middle of the front axle. The least turning radius of the rear axle's centre is "
+        "vehicle.wheelbase_m / tan of it.")};
 #undef HP_VEHICLE
 
 #define HP_COSTMAP(...) HP_ENTRY("costmap", CostmapParams, __VA_ARGS__)

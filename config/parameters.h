@@ -14,15 +14,21 @@ namespace hardpack {
 // turn on the spot and how far obstacles are dilated at least follow from the first three
 // (core/base/footprint.h).
 struct VehicleParams {
-  float length_m = 1.52f;  // overall
-  float width_m = 1.38f;   // overall
-  // How far the axle's centre, about which it turns on the spot, is ahead of the outline's middle.
+  static constexpr int32_t kSkidSteered = 0;  // left and right wheels at different speeds
+  static constexpr int32_t kAckermann = 1;    // front wheels that are steered
+  float length_m = 1.52f;                     // overall
+  float width_m = 1.38f;                      // overall
+  // How far the axle's centre, about which it turns on the spot (with kAckermann: the rear axle's),
+  // is ahead of the outline's middle.
   float axle_offset_m = 0.0f;
   float wheel_radius_m = 0.30f;
   float skid_baseline_m = 1.87f;  // effective distance of the wheels of a skid-steer turn
   float max_wheel_speed_radps = 17.5f;
   float ground_clearance_m = 0.254f;  // under its belly, from the maker's manual
   float max_step_m = 0.2f;            // that its wheels climb: two thirds of their radius
+  int32_t kinematics = kSkidSteered;
+  float wheelbase_m = 1.5f;        // with kAckermann: from the rear axle to the front axle
+  float max_steering_rad = 0.45f;  // the same: of the front wheels' mean, to either side
 };
 
 // The least height of what the vehicle cannot pass over: obstacles are told from there on.

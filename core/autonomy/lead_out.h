@@ -14,12 +14,15 @@
 
 // The way out of a place without room to turn: along the present heading, straight on or gently
 // bent, until the vehicle could turn on the spot. The rest of the path is planned from there. It
-// does not know the goal's way (core/astar does) but where the goal lies. Ours.
+// does not know the goal's way (core/astar does). Ours.
 //
 //      ################
 //     [ > ]- - - - - - - - -(o)        straight on; arcs of kBends to both sides, where a straight
 //                          /            way is blocked or longer by more than what a bend costs
 //                         v
+//
+// A vehicle that cannot turn on the spot (core/kinematics) turns on its way instead: along an arc
+// that it can drive, of kBendShares of its largest curvature, until the goal lies about ahead.
 //
 // It looks roughly: a hard cell counts by its middle, which must not come deeper into the outline
 // than it lies in it at the start and kCellTolerance_m. Whether a way that it has found may be
@@ -31,20 +34,28 @@ namespace hardpack {
 class LeadOut {
  public:
   static constexpr float kStep_m = 0.1f;
-  static constexpr float kPointStep_m = 0.3f;  // between two points of the result
+  static constexpr int kStepsPerPoint = 3;  // between two points of the result
   static constexpr float kMaxLength_m = 12.0f;
+  // The same of a vehicle that cannot turn on the spot: more than half a circle of 7 m.
+  static constexpr float kTurningStep_m = 0.2f;
+  static constexpr float kMaxTurningLength_m = 24.0f;
+  static constexpr float kFirstChord_m = 0.1f;
   static constexpr int kMaxPoses = 121;
   static constexpr float kBends_per_m[] = {0.0f, 0.08f, -0.08f, 0.2f, -0.2f, 0.4f, -0.4f};
   static constexpr int kBends = sizeof(kBends_per_m) / sizeof(kBends_per_m[0]);
+  static constexpr float kBendShares[kBends] = {0.0f, 0.5f, -0.5f, 0.75f, -0.75f, 1.0f, -1.0f};
+  // The goal lies ahead: so far off its heading a path is joined with ease.
+  static constexpr float kAhead_rad = 0.5f;
   static constexpr int kMaxUnits = kBends * kMaxPoses;
   static constexpr float kBendCost_m2 = 4.0f;  // a bend is worth so much way per curvature
   static constexpr float kCellTolerance_m = 0.06f;
   static constexpr int kMaxSide_cells = 64;
 
-  // A way of least_m at least and longest_m at most, by bends first_bend .. end_bend - 1 of
-  // kBends_per_m. Preconditions: finite, 0 <= first_bend <= end_bend <= kBends.
+  // A way of least_m at least and longest_m at most, by bends first_bend .. end_bend - 1 of kBends.
+  // Who can turn on the spot makes no use of goal_odom, and who cannot none of longest_m.
+  // Preconditions: finite, 0 <= first_bend <= end_bend <= kBends.
   void Begin(const VehicleParams& vehicle, const PathParams& params, const Pose2& start,
-             float least_m, float longest_m, int first_bend, int end_bend);
+             Vec2 goal_odom, float least_m, float longest_m, int first_bend, int end_bend);
 
   // A unit is one pose of one of the ways. At most kMaxUnits.
   Progress Step(const Costmap& map, int units);
@@ -55,9 +66,15 @@ class LeadOut {
   // Once it is done: whether there is one, and the shortest of them, with what bends cost: its
   // first point is the start, its last where the vehicle may turn.
   bool found() const { return best_bend_ >= 0; }
+  // Of the one that is found.
+  float curvature_per_m() const { return found() ? Bend(best_bend_) : 0.0f; }
   void Poses(WorldPath& path) const;
 
  private:
+  float Bend(int bend) const;  // [1/m]
+  float Cost_m(int bend) const;
+  bool IsOut(const Costmap& map, const Pose2& pose) const;
+  float AlongAt(int point, int points) const;
   Pose2 PoseAt(int bend, float along_m) const;
   bool Touches(const Costmap& map, const Pose2& pose) const;
   float Depth(const Pose2& pose, const SinCosPair& heading, Vec2 point_odom) const;
@@ -67,6 +84,10 @@ class LeadOut {
   VehicleParams vehicle_;
   PathParams params_;
   Pose2 start_;
+  Vec2 goal_odom_;
+  bool can_pivot_ = true;
+  float most_curvature_per_m_ = 0.0f;
+  float step_m_ = kStep_m;
   float least_m_ = 0.0f;
   float longest_m_ = 0.0f;
   int32_t reach_cells_ = 0;

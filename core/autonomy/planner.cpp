@@ -6,6 +6,7 @@
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/validate.h"
+#include "core/kinematics/kinematics.h"
 
 namespace hardpack {
 namespace {
@@ -98,6 +99,8 @@ Status Planner::Prepare(const PlannerParams& params, const PlanRequest& request)
   if (!IsUsable(status)) return status;
   params_ = params;
   params_.costmap.planning_radius_m = PlanningRadius(params.costmap, params.vehicle, params.path);
+  params_.optimizer.max_curvature_per_m = Min(
+      params.optimizer.max_curvature_per_m, kPlannedCurvatureShare * MostCurvature(params.vehicle));
   request_ = request;
   request_.start.pose.theta_rad = WrapAngle(request.start.pose.theta_rad);
   keeps_end_heading_ = false;
@@ -189,6 +192,7 @@ void Planner::Stay() {
       request_.has_goal_heading ? WrapAngle(request_.goal_heading_rad - here.theta_rad) : 0.0f;
   plan_.stays = lead_.empty();
   plan_.pivots_last = Abs(turn_rad) > kGoalHeadingTolerance_rad;
+  if (plan_.pivots_last && !CanPivot(params_.vehicle)) return End(Status::kNeedsManoeuvre);
   plan_.base.Resize(2);
   plan_.base[0] = here;
   plan_.base[1] = here;
@@ -238,8 +242,10 @@ void Planner::StepSample(int units) {
   const float smooth_error_rad = Abs(WrapAngle(heading_rad - BaseHeading(smoother_.result())));
   plan_.pivots_first = Max(base_error_rad, smooth_error_rad) > params_.path.max_join_heading_rad;
   if (plan_.pivots_first && !MayPivot()) {
-    if (BeginLeadOut(Status::kPivotBlocked)) return;
-    return Fail(Status::kPivotBlocked);
+    const Status failure =
+        CanPivot(params_.vehicle) ? Status::kPivotBlocked : Status::kNeedsManoeuvre;
+    if (BeginLeadOut(failure)) return;
+    return Fail(failure);
   }
   is_gentle_ = HasPreferredRate(params_.optimizer);
   BeginSeed();
@@ -248,7 +254,7 @@ void Planner::StepSample(int units) {
 // The way to standstill would be no part of the path, and nothing would check it: a vehicle that
 // moves has to stop first.
 bool Planner::MayPivot() const {
-  return request_.start.speed_mps == 0.0f &&
+  return CanPivot(params_.vehicle) && request_.start.speed_mps == 0.0f &&
          PivotIsFree(costmap(), params_.vehicle, params_.path, PlaceOf(request_.start.pose));
 }
 
@@ -343,6 +349,10 @@ void Planner::MakePath(const WorldPath& driven) {
   const float end_error_rad = WrapAngle(request_.goal_heading_rad - path.back().theta_rad);
   const bool must_turn =
       has_goal_heading_ && kept == driven.size() && Abs(end_error_rad) > kGoalHeadingTolerance_rad;
+  if (must_turn && !CanPivot(params_.vehicle)) {
+    plan_.base_status = Status::kNeedsManoeuvre;
+    return;
+  }
   plan_.pivots_last = must_turn && !path.full();
   if (must_turn && path.full()) plan_.base_status = Graver(plan_.base_status, Status::kPathCut);
   if (plan_.pivots_last) {
@@ -363,7 +373,7 @@ Status Planner::StartCheck() {
 }
 
 void Planner::BeginCheck() {
-  const Status status = StartCheck();
+  const Status status = IsUsable(plan_.base_status) ? StartCheck() : plan_.base_status;
   if (!IsUsable(status)) Fail(status);
 }
 
@@ -376,7 +386,9 @@ void Planner::StepCheck(int units) {
   if (plan_.stays && !plan_.pivots_last && plan_.check.start_overlaps) {
     plan_.check_status = Status::kStartInObstacle;
   }
-  if (plan_.check_status == Status::kCollision) return TryAgain();
+  const bool may_be_another =
+      plan_.check_status == Status::kCollision || plan_.check_status == Status::kNeedsManoeuvre;
+  if (may_be_another) return TryAgain();
   if (!IsUsable(plan_.check_status)) return Fail(plan_.check_status);
   if (request_.has_unseen_start && lead_.empty() && lead_failure_ != Status::kOk &&
       SweepsUnseen()) {
@@ -414,6 +426,7 @@ void Planner::EndShort() {
 
 void Planner::TryAgain() {
   if (IsHere()) return Fail(Status::kPivotBlocked);
+  const Status failure = plan_.check_status;
   if (MayEndShort()) {
     EndShort();
     return BeginCheck();
@@ -431,8 +444,8 @@ void Planner::TryAgain() {
     return BeginCheck();
   }
   if (plan_.pivots_first || !MayPivot()) {
-    if (BeginLeadOut(Status::kCollision)) return;
-    return Fail(Status::kCollision);
+    if (BeginLeadOut(failure)) return;
+    return Fail(failure);
   }
   plan_.pivots_first = true;
   BeginSeed();

@@ -3,6 +3,7 @@
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/saturate.h"
+#include "core/kinematics/kinematics.h"
 
 // Planner: the way out of where there is no room to turn, or of where nobody has seen what there
 // is.
@@ -38,7 +39,7 @@ bool Planner::BeginLeadOut(Status failure) {
   if (!may) return false;
   led_out_ = true;
   lead_failure_ = failure;
-  looks_bent_ = !request_.has_unseen_start;
+  looks_bent_ = !request_.has_unseen_start || !CanPivot(params_.vehicle);
   looks_across_ = false;
   LookForLeadOut();
   stage_ = PlanStage::kLeadOut;
@@ -63,8 +64,8 @@ void Planner::LookForLeadOut() {
   const float longest_m = is_beside ? 0.0f : Max(params_.path.lead_out_m, least_m);
   const int first = is_tried ? ClampInt(request_.lead_out - 1, 0, LeadOut::kBends - 1) : 0;
   const int end = is_tried ? first + 1 : (looks_bent_ ? LeadOut::kBends : 1);
-  lead_out_.Begin(params_.vehicle, params_.path, request_.start.pose, least_m, longest_m, first,
-                  end);
+  lead_out_.Begin(params_.vehicle, params_.path, request_.start.pose, request_.goal_odom, least_m,
+                  longest_m, first, end);
 }
 
 void Planner::StepLeadOut(int units) {
@@ -98,7 +99,8 @@ void Planner::StepLeadOut(int units) {
 void Planner::StepLeadCheck(int units) {
   if (check_.Step(costmap(), lead_, units) == Progress::kBusy) return;
   if (!IsUsable(check_.result().status)) return RefuseLead();
-  request_.start = {lead_.back(), 0.0f, 0.0f};
+  const float curvature_per_m = CanPivot(params_.vehicle) ? 0.0f : lead_out_.curvature_per_m();
+  request_.start = {lead_.back(), curvature_per_m, 0.0f};
   BeginSearch();
 }
 

@@ -59,6 +59,7 @@ constexpr Named kNames[] = {
     {Status::kDeviceFault, "device_fault"},
     {Status::kWrongDevice, "wrong_device"},
     {Status::kStale, "stale"},
+    {Status::kNeedsManoeuvre, "needs_manoeuvre"},
 };
 constexpr int kNameCount = sizeof(kNames) / sizeof(kNames[0]);
 

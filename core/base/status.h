@@ -67,6 +67,10 @@ enum class [[nodiscard]] Status : uint8_t{
     kDeviceFault,    // The device reports a fault, or behaves against what it was told.
     kWrongDevice,    // The device is not the one that the configuration describes.
     kStale,          // What it would rely upon is too old.
+
+    // Planning, for a vehicle that cannot turn on the spot.
+    kNeedsManoeuvre,  // The way bends more sharply than the vehicle can, or needs a turn on the
+                      // spot.
 };
 
 // True when there is a result to use (possibly not quite the one asked for).

@@ -4,12 +4,15 @@
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/saturate.h"
+#include "core/kinematics/kinematics.h"
 #include "core/speed/speed.h"
 
 namespace hardpack {
 namespace {
 
 constexpr float kSample_m = 0.5f / kCellsPerMeter;
+// Less is no turn, but what floats leave of none.
+constexpr float kLeastTurn_rad = 1.0e-3f;
 constexpr float kTurnSample_m = 0.25f / kCellsPerMeter;
 constexpr float kDeeper_cells = PathCheck::kDeeperTolerance_m * kCellsPerMeter;
 constexpr float kAcross_cells = PathCheck::kAcross_m * kCellsPerMeter;
@@ -55,6 +58,11 @@ int32_t PiecesOf(float way_m, float longest_m, int32_t most) {
   return ClampInt(FloorToInt(Min(way_m / longest_m, 1.0e6f)) + 1, 1, most);
 }
 
+bool TurnsOnTheSpot(const Pose2& from, const Pose2& to) {
+  const ActuatorStep step = PlanarModel::Inverse(from, to);
+  return !HasLength(step.dr_m) && Abs(step.phi_rad) > kLeastTurn_rad;
+}
+
 Status CheckInput(const VehicleParams& vehicle, const WorldPath& path, float start_curvature_per_m,
                   float margin_m) {
   const bool fits = vehicle.length_m >= 0.0f && vehicle.length_m <= Outline::kMaxLength_m &&
@@ -86,9 +94,24 @@ Status PathCheck::Begin(const VehicleParams& vehicle, const OptimizerParams& lim
   nearest_cells_ = kReach_cells;
   middle2_cells2_ = Squared(kReach_cells);
   JudgeShape(path, start_curvature_per_m);
+  if (!CanDrive(vehicle, path)) {
+    result_.status = Status::kNeedsManoeuvre;
+    return Status::kOk;  // and it is done: Step has nothing to look at
+  }
   phase_ = Phase::kTurn;
   samples_ = 1;  // At the first point nothing is turned: the pose itself.
   return Status::kOk;
+}
+
+// What cannot be driven is no matter of a limit. SR-PLN05
+bool PathCheck::CanDrive(const VehicleParams& vehicle, const WorldPath& path) const {
+  if (CanPivot(vehicle)) return true;
+  const float most_per_m = MostCurvature(vehicle);
+  if (result_.largest_curvature_per_m > most_per_m * (1.0f + kLimitTolerance)) return false;
+  bool turns = false;
+  HP_LOOP_BOUND(kMaxPathPoints - 1)
+  for (int k = 0; k + 1 < path.size(); ++k) turns = turns || TurnsOnTheSpot(path[k], path[k + 1]);
+  return !turns;
 }
 
 // Where the vehicle stands, at a turn on the spot or a change of direction, there is no curvature,

@@ -39,7 +39,8 @@ namespace hardpack {
 inline constexpr float kClearanceReach_m = 2.0f;
 
 struct PathCheckResult {
-  // kOk; kLimitExceeded; kNarrowGap: it begins nearer to something than the margin, and does not
+  // kOk; kNeedsManoeuvre: it turns on the spot, or bends more than the vehicle can, and it is not
+  // looked at any further; kLimitExceeded; kNarrowGap: it begins nearer to something than the margin, and does not
   // touch it; kStartInObstacle: it begins in something and drives out of it; kCollision: it touches
   // something, comes nearer to it than the margin in any other way, or leaves the map; kNotStarted
   // while busy.
@@ -106,6 +107,7 @@ class PathCheck {
   enum class Phase : uint8_t { kTurn, kChord, kDone };
 
   void JudgeShape(const WorldPath& path, float start_curvature_per_m);
+  bool CanDrive(const VehicleParams& vehicle, const WorldPath& path) const;
   void StepOnce(const Costmap& map, const WorldPath& path);
   void EnterNext(const WorldPath& path);
   bool MayLieAcross() const { return point_ < across_chords_ && across_left_ > 0; }

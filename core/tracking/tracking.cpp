@@ -3,6 +3,7 @@
 
 #include "core/base/math.h"
 #include "core/base/validate.h"
+#include "core/kinematics/kinematics.h"
 
 namespace hardpack {
 namespace {
@@ -115,6 +116,10 @@ Status Tracker::Drive(const TrackingInput& input, bool stops, float dt_s, Tracki
   if (!configured_ || !IsFiniteInput(input) || !IsFinite(dt_s) || dt_s <= 0.0f) {
     Zero(output);
     return configured_ ? Status::kNotFinite : Status::kNotStarted;
+  }
+  if (input.turn && !CanPivot(vehicle_)) {  // SR-PLN06
+    Zero(output);
+    return Status::kNeedsManoeuvre;
   }
   if (input.turn) {
     if (stops) {
@@ -373,13 +378,24 @@ void Tracker::Command(WheelParts command, float dt_s, TrackingOutput& output) {
       output);
 }
 
+// The differential part that goes with the common one: where the wheels are steered, none that is
+// beyond the largest curvature,
+//   kappa = w / v = (2 r d / b) / (r c),  b the distance of the sides that the drives reckon with
+float Tracker::Drivable(const WheelParts& command) const {
+  if (CanPivot(vehicle_)) return command.differential_radps;
+  const float most_radps =
+      0.5f * vehicle_.skid_baseline_m * MostCurvature(vehicle_) * Abs(command.common_radps);
+  return Limited(command.differential_radps, most_radps);
+}
+
 // The turn keeps the vehicle on its path, so it comes first: the speed gets what is left.
 void Tracker::Mix(WheelParts command, TrackingOutput& output) {
   const float most_radps = vehicle_.max_wheel_speed_radps;
   command_.differential_radps = Limited(command.differential_radps, most_radps);
   command_.common_radps =
       Limited(command.common_radps, most_radps - Abs(command_.differential_radps));
-  saturated_ = Abs(command.differential_radps) > most_radps;
+  command_.differential_radps = Drivable(command_);
+  saturated_ = Abs(command.differential_radps) > Abs(command_.differential_radps);
   output.wheels = {.left_radps = command_.common_radps - command_.differential_radps,
                    .right_radps = command_.common_radps + command_.differential_radps};
   model_.SetCommand(command_);

@@ -80,7 +80,8 @@ class Tracker {
 
   // The commands of one tick of dt_s. The reference speed goes towards the path's by at most the
   // plan's acceleration and deceleration limits. kOffPath: further from the path than
-  // max_cross_track_m: it steers back while it comes to rest. kNotFinite: a number, then zero is
+  // max_cross_track_m: it steers back while it comes to rest. kNeedsManoeuvre: a turn on the spot, of
+  // a vehicle that cannot; then zero is commanded. kNotFinite: a number, then zero is
   // commanded. kNotStarted. Constant cost.
   Status Follow(const TrackingInput& input, float dt_s, TrackingOutput& output);
 
@@ -143,6 +144,7 @@ class Tracker {
   float CommonCommand(float change_mps2, float reference_change_mps2) const;
   float DifferentialCommandFor(const Turn& turn) const;
   void Command(WheelParts command, float dt_s, TrackingOutput& output);
+  float Drivable(const WheelParts& command) const;
   void Mix(WheelParts command, TrackingOutput& output);
 
   VehicleParams vehicle_;

@@ -210,6 +210,8 @@ const char* WordsOf(Status status) {
       return "the message was not understood";
     case Status::kNoPath:
       return "every way to the goal is closed";
+    case Status::kNeedsManoeuvre:
+      return "the way bends more sharply than the vehicle can, or needs a turn on the spot";
     case Status::kCollision:
       return "the way is blocked";
     case Status::kGoalInObstacle:

@@ -80,6 +80,10 @@ CommandFailure FailureOf(Status status, const PlanRequest& request) {
       return {kWorkFailed, name + "the start lies in a hard obstacle and nothing leads out"};
     case Status::kPivotBlocked:
       return {kWorkFailed, name + "a turn on the spot is needed and has no room"};
+    case Status::kNeedsManoeuvre:
+      return {kWorkFailed, name +
+                               "the way bends more sharply than the vehicle can be steered, or "
+                               "needs a turn on the spot"};
     case Status::kCollision:
       return {kWorkFailed, name + "the path would touch a hard obstacle or leave the map"};
     default:

@@ -351,5 +351,59 @@ TEST(Tracker, RefusesParametersOutOfRange) {
   EXPECT_EQ(output.wheels.left_radps, 0.0f);
 }
 
+VehicleParams Ackermann() {
+  VehicleParams vehicle;
+  vehicle.kinematics = VehicleParams::kAckermann;
+  vehicle.wheelbase_m = 1.5f;
+  vehicle.max_steering_rad = 0.45f;
+  return vehicle;
+}
+
+// Whatever it is asked for, the wheels' speeds are those of a curvature that it can be steered to:
+// kappa = 2 d / (b c).
+// SR-PLN05
+TEST(Ackermann, IsNeverToldToBendMoreThanItCan) {
+  const VehicleParams vehicle = Ackermann();
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+  for (const int32_t method : {TrackingParams::kPurePursuit, TrackingParams::kLagAware}) {
+    Tracker tracker;
+    ASSERT_EQ(tracker.Configure(vehicle, {}, {}, {}, {.method = method}), Status::kOk);
+    int at_limit = 0;
+    TrackingInput input = Aim(2.0f, 0.0f, 3.0f);
+    for (int tick = 1; tick <= 5000; ++tick) {
+      if (tick % 50 == 1) {
+        input.aim.pose = {1.0f + unit(random), 2.0f * unit(random), 0.0f};
+        input.pose = {0.3f * unit(random), 0.5f * unit(random), 0.5f * unit(random)};
+        input.turn_curvature_per_m = unit(random);
+        input.wheel_curvature_per_m = unit(random);
+        input.left_m = 10.0f;
+      }
+      TrackingOutput output;
+      static_cast<void>(
+          tracker.Predict(static_cast<uint64_t>(tick) * 10'000'000, input.pose, {}, {}));
+      ASSERT_TRUE(IsUsable(tracker.Follow(input, kTick_s, output)));
+      const WheelParts wheels = PartsOf(output.wheels.left_radps, output.wheels.right_radps);
+      const float most_radps =
+          0.5f * vehicle.skid_baseline_m * (std::tan(0.45f) / 1.5f) * std::abs(wheels.common_radps);
+      ASSERT_LE(std::abs(wheels.differential_radps), most_radps * 1.0001f + 1e-6f) << tick;
+      at_limit += std::abs(wheels.differential_radps) > 0.99f * most_radps ? 1 : 0;
+    }
+    EXPECT_GT(at_limit, 100) << "the limit was not tried";
+  }
+}
+
+// SR-PLN06
+TEST(Ackermann, DoesNotTurnOnTheSpot) {
+  Tracker tracker = MakeTracker(Ackermann());
+  TrackingInput input = Aim(0.0f, 0.0f, 1.0f);
+  input.turn = true;
+  input.aim.pose.theta_rad = 1.0f;
+  TrackingOutput output;
+  EXPECT_EQ(tracker.Follow(input, kTick_s, output), Status::kNeedsManoeuvre);
+  EXPECT_EQ(output.wheels.left_radps, 0.0f);
+  EXPECT_EQ(output.wheels.right_radps, 0.0f);
+}
+
 }  // namespace
 }  // namespace hardpack

@@ -27,12 +27,12 @@ CloudPoint PointAt(double elevation_deg, double azimuth_deg, double range_m, int
 // A spinning lidar's points: `beams` elevations, 1 degree of azimuth from one to the next.
 std::vector<CloudPoint> Spun(int beams, double noise_deg, bool with_rings) {
   std::mt19937 random(7);
-  std::normal_distribution<double> noise(0.0, noise_deg);
+  std::normal_distribution<double> noise;
   std::vector<CloudPoint> points;
   for (int azimuth = 0; azimuth < 360; ++azimuth) {
     for (int beam = 0; beam < beams; ++beam) {
       const double elevation_deg = -15.0 + 30.0 * beam / (beams - 1);
-      points.push_back(PointAt(elevation_deg + noise(random), azimuth + 0.2,
+      points.push_back(PointAt(elevation_deg + noise_deg * noise(random), azimuth + 0.2,
                                5.0 + 0.05 * azimuth + 0.1 * beam, with_rings ? beam : -1));
     }
   }
