@@ -11,9 +11,6 @@
 namespace hardpack {
 namespace {
 
-// An end heading further off than this is turned to on the spot.
-constexpr float kGoalHeadingTolerance_rad = 0.05f;
-
 // Copied from, since a temporary would not fit on the stack.
 constexpr Plan kNoPlan;
 
@@ -191,7 +188,7 @@ void Planner::Stay() {
   const float turn_rad =
       request_.has_goal_heading ? WrapAngle(request_.goal_heading_rad - here.theta_rad) : 0.0f;
   plan_.stays = lead_.empty();
-  plan_.pivots_last = Abs(turn_rad) > kGoalHeadingTolerance_rad;
+  plan_.pivots_last = Abs(turn_rad) > kGoalHeading_rad;
   if (plan_.pivots_last && !CanPivot(params_.vehicle)) return End(Status::kNeedsManoeuvre);
   plan_.base.Resize(2);
   plan_.base[0] = here;
@@ -327,40 +324,6 @@ void Planner::StepOptimize(int units) {
   BeginCheck();
 }
 
-// `driven` with the way out of the start before it, and the turns on the spot before and behind.
-// What does not fit is cut at the end.
-void Planner::MakePath(const WorldPath& driven) {
-  WorldPath& path = plan_.path;
-  BeginPath();
-  plan_.ends_short = false;
-  plan_.base_status = Graver(plan_.search.status, sampler_.status());
-  if (plan_.pivots_first) {
-    path.Resize(path.size() + 1);
-    path.back() = {driven[0].x_m, driven[0].y_m, request_.start.pose.theta_rad};
-  }
-  const int room = WorldPath::capacity() - path.size();
-  const int kept = driven.size() < room ? driven.size() : room;
-  if (kept < driven.size()) plan_.base_status = Graver(plan_.base_status, Status::kPathCut);
-  HP_LOOP_BOUND(kMaxPathPoints)
-  for (int k = 0; k < kept; ++k) {
-    path.Resize(path.size() + 1);
-    path.back() = driven[k];
-  }
-  const float end_error_rad = WrapAngle(request_.goal_heading_rad - path.back().theta_rad);
-  const bool must_turn =
-      has_goal_heading_ && kept == driven.size() && Abs(end_error_rad) > kGoalHeadingTolerance_rad;
-  if (must_turn && !CanPivot(params_.vehicle)) {
-    plan_.base_status = Status::kNeedsManoeuvre;
-    return;
-  }
-  plan_.pivots_last = must_turn && !path.full();
-  if (must_turn && path.full()) plan_.base_status = Graver(plan_.base_status, Status::kPathCut);
-  if (plan_.pivots_last) {
-    path.Resize(path.size() + 1);
-    path.back() = {driven.back().x_m, driven.back().y_m, WrapAngle(request_.goal_heading_rad)};
-  }
-}
-
 Status Planner::StartCheck() {
   Status status = ToActuator<PlanarModel>(plan_.path, plan_.actuator);
   if (IsUsable(status)) {
@@ -401,27 +364,6 @@ void Planner::StepCheck(int units) {
 void Planner::BeginSpeed() {
   stage_ = PlanStage::kSpeed;
   caps_.Begin(costmap().window, params_.speed, params_.vehicle, plan_.path, own_start_.speed_mps);
-}
-
-bool Planner::MayEndShort() const {
-  const int kept = plan_.check.collision_point;
-  if (plan_.ends_short || kept < plan_.lead_points + 2) return false;
-  float rest_m = 0.0f;
-  HP_LOOP_BOUND(kMaxPathPoints - 1)
-  for (int k = kept; k < plan_.actuator.steps.size(); ++k) {
-    rest_m += Abs(plan_.actuator.steps[k].dr_m);
-  }
-  return rest_m <= kMaxShort_m;
-}
-
-// The point that the collision was met at stays, but without the turn towards what lies behind it.
-void Planner::EndShort() {
-  WorldPath& path = plan_.path;
-  path.Resize(plan_.check.collision_point + 1);
-  if (!HasLength(plan_.actuator.steps[path.size() - 2].dr_m)) path.Resize(path.size() - 1);
-  path.back().theta_rad = path[path.size() - 2].theta_rad;
-  plan_.pivots_last = false;
-  plan_.ends_short = true;
 }
 
 void Planner::TryAgain() {
@@ -466,26 +408,6 @@ void Planner::StepSpeed(int units) {
       PlanSpeed(params_.speed, params_.vehicle, plan_.actuator, request, plan_.speed);
   if (!IsUsable(status)) return Fail(status);
   Finish();
-}
-
-// The stretch from a start in an obstacle to the first point that is clear of it, which is within
-// it still; the footprint's own overlap may last longer than the middle's.
-int Planner::SlowPoints() const {
-  if (!lead_.empty()) {
-    // Straight on from where nothing was seen to be near is no slow way.
-    const bool is_tight = lead_failure_ != Status::kOk || request_.lead_out > 0;
-    const int overlap = plan_.check.overlap_points;
-    return is_tight && overlap < plan_.lead_points ? plan_.lead_points : overlap;
-  }
-  if (!plan_.search.start_in_obstacle) return plan_.check.overlap_points;
-  const Costmap& map = costmap();
-  int clear = 0;
-  HP_LOOP_BOUND(kMaxPathPoints)
-  while (clear < plan_.path.size() &&
-         map.Lethal(map.window.Index(CellAt(PlaceOf(plan_.path[clear]))))) {
-    ++clear;
-  }
-  return clear + 1 < plan_.check.overlap_points ? plan_.check.overlap_points : clear + 1;
 }
 
 void Planner::Finish() {

@@ -157,6 +157,7 @@ class Planner {
   static constexpr float kMaxShort_m = 1.0f;
   static constexpr float kHere_m = 0.3f;  // a cell's diagonal
   static constexpr float kLeastLead_m = 0.6f;
+  static constexpr float kGoalHeading_rad = 0.05f;  // an end further off is turned on the spot
   static constexpr int kMaxTransitions = 32;
   // From one start on the map that there is.
   static constexpr int kMaxRouteUnits = kMaxTransitions + AstarSearch::kMaxUnits / kSearchUnits +

@@ -134,13 +134,4 @@ bool Planner::SweepsUnseen() const {
   return false;
 }
 
-// Before all that is driven: its last point is the first of what follows.
-void Planner::BeginPath() {
-  plan_.lead_points = lead_.empty() ? 0 : lead_.size() - 1;
-  plan_.path.Clear();
-  plan_.path.Resize(plan_.lead_points);
-  HP_LOOP_BOUND(kMaxPathPoints)
-  for (int k = 0; k < plan_.lead_points; ++k) plan_.path[k] = lead_[k];
-}
-
 }  // namespace hardpack

@@ -80,9 +80,9 @@ class Tracker {
 
   // The commands of one tick of dt_s. The reference speed goes towards the path's by at most the
   // plan's acceleration and deceleration limits. kOffPath: further from the path than
-  // max_cross_track_m: it steers back while it comes to rest. kNeedsManoeuvre: a turn on the spot, of
-  // a vehicle that cannot; then zero is commanded. kNotFinite: a number, then zero is
-  // commanded. kNotStarted. Constant cost.
+  // max_cross_track_m: it steers back while it comes to rest. kNeedsManoeuvre: a turn on the spot,
+  // of a vehicle that cannot; then zero is commanded. kNotFinite: a number, then zero is commanded.
+  // kNotStarted. Constant cost.
   Status Follow(const TrackingInput& input, float dt_s, TrackingOutput& output);
 
   // The same with the speed going to 0 by the deceleration limit, along the path. A turn on the
