@@ -40,10 +40,10 @@ inline constexpr float kClearanceReach_m = 2.0f;
 
 struct PathCheckResult {
   // kOk; kNeedsManoeuvre: it turns on the spot, or bends more than the vehicle can, and it is not
-  // looked at any further; kLimitExceeded; kNarrowGap: it begins nearer to something than the margin, and does not
-  // touch it; kStartInObstacle: it begins in something and drives out of it; kCollision: it touches
-  // something, comes nearer to it than the margin in any other way, or leaves the map; kNotStarted
-  // while busy.
+  // looked at any further; kLimitExceeded; kNarrowGap: it begins nearer to something than the
+  // margin, and does not touch it; kStartInObstacle: it begins in something and drives out of it;
+  // kCollision: it touches something, comes nearer to it than the margin in any other way, or
+  // leaves the map; kNotStarted while busy.
   Status status = Status::kNotStarted;
   // Least distance from the outline to a hard cell's square [m], on the way between the poses that
   // are looked at too; negative: overlap, by how far either would have to be moved. Saturates at
