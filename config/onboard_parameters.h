@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "config/drive_parameters.h"
+#include "config/twist_drive_parameters.h"
 #include "config/parameters.h"
 
 // The parameters of the onboard chain beyond perception and planning: what a tick needs besides.
@@ -152,6 +153,7 @@ struct TickParams {
 
 struct OnboardParams {
   DriveParams drive;
+  TwistDriveParams twist_drive;
   InsParams ins;
   OdometryParams odometry;
   MapFromOdomParams map_from_odom;

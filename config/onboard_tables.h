@@ -55,6 +55,24 @@ inline constexpr std::array kDriveTable = {
     HP_DRIVE(enable_timeout_s, 0.1f, 30.0f, "Drives that are not enabled after this are faulty.")};
 #undef HP_DRIVE
 
+#define HP_TWIST(...) HP_ENTRY("twist_drive", TwistDriveParams, __VA_ARGS__)
+inline constexpr std::array kTwistDriveTable = {
+    HP_TWIST(turn, 0.0f, 1.0f,
+             "What the controller is told of a turn, and measures: 0 the yaw rate; 1 the steering "
+             "angle, with vehicle.kinematics 1."),
+    HP_TWIST(command_id, 0.0f, 2047.0f, "CAN identifier of our commands."),
+    HP_TWIST(feedback_id, 0.0f, 2047.0f, "CAN identifier of what the controller measures."),
+    HP_TWIST(status_id, 0.0f, 2047.0f, "CAN identifier of what the controller says of itself."),
+    HP_TWIST(feedback_timeout_ms, 20.0f, 1000.0f,
+             "A measured motion older than this is none; while it is driven, a fault."),
+    HP_TWIST(echo_timeout_ms, 20.0f, 1000.0f,
+             "A controller that has taken no command for longer does not hear us: a fault."),
+    HP_TWIST(standstill_mps, 0.001f, 0.2f, "Slower is standing."),
+    HP_TWIST(disable_delay_s, 0.0f, 10.0f, "At standstill, before the controller is disabled."),
+    HP_TWIST(enable_timeout_s, 0.1f, 60.0f,
+             "From asking it to follow until it does; else a fault.")};
+#undef HP_TWIST
+
 #define HP_INS(...) HP_ENTRY("ins", InsParams, __VA_ARGS__)
 inline constexpr std::array kInsTable = {
     HP_INS(yaw_rad, -3.1415927f, 3.1415927f,
@@ -249,6 +267,7 @@ inline constexpr std::array kTickTable = {
 #undef HP_ENTRY
 
 static_assert(NamesAllMembers(kDriveTable));
+static_assert(NamesAllMembers(kTwistDriveTable));
 static_assert(NamesAllMembers(kInsTable));
 static_assert(NamesAllMembers(kOdometryTable));
 static_assert(NamesAllMembers(kMapFromOdomTable));

@@ -53,6 +53,9 @@ constexpr const auto& TableOf(const MappingParams&) {
 constexpr const auto& TableOf(const DriveParams&) {
   return kDriveTable;
 }
+constexpr const auto& TableOf(const TwistDriveParams&) {
+  return kTwistDriveTable;
+}
 constexpr const auto& TableOf(const InsParams&) {
   return kInsTable;
 }
@@ -98,6 +101,7 @@ constexpr void VisitParameters(Params& params, Visit&& visit) {
     visit(params.mapping, kMappingTable);
   } else {
     visit(params.drive, kDriveTable);
+    visit(params.twist_drive, kTwistDriveTable);
     visit(params.ins, kInsTable);
     visit(params.odometry, kOdometryTable);
     visit(params.map_from_odom, kMapFromOdomTable);

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "config/onboard_parameters.h"
+#include "config/parameters.h"
 #include "core/base/decision_hash.h"
 #include "core/base/status.h"
 #include "core/measurements/measurements.h"
@@ -40,6 +41,8 @@ class DrivePair {
   // for; kCapacityExceeded: the load of the bus would be above max_bus_load_percent. On a failure
   // nothing is taken and nothing sent.
   Status Configure(const DriveParams& params);
+  // As a DriveDevice: what it needs of the vehicle is in its own parameters.
+  Status Configure(const VehicleParams&, const DriveParams& params) { return Configure(params); }
   static const DriveParams& ParamsOf(const OnboardParams& onboard) { return onboard.drive; }
 
   // A frame that was taken since the last tick, in order. It counts as of when it came, where it

@@ -27,7 +27,7 @@ double NearBy(Random& random, const ParameterEntry<Group>& entry, const Group& g
 // so that the decisions of before are the same.
 inline bool IsOfAnotherVehicle(std::string_view full_name) {
   return full_name == "vehicle.kinematics" || full_name == "vehicle.wheelbase_m" ||
-         full_name == "vehicle.max_steering_rad";
+         full_name == "vehicle.max_steering_rad" || full_name.starts_with("twist_drive.");
 }
 
 // Changes each parameter of a kind (see VisitParameters) one time in `seldom`.

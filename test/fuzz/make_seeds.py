@@ -218,6 +218,21 @@ def drive_scripts(seeds):
     seeds.add("sevcon", "enabled", bring_up + started + enable + drive + stop)
 
 
+def twist_drive_scripts(seeds):
+    """For twist_drive: what a controller reports until it is enabled, on its way, and at its end."""
+    def report(counter, state, speed, turn):  # 0x211; the echo is that of its tick
+        return b"\0\0" + struct.pack("<BBhhBx", counter % 256, state, speed, turn, counter % 256)
+    status = b"\0\1" + struct.pack("<BBHHBx", 0, 1, 0, 4800, 20)
+    tick = b"\x8a"  # 10 ms
+    for setup, bit in ((b"\0", 0), (b"\1", 0), (b"\3", 8)):
+        ready = b"".join(report(i, 1 + bit, 0, 0) + tick for i in range(5))
+        follows = b"\x61\0\0" + b"".join(report(i, 2 + bit, 0, 0) + tick for i in range(5, 15))
+        drives = b"\x61\x14\x1e" + b"".join(report(i, 2 + bit, 40 * i, 100) + tick for i in range(15, 40))
+        stops = b"\x60\0\0" + b"".join(report(i, 3 + bit, 0, 0) + tick for i in range(40, 99))
+        seeds.add("twist_drive", "feedback", setup + status + ready)
+        seeds.add("twist_drive", "driven", setup + status + ready + follows + drives + stops)
+
+
 def scripts(seeds):
     for first, kind in enumerate(("standing", "driving", "log", "log", "standing", "blocked")):
         seeds.add("tick", kind, bytes([first]) + bytes((i * 37 + first) % 256 for i in range(96)))
@@ -357,7 +372,7 @@ def main(arguments):
         return 2
     seeds = Seeds(pathlib.Path(arguments[0]))
     for make in (configurations, maps, point_files, label_datagrams, control_messages, drive_scripts,
-                 scripts, plans):
+                 twist_drive_scripts, scripts, plans):
         make(seeds)
     can = [can_frame(">", 0x180 + i, bytes(range(i))) for i in range(9)]
     seeds.add("capture", "can", b"\0" + pcap(CAN_SOCKETCAN, can))

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "config/onboard_parameters.h"
+#include "config/parameters.h"
 #include "core/base/status.h"
 #include "core/measurements/measurements.h"
 #include "hal/can_batch.h"
@@ -63,7 +64,7 @@ concept InsDevice = DeviceState<T> &&
 
 // What drives the wheels and says how they turn.
 //
-//   ParamsOf    its part of the configuration
+//   ParamsOf    its part of the configuration; Configure gets the vehicle's besides
 //   TakeFrame   each frame of the bus that came, in order
 //   State       of this tick, after its frames
 //   Tick        once, after State: adds what is to be sent
@@ -71,9 +72,9 @@ concept InsDevice = DeviceState<T> &&
 //               takes
 template <typename T>
 concept DriveDevice = DeviceState<T> &&
-    requires(T drives, const T& known, const OnboardParams& onboard, const CanFrame& frame,
-             uint64_t now_ns, const DriveDemand& demand, CanBatch& out) {
-  { drives.Configure(T::ParamsOf(onboard)) } -> std::same_as<Status>;
+    requires(T drives, const T& known, const VehicleParams& vehicle, const OnboardParams& onboard,
+             const CanFrame& frame, uint64_t now_ns, const DriveDemand& demand, CanBatch& out) {
+  { drives.Configure(vehicle, T::ParamsOf(onboard)) } -> std::same_as<Status>;
   { drives.TakeFrame(frame, now_ns) } -> std::same_as<void>;
   { known.State(now_ns) } -> std::same_as<DriveFeedback>;
   { known.AreOff(now_ns) } -> std::same_as<bool>;

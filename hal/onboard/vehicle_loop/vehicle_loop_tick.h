@@ -16,7 +16,8 @@ Status BasicVehicleLoop<Vehicle>::Configure(const Config& config) {
   ins_.Reset();
   const OnboardParams& onboard = config.onboard;
   Status status = Graver(ins_time_.Configure(onboard.clock), lidar_time_.Configure(onboard.clock));
-  if (IsUsable(status)) status = drives_.Configure(Drives::ParamsOf(onboard));
+  if (IsUsable(status))
+    status = drives_.Configure(config.planner.vehicle, Drives::ParamsOf(onboard));
   if (IsUsable(status)) status = lidar_.Configure(config.lidar);
   if (IsUsable(status)) status = Pilot::Configure(config, Lidar::LayoutOf(lidar_config_));
   if (IsUsable(status) && ConflictOf(config).name != nullptr) status = Status::kParameterOutOfRange;

@@ -14,6 +14,7 @@
 #include "test/hal/conformance/lidar_device_conformance.h"
 #include "test/hal/ouster/ouster_packets.h"
 #include "test/hal/sevcon/bench.h"
+#include "test/hal/twist_drive/controller.h"
 
 // The devices of the vehicles that there are (hal/onboard/vehicle_loop/vehicles.h).
 
@@ -93,6 +94,20 @@ class SevconHarness {
   sevcon::Bench bench_ = sevcon::Bench::WithDrivesSetUp();
 };
 INSTANTIATE_TYPED_TEST_SUITE_P(Sevcon, DriveDeviceConformance, SevconHarness);
+
+class TwistHarness {
+ public:
+  using Device = twist_drive::TwistDrive;
+
+  Device& device() { return bench_.drive; }
+  uint64_t now_ns() const { return bench_.now_ns; }
+  void Step(const DriveDemand& demand) { bench_.Tick(demand); }
+  void Silence() { bench_.speaks = false; }
+
+ private:
+  twist_drive::Bench bench_;
+};
+INSTANTIATE_TYPED_TEST_SUITE_P(Twist, DriveDeviceConformance, TwistHarness);
 
 }  // namespace
 }  // namespace hardpack
