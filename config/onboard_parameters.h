@@ -5,8 +5,8 @@
 #include <type_traits>
 
 #include "config/drive_parameters.h"
-#include "config/twist_drive_parameters.h"
 #include "config/parameters.h"
+#include "config/twist_drive_parameters.h"
 
 // The parameters of the onboard chain beyond perception and planning: what a tick needs besides.
 // Ranges and descriptions: config/onboard_tables.h. What only the Linux port needs (addresses,

@@ -89,9 +89,12 @@ struct Round {
   bool is_largest = false;
 };
 
+constexpr PlannerParams kDefaults;
+
 void PlanOn(const AdversarialMap& map, const Round& round, int units, Counts& counts) {
   Planner& planner = planner_memory.Construct();
-  PlannerParams params;
+  static PlannerParams params;  // a frame has room for less
+  params = kDefaults;
   params.optimizer.method = round.method;
   if (round.is_largest) MakeLargest(params);
   const GridWindow window = GridWindow::CenteredAt({0.1f, 0.1f});
