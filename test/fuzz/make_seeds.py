@@ -183,6 +183,17 @@ def label_datagrams(seeds):
         seeds.add("labels", "labels", bytes([2, beams - 1]) + datagram)
 
 
+def pose_datagrams(seeds):
+    def datagram(sequence, groups):
+        data = struct.pack("<4sBBBBIIQQqq16f", b"HPPD", 1, groups, 2, 0x61, sequence, 0, 10**7 * sequence,
+                           10**18, 30618 * 10**6, -96336 * 10**6, 99.5, 1, -2, 0.5, 0.1, -0.2, 1.5, 0, 0,
+                           0.3, 0, 0, -9.8, 0.01, 1.5, 0.1)
+        return data + struct.pack("<I", zlib.crc32(data))
+    for pieces in (0, 255):
+        seeds.add("pose_datagram", "samples", bytes([pieces]) +
+                  b"".join(datagram(i, groups) for i, groups in enumerate((255, 0x18, 2, 0, 127))))
+
+
 def control_messages(seeds):
     def add(sort, kind, body=b""):
         head = b"HPCT" + struct.pack("<BBHI", 1, kind, 12 + len(body), 9)
@@ -371,8 +382,8 @@ def main(arguments):
         print(__doc__)
         return 2
     seeds = Seeds(pathlib.Path(arguments[0]))
-    for make in (configurations, maps, point_files, label_datagrams, control_messages, drive_scripts,
-                 twist_drive_scripts, scripts, plans):
+    for make in (configurations, maps, point_files, label_datagrams, pose_datagrams, control_messages,
+                 drive_scripts, twist_drive_scripts, scripts, plans):
         make(seeds)
     can = [can_frame(">", 0x180 + i, bytes(range(i))) for i in range(9)]
     seeds.add("capture", "can", b"\0" + pcap(CAN_SOCKETCAN, can))

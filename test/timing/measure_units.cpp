@@ -122,7 +122,7 @@ void PlanOnHeights(int units, Counts& counts) {
     }
   }
   Planner& planner = planner_memory.Construct();
-  if (!IsUsable(planner.Begin(heights, PlannerParams{}, RequestFor(0)))) bare_metal::Exit(5);
+  if (!IsUsable(planner.Begin(heights, kDefaults, RequestFor(0)))) bare_metal::Exit(5);
   Run(planner, counts, [&] { return planner.Step(heights, units); });
 }
 

@@ -13,6 +13,7 @@
 #include "test/hal/conformance/ins_device_conformance.h"
 #include "test/hal/conformance/lidar_device_conformance.h"
 #include "test/hal/ouster/ouster_packets.h"
+#include "test/hal/pose_datagram/samples.h"
 #include "test/hal/sevcon/bench.h"
 #include "test/hal/twist_drive/controller.h"
 
@@ -80,6 +81,17 @@ struct VectorNavHarness {
   }
 };
 INSTANTIATE_TYPED_TEST_SUITE_P(VectorNav, InsDeviceConformance, VectorNavHarness);
+
+struct PoseDatagramHarness {
+  using Device = pose_datagram::Receiver;
+
+  static std::vector<uint8_t> Message(int k) {
+    InsSample sample = pose_datagram::Example();
+    sample.timestamp_ns = 1'000'000u + static_cast<uint64_t>(k) * 10'000'000u;
+    return pose_datagram::Encoded(sample, static_cast<uint32_t>(k));
+  }
+};
+INSTANTIATE_TYPED_TEST_SUITE_P(PoseDatagram, InsDeviceConformance, PoseDatagramHarness);
 
 class SevconHarness {
  public:
