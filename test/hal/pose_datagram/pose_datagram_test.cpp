@@ -164,7 +164,8 @@ TEST(PoseReceiver, ItsNumbersWrap) {
 TEST(PoseReceiver, FindsDatagramsHoweverTheyAreCutAndWhateverIsBetweenThem) {
   Bytes bytes;
   for (uint32_t sequence = 1; sequence <= 40; ++sequence) {
-    for (uint32_t i = 0; i < sequence % 7; ++i) bytes.push_back("HPPDH"[i % 5]);
+    for (uint32_t i = 0; i < sequence % 7; ++i)
+      bytes.push_back(static_cast<uint8_t>("HPPDH"[i % 5]));
     const Bytes one = Numbered(sequence);
     bytes.insert(bytes.end(), one.begin(), one.end());
   }
