@@ -102,7 +102,7 @@ void TwistDrive::TakeStatus(const CanFrame& frame) {
   has_version_ = true;
   version_ = status.version;
   report_.controller_faults = status.faults;
-  report_.battery_cV = status.battery_cV;
+  report_.battery_V = 0.01f * static_cast<float>(status.battery);
   report_.temperature_degC = status.temperature_degC;
 }
 

@@ -42,7 +42,7 @@ struct Report {
   float yaw_rate_radps = 0.0f;
   uint64_t feedback_ns = 0;  // when that came; 0: never
   uint16_t controller_faults = 0;
-  uint16_t battery_cV = 0;
+  float battery_V = 0.0f;  // 0: not measured
   int8_t temperature_degC = 0;
 };
 

@@ -113,7 +113,7 @@ CanFrame Encode(uint32_t id, const Feedback& feedback) {
 CanFrame Encode(uint32_t id, const ControllerStatus& status) {
   CanFrame frame = FrameOf(id, status.counter, status.version);
   PutU16(status.faults, 2, frame);
-  PutU16(status.battery_cV, 4, frame);
+  PutU16(status.battery, 4, frame);
   frame.data[6] = static_cast<uint8_t>(status.temperature_degC);
   frame.data[kCrcByte] = CrcOf(frame);
   return frame;

@@ -55,9 +55,9 @@ struct Feedback {
 // Of the controller, at 1 Hz or more, and when a fault comes.
 struct ControllerStatus {
   uint8_t counter = 0;
-  uint16_t faults = 0;      // bits, its own; 0: none
-  uint8_t version = 0;      // of this protocol: kVersion
-  uint16_t battery_cV = 0;  // 0: not measured
+  uint16_t faults = 0;   // bits, its own; 0: none
+  uint8_t version = 0;   // of this protocol: kVersion
+  uint16_t battery = 0;  // 0.01 V; 0: not measured
   int8_t temperature_degC = 0;
 };
 inline constexpr uint8_t kVersion = 1;

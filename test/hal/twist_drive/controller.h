@@ -59,7 +59,7 @@ class Controller {
     status.counter = counter_;
     status.version = version;
     status.faults = fault ? 4 : 0;
-    status.battery_cV = 4800;
+    status.battery = 4800;
     return Encode(static_cast<uint32_t>(params_.status_id), status);
   }
 

@@ -54,7 +54,7 @@ TEST(TwistFrames, AStatusHasTheBytesOfTheDocs) {
   EXPECT_EQ(decoded.counter, 3);
   EXPECT_EQ(decoded.version, kVersion);
   EXPECT_EQ(decoded.faults, 0x8001);
-  EXPECT_EQ(decoded.battery_cV, 3000);
+  EXPECT_EQ(decoded.battery, 3000);
   EXPECT_EQ(decoded.temperature_degC, -5);
   EXPECT_EQ(Encode(0x212, decoded), golden);
 }
