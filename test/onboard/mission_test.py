@@ -4,7 +4,6 @@ Its flight log replays, and other programs read it; so does a capture of the sam
 
 import json
 import os
-import pathlib
 import shutil
 import signal
 import statistics
@@ -14,7 +13,7 @@ import time
 import unittest
 
 import onboard_case
-from onboard_case import CAN, HARDPACK, NODES, OnboardCase, wait_until
+from onboard_case import CAN, HARDPACK, NODES, OnboardCase, is_listened_to, wait_until
 
 GOAL_M = 12.0
 COMMAND_PERIOD_S = 0.01
@@ -59,7 +58,7 @@ class Mission(OnboardCase):
         program = self.start_program(onboard_case.Program, "candump",
                                      ["candump", "-L", "-t", "a", CAN])
         program.log = path
-        wait_until(lambda: CAN in pathlib.Path("/proc/net/can/rcvlist_all").read_text(), "candump")
+        wait_until(lambda: is_listened_to(CAN), "candump")
         return program
 
     def start_tcpdump(self):

@@ -11,6 +11,7 @@ import math
 import os
 import pathlib
 import pty
+import re
 import shutil
 import signal
 import subprocess
@@ -86,6 +87,12 @@ def toml(tables):
     return "".join(f"[{name}]\n" + "".join(f"{key} = {value(item)}\n"
                                            for key, item in keys.items())
                    for name, keys in tables.items())
+
+
+def is_listened_to(interface):
+    """Whether a candump listens on it. Where none does, the list has "(vcan0: no entry)"."""
+    receivers = pathlib.Path("/proc/net/can/rcvlist_all").read_text()
+    return re.search(rf"^ *{interface} ", receivers, re.MULTILINE) is not None
 
 
 def wait_until(condition, what, patience_s=PATIENCE_S):

@@ -48,9 +48,10 @@ wait_for_line() {
   exit 1
 }
 
-# In the machine: until a candump listens on an interface. It ends at a frame 7FF behind all others
-# (-n), however long a busy machine takes to send them.
-export listens='until grep -q $interface /proc/net/can/rcvlist_all; do sleep 0.05; done'
+# In the machine: until a candump listens on an interface. (Where none does, the list has a line too:
+# "(vcan0: no entry)".) It ends at a frame 7FF behind all others (-n), however long a busy machine takes
+# to send them.
+export listens='until grep -q "^ *$interface " /proc/net/can/rcvlist_all; do sleep 0.05; done'
 
 PassesOutputAndExitStatus() {
   export FRAME=$'two\nlines, a "quote"'

@@ -32,7 +32,7 @@ status_has() {  # <text>...  each in the status
 # No output of theirs may keep the machine from ending.
 candump -L -t a vcan0 >out/candump.log 2>&1 &
 bus=$!
-wait_for "candump listens" 10 has /proc/net/can/rcvlist_all vcan0
+wait_for "candump listens" 10 has /proc/net/can/rcvlist_all "^ *vcan0 "
 ./scripted_vehicle --can vcan0 --gear-ratio 24 --left-sign 1 --right-sign -1 \
   --max-wheel-speed 17.5 --lidar-columns 512 --lidar-rate 5 --world "$1" \
   --metadata out/lidar.json --trace out/trace.jsonl >out/vehicle.out 2>&1 &
