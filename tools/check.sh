@@ -12,7 +12,7 @@ its tests, the static checks among them: at most 12 minutes on two cores.
   --all         the slow ones too: core and hal as clang++ optimises them, a build with sanitizers,
                 the libraries' own assertions and every loop counted, aarch64 and Cortex-M7 under
                 QEMU, a minute of fuzzing, the tests labelled slow (three or five seeds of each
-                world): 47 to 79 minutes measured, as quick as the machine was, 45 wanted. It
+                world): 47 to 83 minutes measured with an empty compiler cache, 45 wanted. It
                 installs what the comparisons of `hardpack bench` need as well (ten seconds), so
                 that what uses other libraries is compiled and tested
   --deps        only install; with --all, what --all needs as well
