@@ -146,10 +146,40 @@ constexpr void ForEachConflict(const DriveParams& drive, Take&& take) {
   }
 }
 
+// Of a motion controller, and the vehicle that it moves.
+template <typename Take>
+constexpr void ForEachConflict(const TwistDriveParams& drive, const VehicleParams& vehicle,
+                               Take&& take) {
+  constexpr const char* kDiffers = "another one: each frame has its own identifier";
+  if (drive.feedback_id == drive.command_id) {
+    take(ParameterConflict{"twist_drive.feedback_id", "twist_drive.command_id", kDiffers});
+  }
+  if (drive.status_id == drive.command_id) {
+    take(ParameterConflict{"twist_drive.status_id", "twist_drive.command_id", kDiffers});
+  }
+  if (drive.status_id == drive.feedback_id) {
+    take(ParameterConflict{"twist_drive.status_id", "twist_drive.feedback_id", kDiffers});
+  }
+  const bool can_steer = vehicle.kinematics == VehicleParams::kAckermann;
+  if (drive.turn == TwistDriveParams::kSteering && !can_steer) {
+    take(ParameterConflict{"twist_drive.turn", "vehicle.kinematics",
+                           "0: a skid-steered vehicle has no steering angle"});
+  }
+}
+
 // The first of a group's, or one without a name.
 constexpr ParameterConflict FirstConflict(const PlannerParams& planner) {
   ParameterConflict first;
   ForEachConflict(planner, [&first](const ParameterConflict& conflict) {
+    if (first.name == nullptr) first = conflict;
+  });
+  return first;
+}
+
+constexpr ParameterConflict FirstConflict(const TwistDriveParams& drive,
+                                          const VehicleParams& vehicle) {
+  ParameterConflict first;
+  ForEachConflict(drive, vehicle, [&first](const ParameterConflict& conflict) {
     if (first.name == nullptr) first = conflict;
   });
   return first;

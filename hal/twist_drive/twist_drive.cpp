@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/twist_drive/twist_drive.h"
 
+#include "config/conflicts.h"
 #include "core/base/math.h"
 #include "core/base/units.h"
 #include "core/base/validate.h"
@@ -31,11 +32,7 @@ float Unit(int16_t value, float per_unit) {
 Status TwistDrive::Configure(const VehicleParams& vehicle, const TwistDriveParams& params) {
   *this = TwistDrive{};
   if (FirstInvalidParameter(params) != nullptr) return Status::kParameterOutOfRange;
-  const bool differ = params.command_id != params.feedback_id &&
-                      params.command_id != params.status_id &&
-                      params.feedback_id != params.status_id;
-  const bool can_steer = params.turn != TwistDriveParams::kSteering || !CanPivot(vehicle);
-  if (!differ || !can_steer) return Status::kInvalidArgument;
+  if (FirstConflict(params, vehicle).name != nullptr) return Status::kInvalidArgument;
   vehicle_ = vehicle;
   params_ = params;
   configured_ = true;

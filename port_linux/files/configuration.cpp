@@ -327,6 +327,7 @@ void Intake::CheckTogether() {
 }
 
 void Intake::CheckDrives() {
+  if (!DevicesOf(configuration_.vehicle_type).sevcon) return;
   const DriveParams& drive = configuration_.onboard.drive;
   const Status status = sevcon::DrivePair().Configure(drive);
   if (IsUsable(status)) return;
@@ -367,6 +368,7 @@ void Intake::CheckConflicts() {
   ForEachConflict(read.planner.costmap, read.perception.segmentation, take);
   ForEachConflict(read.planner, read.onboard, take);
   ForEachConflict(read.onboard.drive, take);
+  ForEachConflict(read.onboard.twist_drive, read.planner.vehicle, take);
 }
 
 void Intake::CheckVehicle() {

@@ -106,6 +106,12 @@ void AddProgram(Configuration& c, Keys& keys) {
 bool Always(const Configuration&) {
   return true;
 }
+bool WithSevcon(const Configuration& c) {
+  return DevicesOf(c.vehicle_type).sevcon;
+}
+bool WithOuster(const Configuration& c) {
+  return DevicesOf(c.vehicle_type).ouster;
+}
 bool WhereLabelsAreUsed(const Configuration& c) {
   return c.perception.mapping.use_labels != 0;
 }
@@ -114,13 +120,13 @@ bool WhereInsIsUsed(const Configuration& c) {
 }
 
 constexpr std::array kRequired = {
-    RequiredKey{"drive.gear_ratio", Always, "the Warthog's is not public: measure it"},
-    RequiredKey{"drive.left_sign", Always,
+    RequiredKey{"drive.gear_ratio", WithSevcon, "the Warthog's is not public: measure it"},
+    RequiredKey{"drive.left_sign", WithSevcon,
                 "1 or -1: how the motor is mounted is not public: try it with the wheels up"},
-    RequiredKey{"drive.right_sign", Always,
+    RequiredKey{"drive.right_sign", WithSevcon,
                 "1 or -1: how the motor is mounted is not public: try it with the wheels up"},
     RequiredKey{"lidar.address", Always, "where your lidar sends from"},
-    RequiredKey{"lidar.metadata", Always, "the file with your lidar's beam angles"},
+    RequiredKey{"lidar.metadata", WithOuster, "the file with your lidar's beam angles"},
     RequiredKey{"ins.address", WhereInsIsUsed,
                 "where your INS sends from; without one set safety.needs_ins = 0"},
     RequiredKey{"ins.port", WhereInsIsUsed,

@@ -10,4 +10,13 @@ namespace hardpack {
 
 std::vector<std::string_view> VehicleTypes();
 
+// Which devices such a vehicle has, as far as its configuration differs by them. Of a type that
+// there is not: none.
+struct VehicleDevices {
+  bool ouster = false;
+  bool sevcon = false;
+  bool twist_drive = false;
+};
+VehicleDevices DevicesOf(std::string_view type);
+
 }  // namespace hardpack

@@ -9,6 +9,7 @@
 #include "core/safety/supervisor.h"
 #include "hal/can_bus.h"
 #include "hal/sevcon/sevcon.h"
+#include "hal/twist_drive/twist_drive.h"
 
 namespace hardpack::ctl {
 namespace {
@@ -119,6 +120,25 @@ constexpr CodeName kDriveFaultNames[] = {
 };
 static_assert(std::size(kDriveFaultNames) == sevcon::kDriveFaults);
 
+constexpr CodeName kControllerStateNames[] = {
+    {"starting", "", false}, {"ready", "", false}, {"following", "", false},
+    {"stopping", "", false}, {"fault", "", true},
+};
+static_assert(std::size(kControllerStateNames) == twist_drive::kControllerStates);
+
+constexpr CodeName kControllerFaultNames[] = {
+    {"none", "", false},
+    {"controller", "the controller reports a fault", true},
+    {"silent", "no feedback lately", true},
+    {"not_heard", "it takes no commands", true},
+    {"wrong_turn", "it measures the other kind of turn: see twist_drive.turn", true},
+    {"wrong_version", "its protocol has another version", true},
+    {"enable_timeout", "it was enabled and does not follow", true},
+    {"dropped", "it stopped following by itself", true},
+};
+static_assert(std::size(kControllerFaultNames) ==
+              static_cast<int>(twist_drive::Fault::kDropped) + 1);
+
 constexpr CodeName kCanBusStateNames[] = {
     {"down", "", true},    {"active", "", false}, {"warning", "", true},
     {"passive", "", true}, {"bus_off", "", true},
@@ -172,6 +192,10 @@ CodeName NameOf(FieldKind kind, uint8_t code) {
       return Among(kDriveFaultNames, code);
     case FieldKind::kCanBusState:
       return Among(kCanBusStateNames, code);
+    case FieldKind::kControllerState:
+      return Among(kControllerStateNames, code);
+    case FieldKind::kControllerFault:
+      return Among(kControllerFaultNames, code);
     case FieldKind::kNmtState:
       return NmtStateName(code);
     case FieldKind::kStatus: {

@@ -6,7 +6,10 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <set>
+#include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "hal/onboard/control/status_table.h"
@@ -21,6 +24,8 @@ using control::FieldKind;
 
 constexpr int kColumnWidth = 48;  // mark, name, value and a gap
 constexpr int kGapWidth = 2;
+// The last field of a device's part: false where the vehicle has no such device.
+constexpr std::string_view kPresent = "present";
 
 template <typename... Arguments>
 std::string Format(const char* format, Arguments... arguments) {
@@ -89,6 +94,12 @@ class RowCollector {
 
   template <typename Value>
   void operator()(const char* name, FieldKind kind, Concern concern, const Value& value) {
+    if constexpr (std::is_same_v<Value, bool>) {
+      if (name == kPresent) {
+        if (!value) absent_.insert(group_);
+        return;
+      }
+    }
     Row row;
     row.group = group_;
     row.name = ShownName(name, kind);
@@ -103,7 +114,11 @@ class RowCollector {
     rows_.push_back(row);
   }
 
-  const std::vector<Row>& rows() const { return rows_; }
+  // Without the parts of devices that the vehicle does not have.
+  std::vector<Row> TakeRows() {
+    std::erase_if(rows_, [this](const Row& row) { return absent_.contains(row.group); });
+    return std::move(rows_);
+  }
 
  private:
   template <typename Value>
@@ -148,13 +163,14 @@ class RowCollector {
   }
 
   std::string group_;
+  std::set<std::string> absent_;
   std::vector<Row> rows_;
 };
 
 std::vector<Row> RowsOf(const control::StatusReport& report) {
   RowCollector collector;
   VisitStatus(report, collector);
-  return collector.rows();
+  return collector.TakeRows();
 }
 
 // "*missed_ticks ............ 3 (+1)", as wide as a column.
@@ -188,6 +204,12 @@ class JsonCollector {
 
   template <typename Value>
   void operator()(const char* name, FieldKind kind, Concern, const Value& value) {
+    if constexpr (std::is_same_v<Value, bool>) {
+      if (name == kPresent) {
+        if (!value) json_.erase(group_);
+        return;
+      }
+    }
     nlohmann::ordered_json& group = json_[group_];
     if constexpr (std::is_same_v<Value, Age>) {
       const std::string age = name;

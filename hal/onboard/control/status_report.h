@@ -67,6 +67,11 @@ struct VehiclePart {
   uint32_t odometry_gaps = 0;
   float commanded_speed_mps = 0.0f;
   float commanded_yaw_rate_radps = 0.0f;
+  // What its drives say together, whatever drives they are.
+  bool drives_ready = false;
+  bool drives_enabled = false;
+  bool drives_faulty = false;
+  bool drives_off = false;  // none can push
 };
 
 // The filter, and where odom lies on earth.
@@ -181,7 +186,9 @@ struct InsPart {
   float position_uncertainty_m = 0.0f;  // 0: not told
 };
 
+// The parts of devices: `present` where the vehicle has such a device.
 struct InsStreamPart {
+  bool present = false;
   uint64_t bytes = 0;
   uint64_t skipped_bytes = 0;
   uint64_t binary_messages = 0;
@@ -194,7 +201,20 @@ struct InsStreamPart {
   uint64_t unsupported = 0;
 };
 
+struct PoseDatagramPart {
+  bool present = false;
+  uint64_t bytes = 0;
+  uint64_t skipped_bytes = 0;
+  uint64_t samples = 0;
+  uint64_t refused = 0;
+  uint64_t repeated = 0;
+  uint64_t missed = 0;
+  uint64_t restarts = 0;
+  uint64_t bad_crc = 0;
+};
+
 struct DrivePart {
+  bool present = false;
   uint8_t state = 0;         // sevcon::DriveState
   uint8_t fault = 0;         // sevcon::DriveFault
   uint8_t nmt_state = 0xff;  // CiA 301; ff: not heard
@@ -221,11 +241,26 @@ struct DrivePart {
   uint32_t doubled_reports = 0;
 };
 
+// A motion controller (hal/twist_drive).
+struct MotionControllerPart {
+  bool present = false;
+  uint8_t state = 0;  // twist_drive::ControllerState
+  uint8_t fault = 0;  // twist_drive::Fault
+  float speed_mps = 0.0f;
+  float yaw_rate_radps = 0.0f;
+  Age feedback_age;
+  uint16_t controller_faults = 0;  // bits of its own
+  float battery_V = 0.0f;
+  int32_t temperature_degC = 0;
+  uint32_t frames_repeated = 0;
+  uint32_t frames_missed = 0;
+};
+
 struct CanPart {
   uint8_t state = 0;              // CanBusState
   uint32_t bus_load_percent = 0;  // of what we send and ask for, as configured
   CanBusCounters bus;
-  // What the drives' master took of it.
+  // What the drives took of it.
   uint32_t frames_taken = 0;
   uint32_t frames_ignored = 0;
   uint32_t frames_malformed = 0;
@@ -337,11 +372,13 @@ struct StatusReport {
   InsPart ins;
   DrivePart left_drive;
   DrivePart right_drive;
+  MotionControllerPart motion_controller;
   CanPart can;
   LidarPacketPart lidar_packets;
   LidarClockPart lidar_clock;
   MapperPart mapper;
   InsStreamPart ins_stream;
+  PoseDatagramPart pose_datagrams;
   DatagramCounters lidar_socket;
   DatagramCounters ins_socket;
   DatagramCounters label_socket;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
-
+#include "hal/onboard/control/status_field.h"
 #include "hal/onboard/control/status_report.h"
 
 // The one table of a StatusReport's fields: encoding, decoding, the operator's text and JSON all go
@@ -12,36 +11,6 @@
 
 namespace hardpack::control {
 
-// How a value is to be shown, beyond what its type says.
-enum class FieldKind : uint8_t {
-  kValue = 0,  // a number in the unit of its name, a flag, a text
-  kDuration,   // ns
-  kHex,
-  kNanodegree,
-  kAge,
-  // Codes, of the enums that are called so.
-  kMode,
-  kStopReason,
-  kMotion,
-  kStatus,
-  kReplanDecision,
-  kReplanReason,
-  kInsMode,
-  kDriveState,
-  kDriveFault,
-  kNmtState,
-  kCanBusState,
-  kMapStatus,
-};
-
-// When a value is worth a look. (Ages say so themselves.)
-enum class Concern : uint8_t {
-  kNone = 0,
-  kLoss,      // a counter: not 0: something was lost or refused since the start
-  kProblem,   // not 0, or a code that means no good: something is wrong now
-  kExpected,  // 0: something is missing now
-};
-
 // Members of `part` by their names; the enclosing function has `part` and `visit`.
 #define HP_STATUS_ENTRY(member, kind, concern) \
   visit(#member, FieldKind::kind, Concern::concern, part.member)
@@ -49,6 +18,17 @@ enum class Concern : uint8_t {
 #define HP_STATUS_LOSS(member) HP_STATUS_ENTRY(member, kValue, kLoss)
 #define HP_STATUS_SHOWN(member, kind) HP_STATUS_ENTRY(member, kind, kNone)
 #define HP_STATUS_FLAG(member, concern) HP_STATUS_ENTRY(member, kValue, concern)
+// Sixteen members of an array, in four lines: "returns_permille_00" to "_15".
+#define HP_STATUS_PART(member, text, index) \
+  visit(#member "_" text, FieldKind::kValue, Concern::kNone, part.member[index])
+#define HP_STATUS_FOUR(member, a, b, c, d, first)                             \
+  HP_STATUS_PART(member, a, (first)), HP_STATUS_PART(member, b, (first) + 1), \
+      HP_STATUS_PART(member, c, (first) + 2), HP_STATUS_PART(member, d, (first) + 3)
+#define HP_STATUS_PARTS(member)                          \
+  HP_STATUS_FOUR(member, "00", "01", "02", "03", 0),     \
+      HP_STATUS_FOUR(member, "04", "05", "06", "07", 4), \
+      HP_STATUS_FOUR(member, "08", "09", "10", "11", 8), \
+      HP_STATUS_FOUR(member, "12", "13", "14", "15", 12)
 
 template <typename Part, typename Visit>
 constexpr void VisitProgram(Part& part, Visit& visit) {
@@ -86,6 +66,10 @@ constexpr void VisitVehicle(Part& part, Visit& visit) {
   HP_STATUS_LOSS(odometry_gaps);
   HP_STATUS_FIELD(commanded_speed_mps);
   HP_STATUS_FIELD(commanded_yaw_rate_radps);
+  HP_STATUS_FIELD(drives_ready);
+  HP_STATUS_FIELD(drives_enabled);
+  HP_STATUS_FLAG(drives_faulty, kProblem);
+  HP_STATUS_FIELD(drives_off);
 }
 
 template <typename Part, typename Visit>
@@ -181,38 +165,8 @@ constexpr void VisitSight(Part& part, Visit& visit) {
   HP_STATUS_FLAG(lidar_turned, kProblem);
   HP_STATUS_FIELD(ground_tilt_rad);
   HP_STATUS_SHOWN(revolution_ns, kDuration);
-  visit("columns_permille_00", FieldKind::kValue, Concern::kNone, part.columns_permille[0]);
-  visit("columns_permille_01", FieldKind::kValue, Concern::kNone, part.columns_permille[1]);
-  visit("columns_permille_02", FieldKind::kValue, Concern::kNone, part.columns_permille[2]);
-  visit("columns_permille_03", FieldKind::kValue, Concern::kNone, part.columns_permille[3]);
-  visit("columns_permille_04", FieldKind::kValue, Concern::kNone, part.columns_permille[4]);
-  visit("columns_permille_05", FieldKind::kValue, Concern::kNone, part.columns_permille[5]);
-  visit("columns_permille_06", FieldKind::kValue, Concern::kNone, part.columns_permille[6]);
-  visit("columns_permille_07", FieldKind::kValue, Concern::kNone, part.columns_permille[7]);
-  visit("columns_permille_08", FieldKind::kValue, Concern::kNone, part.columns_permille[8]);
-  visit("columns_permille_09", FieldKind::kValue, Concern::kNone, part.columns_permille[9]);
-  visit("columns_permille_10", FieldKind::kValue, Concern::kNone, part.columns_permille[10]);
-  visit("columns_permille_11", FieldKind::kValue, Concern::kNone, part.columns_permille[11]);
-  visit("columns_permille_12", FieldKind::kValue, Concern::kNone, part.columns_permille[12]);
-  visit("columns_permille_13", FieldKind::kValue, Concern::kNone, part.columns_permille[13]);
-  visit("columns_permille_14", FieldKind::kValue, Concern::kNone, part.columns_permille[14]);
-  visit("columns_permille_15", FieldKind::kValue, Concern::kNone, part.columns_permille[15]);
-  visit("returns_permille_00", FieldKind::kValue, Concern::kNone, part.returns_permille[0]);
-  visit("returns_permille_01", FieldKind::kValue, Concern::kNone, part.returns_permille[1]);
-  visit("returns_permille_02", FieldKind::kValue, Concern::kNone, part.returns_permille[2]);
-  visit("returns_permille_03", FieldKind::kValue, Concern::kNone, part.returns_permille[3]);
-  visit("returns_permille_04", FieldKind::kValue, Concern::kNone, part.returns_permille[4]);
-  visit("returns_permille_05", FieldKind::kValue, Concern::kNone, part.returns_permille[5]);
-  visit("returns_permille_06", FieldKind::kValue, Concern::kNone, part.returns_permille[6]);
-  visit("returns_permille_07", FieldKind::kValue, Concern::kNone, part.returns_permille[7]);
-  visit("returns_permille_08", FieldKind::kValue, Concern::kNone, part.returns_permille[8]);
-  visit("returns_permille_09", FieldKind::kValue, Concern::kNone, part.returns_permille[9]);
-  visit("returns_permille_10", FieldKind::kValue, Concern::kNone, part.returns_permille[10]);
-  visit("returns_permille_11", FieldKind::kValue, Concern::kNone, part.returns_permille[11]);
-  visit("returns_permille_12", FieldKind::kValue, Concern::kNone, part.returns_permille[12]);
-  visit("returns_permille_13", FieldKind::kValue, Concern::kNone, part.returns_permille[13]);
-  visit("returns_permille_14", FieldKind::kValue, Concern::kNone, part.returns_permille[14]);
-  visit("returns_permille_15", FieldKind::kValue, Concern::kNone, part.returns_permille[15]);
+  HP_STATUS_PARTS(columns_permille);
+  HP_STATUS_PARTS(returns_permille);
 }
 
 template <typename Part, typename Visit>
@@ -255,6 +209,22 @@ constexpr void VisitDrive(Part& part, Visit& visit) {
   HP_STATUS_LOSS(sdo_aborts);
   HP_STATUS_LOSS(heartbeats_missed);
   HP_STATUS_LOSS(doubled_reports);
+  HP_STATUS_FIELD(present);
+}
+
+template <typename Part, typename Visit>
+constexpr void VisitMotionController(Part& part, Visit& visit) {
+  HP_STATUS_ENTRY(state, kControllerState, kProblem);
+  HP_STATUS_ENTRY(fault, kControllerFault, kProblem);
+  HP_STATUS_FIELD(speed_mps);
+  HP_STATUS_FIELD(yaw_rate_radps);
+  HP_STATUS_SHOWN(feedback_age, kAge);
+  HP_STATUS_SHOWN(controller_faults, kHex);
+  HP_STATUS_FIELD(battery_V);
+  HP_STATUS_FIELD(temperature_degC);
+  HP_STATUS_LOSS(frames_repeated);
+  HP_STATUS_LOSS(frames_missed);
+  HP_STATUS_FIELD(present);
 }
 
 template <typename Part, typename Visit>
@@ -341,6 +311,20 @@ constexpr void VisitInsStream(Part& part, Visit& visit) {
   HP_STATUS_LOSS(out_of_range);
   HP_STATUS_LOSS(bad_checksum);
   HP_STATUS_LOSS(unsupported);
+  HP_STATUS_FIELD(present);
+}
+
+template <typename Part, typename Visit>
+constexpr void VisitPoseDatagrams(Part& part, Visit& visit) {
+  HP_STATUS_FIELD(bytes);
+  HP_STATUS_FIELD(skipped_bytes);
+  HP_STATUS_FIELD(samples);
+  HP_STATUS_LOSS(refused);
+  HP_STATUS_LOSS(repeated);
+  HP_STATUS_LOSS(missed);
+  HP_STATUS_LOSS(restarts);
+  HP_STATUS_LOSS(bad_crc);
+  HP_STATUS_FIELD(present);
 }
 
 template <typename Part, typename Visit>
@@ -422,6 +406,9 @@ constexpr void VisitControl(Part& part, Visit& visit) {
   HP_STATUS_LOSS(system_errors);
 }
 
+#undef HP_STATUS_PARTS
+#undef HP_STATUS_FOUR
+#undef HP_STATUS_PART
 #undef HP_STATUS_FLAG
 #undef HP_STATUS_SHOWN
 #undef HP_STATUS_LOSS
@@ -453,6 +440,8 @@ constexpr void VisitStatus(Report& report, Visit& visit) {
   VisitDrive(report.left_drive, visit);
   visit.BeginGroup("right_drive");
   VisitDrive(report.right_drive, visit);
+  visit.BeginGroup("motion_controller");
+  VisitMotionController(report.motion_controller, visit);
   visit.BeginGroup("can");
   VisitCan(report.can, visit);
   visit.BeginGroup("lidar_packets");
@@ -463,6 +452,8 @@ constexpr void VisitStatus(Report& report, Visit& visit) {
   VisitMapper(report.mapper, visit);
   visit.BeginGroup("ins_stream");
   VisitInsStream(report.ins_stream, visit);
+  visit.BeginGroup("pose_datagrams");
+  VisitPoseDatagrams(report.pose_datagrams, visit);
   visit.BeginGroup("lidar_socket");
   VisitSocket(report.lidar_socket, visit);
   visit.BeginGroup("ins_socket");

@@ -47,6 +47,14 @@ void Fill(const Pilot& pilot, control::VehiclePart& part) {
   part.commanded_yaw_rate_radps = pilot.tracking().yaw_rate_radps;
 }
 
+void Fill(const AnyVehicle& vehicle, control::VehiclePart& part) {
+  const DriveFeedback drives = vehicle.Drives();
+  part.drives_ready = drives.ready;
+  part.drives_enabled = drives.enabled;
+  part.drives_faulty = drives.faulty;
+  part.drives_off = vehicle.DrivesAreOff();
+}
+
 void Fill(const Odometry& odometry, control::OdometryPart& part) {
   part.position_sigma_m = Max(odometry.Sigma(kStateX), odometry.Sigma(kStateY));
   part.yaw_sigma_rad = odometry.Sigma(kStateYaw);
@@ -222,6 +230,7 @@ void RunLoop::Report(control::StatusReport& report) const {
   report.program.decision_hash = pilot.decision_hash();
   if (options_.allocations != nullptr) report.program.heap_allocations = options_.allocations();
   Fill(pilot, report.vehicle);
+  Fill(vehicle_, report.vehicle);
   Fill(pilot.odometry(), report.odometry);
   Fill(pilot.map_from_odom(), report.odometry);
   Fill(pilot, report.inputs);

@@ -8,6 +8,7 @@ namespace {
 
 void Fill(const sevcon::DriveReport& drive, uint64_t now_ns, const DriveParams& params,
           control::DrivePart& part) {
+  part.present = true;
   part.state = static_cast<uint8_t>(drive.state);
   part.fault = static_cast<uint8_t>(drive.fault);
   part.nmt_state = drive.nmt_state;
@@ -72,6 +73,7 @@ void ouster::AddToReport(const Lidar& lidar, control::StatusReport& report) {
 void vectornav::AddToReport(const StreamParser& ins, control::StatusReport& report) {
   const StreamCounters& counters = ins.counters();
   control::InsStreamPart& part = report.ins_stream;
+  part.present = true;
   part.bytes = counters.bytes;
   part.skipped_bytes = counters.skipped_bytes;
   part.binary_messages = counters.binary_messages;
@@ -82,6 +84,45 @@ void vectornav::AddToReport(const StreamParser& ins, control::StatusReport& repo
   part.out_of_range = counters.out_of_range;
   part.bad_checksum = counters.bad_checksum;
   part.unsupported = counters.unsupported;
+}
+
+void pose_datagram::AddToReport(const Receiver& ins, control::StatusReport& report) {
+  const Counters& counters = ins.counters();
+  control::PoseDatagramPart& part = report.pose_datagrams;
+  part.present = true;
+  part.bytes = counters.bytes;
+  part.skipped_bytes = counters.skipped_bytes;
+  part.samples = counters.samples;
+  part.refused = counters.refused;
+  part.repeated = counters.repeated;
+  part.missed = counters.missed;
+  part.restarts = counters.restarts;
+  part.bad_crc = counters.bad_crc;
+}
+
+void twist_drive::AddToReport(const TwistDrive& drive, uint64_t now_ns,
+                              const OnboardParams& onboard, control::StatusReport& report) {
+  const Report& said = drive.report();
+  const Counters& counters = drive.counters();
+  control::MotionControllerPart& part = report.motion_controller;
+  part.present = true;
+  part.state = static_cast<uint8_t>(said.state);
+  part.fault = static_cast<uint8_t>(said.fault);
+  part.speed_mps = said.speed_mps;
+  part.yaw_rate_radps = said.yaw_rate_radps;
+  constexpr uint64_t kNanosecondsPerMillisecond = 1'000'000;
+  part.feedback_age = control::AgeAt(
+      now_ns, said.feedback_ns,
+      static_cast<uint64_t>(onboard.twist_drive.feedback_timeout_ms) * kNanosecondsPerMillisecond);
+  part.controller_faults = said.controller_faults;
+  part.battery_V = said.battery_V;
+  part.temperature_degC = said.temperature_degC;
+  part.frames_repeated = counters.frames_repeated;
+  part.frames_missed = counters.frames_missed;
+  report.can.frames_taken = counters.frames_taken;
+  report.can.frames_ignored = counters.frames_ignored;
+  report.can.frames_malformed = counters.frames_malformed;
+  report.can.foreign_frames = counters.foreign_frames;
 }
 
 void AddToReport(const Timebase& clock, control::LidarClockPart& part) {

@@ -6,5 +6,6 @@
 namespace hardpack {
 
 template class BasicVehicleLoop<Warthog>;
+template class BasicVehicleLoop<TwistBase>;
 
 }  // namespace hardpack

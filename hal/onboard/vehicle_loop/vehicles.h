@@ -3,7 +3,9 @@
 
 #include "hal/onboard/vehicle_loop/devices.h"
 #include "hal/ouster/lidar.h"
+#include "hal/pose_datagram/pose_datagram.h"
 #include "hal/sevcon/sevcon.h"
+#include "hal/twist_drive/twist_drive.h"
 #include "hal/vectornav/stream_parser.h"
 
 // The vehicles that are built. One of your own is a struct of this form.
@@ -28,10 +30,21 @@ struct Warthog {
 };
 static_assert(VehicleType<Warthog>);
 
+// Any vehicle with a motion controller of its own, skid-steered or with steered wheels (by
+// vehicle.kinematics), and any navigation system: a ROS 2 base, say (docs/twist_drive.md,
+// docs/pose_datagram.md).
+struct TwistBase {
+  static constexpr const char* kType = "twist_base";
+  using Lidar = ouster::Lidar;
+  using Ins = pose_datagram::Receiver;
+  using Drives = twist_drive::TwistDrive;
+};
+static_assert(VehicleType<TwistBase>);
+
 template <VehicleType... Vehicle>
 struct VehicleList {};
 
 // All that one program can drive. Each is instantiated once, in vehicle_loop.cpp.
-using Vehicles = VehicleList<Warthog>;
+using Vehicles = VehicleList<Warthog, TwistBase>;
 
 }  // namespace hardpack

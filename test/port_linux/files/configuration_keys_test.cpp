@@ -98,6 +98,11 @@ class RandomConfiguration {
       configuration.onboard.drive = {};
       configuration.onboard.drive.gear_ratio = Between(0.1f, 500.0f);
     }
+    TwistDriveParams& twist = configuration.onboard.twist_drive;
+    twist.turn = TwistDriveParams::kYawRate;
+    twist.command_id = static_cast<int32_t>(Below(0x200));
+    twist.feedback_id = 0x200 + static_cast<int32_t>(Below(0x200));
+    twist.status_id = 0x400 + static_cast<int32_t>(Below(0x200));
     configuration.vehicle_type = VehicleTypes()[Below(VehicleTypes().size())];
     configuration.lidar.address.value |= 1;
     configuration.ins.address.value |= 1;

@@ -31,12 +31,14 @@ int main() {
   report.ins.mode = static_cast<uint8_t>(InsMode::kTracking);
   report.ins.latitude_ndeg = 30'617'512'345;
   report.ins.longitude_ndeg = -96'038'912'345;
+  report.left_drive.present = true;
   report.left_drive.state = static_cast<uint8_t>(sevcon::DriveState::kFault);
   report.left_drive.fault = static_cast<uint8_t>(sevcon::DriveFault::kEmergency);
   report.left_drive.statusword = 0x0218;
   report.left_drive.nmt_state = 5;
   report.left_drive.battery_V = 51.25f;
   report.left_drive.heatsink_degC = -7;
+  report.right_drive.present = true;
   report.right_drive.state = 200;  // of a newer program
   report.can.state = static_cast<uint8_t>(CanBusState::kActive);
   report.lidar_packets.missing = 17;

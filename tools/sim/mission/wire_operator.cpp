@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "core/safety/supervisor.h"
-#include "hal/sevcon/drive_report.h"
 #include "port_linux/hardpackctl/code_names.h"
 #include "tools/sim/mission/frame.h"
 
@@ -19,25 +18,14 @@ constexpr std::chrono::milliseconds kAnswer{2000};
 constexpr std::chrono::milliseconds kSettle{500};  // for the first columns to come in
 constexpr const char* kInterrupted = "interrupted";
 
-bool Are(const control::StatusReport& status, sevcon::DriveState state) {
-  return status.left_drive.state == static_cast<uint8_t>(state) &&
-         status.right_drive.state == static_cast<uint8_t>(state);
-}
-
-bool HasTorque(const control::DrivePart& drive) {
-  const auto state = static_cast<sevcon::DriveState>(drive.state);
-  return state == sevcon::DriveState::kEnabling || state == sevcon::DriveState::kEnabled ||
-         state == sevcon::DriveState::kDisabling;
-}
-
 bool IsFresh(const control::Age& age) {
   return age.limit_ns == 0 || age.age_ns <= age.limit_ns;
 }
 
 bool IsReady(const control::StatusReport& status) {
   const control::AgePart& inputs = status.inputs;
-  return Are(status, sevcon::DriveState::kReady) && IsFresh(inputs.lidar_age) &&
-         IsFresh(inputs.ins_age) && IsFresh(inputs.odometry_age);
+  return status.vehicle.drives_ready && IsFresh(inputs.lidar_age) && IsFresh(inputs.ins_age) &&
+         IsFresh(inputs.odometry_age);
 }
 
 std::string WhyRefused(const control::Done& answer) {
@@ -140,8 +128,7 @@ std::string WireOperator::Begin() {
   std::this_thread::sleep_for(kSettle);
   failure = Arm();
   if (!failure.empty()) return failure;
-  failure = Until("the drives are not enabled",
-                  [this] { return Are(status_, sevcon::DriveState::kEnabled); });
+  failure = Until("the drives are not enabled", [this] { return status_.vehicle.drives_enabled; });
   if (!failure.empty()) return failure;
   failure = Go();
   // The status of before knows of no goal.
@@ -159,7 +146,7 @@ void WireOperator::End(bool is_connected) {
   std::string failure;
   while (is_connected && steady_clock::now() < until) {
     is_connected = AskStatus(failure);
-    if (!HasTorque(status_.left_drive) && !HasTorque(status_.right_drive)) break;
+    if (status_.vehicle.drives_off) break;
     std::this_thread::sleep_for(kPeriod);
   }
   Tell(Phase::kLeft);

@@ -15,6 +15,7 @@
 #include "core/timebase/timebase.h"
 #include "hal/onboard/vehicle_loop/vehicle_loop.h"
 #include "hal/ouster/packet_monitor.h"
+#include "hal/pose_datagram/pose_datagram.h"
 #include "hal/sevcon/sevcon.h"
 #include "hal/vectornav/stream_parser.h"
 #include "test/hal/onboard/control/random_messages.h"
@@ -23,7 +24,8 @@ namespace hardpack::control {
 namespace {
 
 // A counter that is added where it is counted has to be added here too: then an operator sees it.
-static_assert(sizeof(InsStreamPart) == sizeof(vectornav::StreamCounters));
+static_assert(sizeof(InsStreamPart) == sizeof(uint64_t) + sizeof(vectornav::StreamCounters));
+static_assert(sizeof(PoseDatagramPart) == sizeof(uint64_t) + sizeof(pose_datagram::Counters));
 static_assert(sizeof(LidarPacketPart) == sizeof(ouster::PacketCounters));
 static_assert(sizeof(MapperPart) == sizeof(MapperCounters));
 static_assert(sizeof(ReplanPart) == sizeof(ReplanCounters));
@@ -102,13 +104,20 @@ TEST(StatusReport, TheTableNamesEveryMemberOfTheCounters) {
   expect_whole(report.can.bus, [](auto& p, auto& v) { VisitBusCounters(p, v); });
   expect_whole(report.lidar_packets, [](auto& p, auto& v) { VisitLidarPackets(p, v); });
   expect_whole(report.mapper, [](auto& p, auto& v) { VisitMapper(p, v); });
-  expect_whole(report.ins_stream, [](auto& p, auto& v) { VisitInsStream(p, v); });
   expect_whole(report.lidar_socket, [](auto& p, auto& v) { VisitSocket(p, v); });
   expect_whole(report.loop, [](auto& p, auto& v) { VisitLoop(p, v); });
   expect_whole(report.replan, [](auto& p, auto& v) { VisitReplan(p, v); });
   expect_whole(report.recorder, [](auto& p, auto& v) { VisitRecorder(p, v); });
   expect_whole(report.control, [](auto& p, auto& v) { VisitControl(p, v); });
   expect_whole(report.inputs, [](auto& p, auto& v) { VisitInputs(p, v); });
+  // A flag, and what fills it up to the counters' alignment.
+  const auto expect_but_flag = [](const auto& part, auto visit_part) {
+    MemberBytes members;
+    visit_part(part, members);
+    EXPECT_EQ(members.bytes() + sizeof(uint64_t) - sizeof(bool), sizeof(part));
+  };
+  expect_but_flag(report.ins_stream, [](auto& p, auto& v) { VisitInsStream(p, v); });
+  expect_but_flag(report.pose_datagrams, [](auto& p, auto& v) { VisitPoseDatagrams(p, v); });
   MemberBytes all;
   VisitStatus(report, all);
   EXPECT_EQ(all.count(), AllFields().size()) << "a member is named twice";
