@@ -344,13 +344,17 @@ void Tracker::TurnOnTheSpot(const TrackingInput& input, float dt_s, TrackingOutp
 }
 
 // The command whose lags give the body this change, at the predicted speed; the reference's change
-// lasts, what corrects it does not.
+// lasts, what corrects it does not. Where the body hardly lags behind its wheels, these correct it
+// within the time that they need themselves.
 float Tracker::CommonCommand(float change_mps2, float reference_change_mps2) const {
   const DynamicsParams& drives = model_.params();
   const float per_rim = 1.0f / model_.RimWay_m();
   const float most_mps2 = kMaxAskedShare * drives.common_slew_radps2 * model_.RimWay_m();
-  const float wanted_radps =
-      (predicted_.speed_mps + drives.speed_lag_s * Limited(change_mps2, most_mps2)) * per_rim;
+  const float correcting_s = Max(drives.speed_lag_s, 1.0f / params_.wheel_gain_per_s);
+  const float ahead_mps =
+      drives.speed_lag_s * Limited(change_mps2, most_mps2) +
+      (correcting_s - drives.speed_lag_s) * Limited(change_mps2 - reference_change_mps2, most_mps2);
+  const float wanted_radps = (predicted_.speed_mps + ahead_mps) * per_rim;
   const float change =
       Limited(reference_change_mps2 * per_rim +
                   params_.wheel_gain_per_s * (wanted_radps - predicted_.wheels.common_radps),
@@ -378,13 +382,13 @@ void Tracker::Command(WheelParts command, float dt_s, TrackingOutput& output) {
       output);
 }
 
-// The differential part that goes with the common one: where the wheels are steered, none that is
-// beyond the largest curvature,
+// The differential part that goes with the common one, told or turned at already: where the wheels
+// are steered, none that is beyond the largest curvature,
 //   kappa = w / v = (2 r d / b) / (r c),  b the distance of the sides that the drives reckon with
 float Tracker::Drivable(const WheelParts& command) const {
   if (CanPivot(vehicle_)) return command.differential_radps;
-  const float most_radps =
-      0.5f * vehicle_.skid_baseline_m * MostCurvature(vehicle_) * Abs(command.common_radps);
+  const float common_radps = Max(Abs(command.common_radps), Abs(predicted_.wheels.common_radps));
+  const float most_radps = 0.5f * vehicle_.skid_baseline_m * MostCurvature(vehicle_) * common_radps;
   return Limited(command.differential_radps, most_radps);
 }
 

@@ -179,7 +179,9 @@ void TwistDrive::Sequence(uint64_t now_ns, bool wish) {
   }
 }
 
-// A steering angle stays as it was where the vehicle stands: it brakes along its way.
+// The yaw rate is wanted of the vehicle as it drives: a steering angle is told for its measured
+// speed, which the told one is ahead of. At rest an angle cannot be told from a yaw rate, so it
+// stays as it was: the vehicle brakes along its way.
 void TwistDrive::SetMotion(const WheelCommand& wheels) {
   const float radius_m = vehicle_.wheel_radius_m;
   const float speed_mps = 0.5f * radius_m * (wheels.left_radps + wheels.right_radps);
@@ -191,8 +193,10 @@ void TwistDrive::SetMotion(const WheelCommand& wheels) {
     return;
   }
   if (Abs(speed_mps) < kLeastSteeredSpeed_mps) return;
+  const bool drives = Abs(report_.speed_mps) >= kDrivingSpeed_mps;
+  const float driven_mps = drives ? report_.speed_mps : speed_mps;
   command_.turn =
-      ToInteger(SteeringOfCurvature(vehicle_, yaw_rate_radps / speed_mps), kPerSteering);
+      ToInteger(SteeringOfCurvature(vehicle_, yaw_rate_radps / driven_mps), kPerSteering);
 }
 
 void TwistDrive::Tick(uint64_t now_ns, const DriveDemand& demand, CanBatch& out) {

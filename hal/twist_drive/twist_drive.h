@@ -18,7 +18,7 @@
 // only then no longer enabled; it does not decide whether the vehicle may move (core/safety).
 //
 // What the chain knows as the speeds of two sides' wheels is here the motion of the body:
-//   v = r (left + right) / 2      w = r (right - left) / b      delta = atan(L w / v)
+//   v = r (left + right) / 2      w = r (right - left) / b      delta = atan(L w / v_measured)
 // with r, b and L of VehicleParams (wheel_radius_m, skid_baseline_m, wheelbase_m).
 
 namespace hardpack::twist_drive {
@@ -86,6 +86,8 @@ class TwistDrive {
   static constexpr uint64_t kResetHold_ns = 1'000'000'000;
   // Slower than this, a steering angle cannot be told from a yaw rate: it stays as it was.
   static constexpr float kLeastSteeredSpeed_mps = 0.05f;
+  // From this on it is told for the speed that is measured.
+  static constexpr float kDrivingSpeed_mps = 0.3f;
   static constexpr float kStandstill_radps = 0.05f;
 
  private:

@@ -16,6 +16,7 @@ namespace hardpack::sim {
 // config/vehicles, put into the program by tools/cmake/embed_text.cmake.
 extern const std::string_view kWarthogPaper;
 extern const std::string_view kWarthogRecorded;
+extern const std::string_view kAckermann;
 
 }  // namespace hardpack::sim
 
@@ -23,16 +24,19 @@ namespace hardpack::command {
 namespace {
 
 // The name of a vehicle that the program has, or the path of a file.
-void ReadNamedVehicle(const std::string& name, sim::UncertainVehicle& vehicle) {
+void ReadNamedVehicle(const std::string& name, sim::UncertainBody& vehicle) {
   if (name.ends_with(".toml")) {
-    Require(sim::ReadVehicle(name, vehicle));
+    Require(sim::ReadBody(name, vehicle));
   } else if (name == "warthog_paper") {
-    Require(sim::ParseVehicle(sim::kWarthogPaper, name, vehicle));
+    Require(sim::ParseBody(sim::kWarthogPaper, name, vehicle));
   } else if (name == "warthog_recorded") {
-    Require(sim::ParseVehicle(sim::kWarthogRecorded, name, vehicle));
+    Require(sim::ParseBody(sim::kWarthogRecorded, name, vehicle));
+  } else if (name == "ackermann") {
+    Require(sim::ParseBody(sim::kAckermann, name, vehicle));
   } else {
-    throw CommandFailure(kBadInput,
-                         "--vehicle " + name + ": warthog_paper, warthog_recorded, or a FILE.toml");
+    throw CommandFailure(
+        kBadInput,
+        "--vehicle " + name + ": warthog_paper, warthog_recorded, ackermann, or a FILE.toml");
   }
 }
 
@@ -64,9 +68,9 @@ void AddMissionOptions(CLI::App& command, MissionOptions& options) {
   mission::MissionSettings& mission = options.mission;
   command.add_option("--planner", mission.planner, "optimizer (default) or astar");
   command.add_option("--tracker", mission.tracker, "full (default) or pursuit");
-  command.add_option(
-      "--vehicle", options.vehicle,
-      "warthog_paper (default), warthog_recorded, or FILE.toml (docs/simulation.md)");
+  command.add_option("--vehicle", options.vehicle,
+                     "warthog_paper (default), warthog_recorded, ackermann (which needs --config: "
+                     "config/ackermann.toml), or FILE.toml (docs/simulation.md)");
   command.add_flag("!--typical", mission.spread,
                    "The typical vehicle instead of one drawn by the seed");
   command.add_option("--labels", options.labels,

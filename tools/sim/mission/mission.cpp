@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 
+#include "port_linux/files/vehicle_types.h"
 #include "tools/replay/replay.h"
 #include "tools/sim/mission/lock_step.h"
 #include "tools/sim/mission/observer.h"
@@ -40,6 +41,43 @@ ReadOutcome ChooseMethods(const MissionSettings& settings, Configuration& config
   return {};
 }
 
+template <typename Params>
+Params OneOf(const sim::Uncertain<Params>& vehicle, const MissionSettings& settings) {
+  return settings.spread ? sim::Draw(vehicle, settings.seed) : vehicle.typical;
+}
+
+// The body, and what drives it: a motion controller where the vehicle's type has one.
+ReadOutcome DescribeBody(const MissionSettings& settings, sim::VehicleSettings& vehicle,
+                         Configuration& configuration) {
+  const bool has_controller = DevicesOf(configuration.vehicle_type).twist_drive;
+  VehicleParams& told = configuration.planner.vehicle;
+  const TwistDriveParams& drive = configuration.onboard.twist_drive;
+  if (has_controller) {
+    vehicle.controller.emplace();
+    vehicle.controller->command_id = static_cast<uint32_t>(drive.command_id);
+    vehicle.controller->feedback_id = static_cast<uint32_t>(drive.feedback_id);
+    vehicle.controller->status_id = static_cast<uint32_t>(drive.status_id);
+    vehicle.controller->steers = drive.turn == TwistDriveParams::kSteering;
+  }
+  if (const auto* skids = std::get_if<sim::UncertainVehicle>(&settings.vehicle)) {
+    vehicle.model = OneOf(*skids, settings);
+    // Of its kind, as anybody who drives one has measured.
+    told.max_wheel_speed_radps = static_cast<float>(skids->typical.wheel_limit_radps);
+    if (told.kinematics == VehicleParams::kSkidSteered && drive.turn == TwistDriveParams::kYawRate)
+      return {};
+    return Bad("vehicle " + settings.vehicle_name +
+               " is skid-steered: vehicle.kinematics and twist_drive.turn have to be 0");
+  }
+  vehicle.steered = OneOf(std::get<sim::UncertainSteered>(settings.vehicle), settings);
+  if (has_controller && told.kinematics == VehicleParams::kAckermann &&
+      drive.turn == TwistDriveParams::kSteering) {
+    return {};
+  }
+  return Bad("vehicle " + settings.vehicle_name +
+             " has steered wheels: it needs a configuration with vehicle.type \"twist_base\", "
+             "vehicle.kinematics = 1 and twist_drive.turn = 1");
+}
+
 }  // namespace
 
 ReadOutcome DescribeMission(const MissionSettings& settings, sim::ScriptedVehicleSettings& vehicle,
@@ -52,19 +90,23 @@ ReadOutcome DescribeMission(const MissionSettings& settings, sim::ScriptedVehicl
   vehicle.vehicle.start = {settings.scenario.start.position.x_m,
                            settings.scenario.start.position.y_m, settings.scenario.start.yaw_rad};
   vehicle.labels = settings.labels;
-  vehicle.vehicle.model =
-      settings.spread ? sim::Draw(settings.vehicle, settings.seed) : settings.vehicle.typical;
-  // Of its kind, as anybody who drives one has measured.
-  configuration.planner.vehicle.max_wheel_speed_radps =
-      static_cast<float>(settings.vehicle.typical.wheel_limit_radps);
+  const ReadOutcome body = DescribeBody(settings, vehicle.vehicle, configuration);
+  if (!body.ok()) return body;
   const auto seed = static_cast<uint32_t>(settings.seed);
   vehicle.lidar = sim::NoisyLidar();
   vehicle.lidar.columns = settings.lidar_columns;
   vehicle.lidar.seed = seed;
+  if (vehicle.vehicle.steered) {
+    vehicle.lidar.x_m = vehicle.vehicle.steered->lidar_x_m;
+    vehicle.lidar.z_m = vehicle.vehicle.steered->lidar_z_m;
+  }
   vehicle.lidar.off_roll_rad = settings.scenario.mount_roll_rad;
   vehicle.lidar.off_pitch_rad = settings.scenario.mount_pitch_rad;
   vehicle.brake_pitch_rad = settings.scenario.brake_pitch_rad;
   vehicle.ins.errors = sim::Vn300Errors();
+  if (DevicesOf(configuration.vehicle_type).pose_datagram) {
+    vehicle.ins.format = sim::InsFormat::kPoseDatagram;
+  }
   vehicle.ins.seed = seed;
   vehicle.seed = seed;
   if (vehicle.labels) {

@@ -12,7 +12,7 @@
 #include "tools/sim/mission/map_record.h"
 #include "tools/sim/script/scripted_vehicle.h"
 #include "tools/sim/sensors/sim_labels.h"
-#include "tools/sim/vehicle/vehicle_model_params.h"
+#include "tools/sim/vehicle/vehicle_model_file.h"
 #include "tools/sim/world/named_worlds.h"
 
 // One mission in a simulated world, from power-on to rest: the drives boot, the operator arms and
@@ -25,8 +25,8 @@ struct MissionSettings {
   std::string planner = "optimizer";  // or "astar": the base path as it is
   std::string tracker = "full";       // or "pursuit": pure pursuit without lag compensation
   std::string vehicle_name = "warthog_paper";
-  sim::UncertainVehicle vehicle;  // one of its kind is drawn by the seed
-  bool spread = true;             // false: the typical one
+  sim::UncertainBody vehicle;  // one of its kind is drawn by the seed
+  bool spread = true;          // false: the typical one
 
   uint64_t seed = 1;  // of all that is random but the scenario
   // External labels, which the vehicle then waits for (mapping.use_labels); none: it classes all

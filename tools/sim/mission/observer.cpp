@@ -86,7 +86,8 @@ void Observer::WatchContact(const Moment& now, double t_s) {
   const sim::Pose& pose = now.vehicle->vehicle().pose();
   const double speed_mps = std::fabs(now.vehicle->vehicle().speed_mps());
   const world::Contact contact =
-      world::ContactOf(now.vehicle->world(), pose.x_m, pose.y_m, pose.theta_rad, now.time_s);
+      world::ContactOf(now.vehicle->world(), pose.x_m, pose.y_m, pose.theta_rad, now.time_s,
+                       now.vehicle->vehicle().footprint());
   clearance_m_ = std::max(0.0, contact.hard_m);
   result_.clearance_m = std::min(result_.clearance_m, clearance_m_);
   if (contact.hard_m < 0.0 || contact.in_ditch || contact.too_steep()) {

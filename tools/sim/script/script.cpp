@@ -6,6 +6,7 @@
 #include <optional>
 #include <sstream>
 
+#include "tools/sim/script/script_controller.h"
 #include "tools/sim/script/script_lidar.h"
 #include "tools/sim/script/script_words.h"
 #include "tools/sim/world/features.h"
@@ -353,6 +354,7 @@ const std::map<std::string, Command>& Commands() {
     AddDriveCommands(made);
     AddSensorCommands(made);
     script::AddLidarCommands(made);
+    script::AddControllerCommands(made);
     made["can-frame"] = {1, 3, ForeignFrame};
     made["bus-error"] = {1, 1, ReportBusError};
     made["box"] = {4, 4, AddBox};

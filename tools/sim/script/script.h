@@ -31,6 +31,14 @@
 //   opposite SIDE SWITCH         turns against its command
 //   blocked SIDE SWITCH          does not turn
 //   frozen SIDE SWITCH           reports the same speed for ever
+//   controller-silent SWITCH     of a motion controller: neither sends nor hears
+//   controller-deaf SWITCH       hears nothing
+//   controller-frozen SWITCH     reports the same motion for ever
+//   controller-refuses SWITCH    does not follow
+//   controller-bad-crc SWITCH    of all that it sends
+//   controller-fault BITS        raises faults of its own
+//   controller-version NUMBER    of the protocol, that it says it has
+//   controller-reboot            says nothing, and then starts anew
 //   traction PERMILLE            so much of what the wheels turn moves the vehicle: 0, they spin
 //   speed-offset SIDE RPM        of the reported speed of the motor
 //   can-frame ID#HEX [PERIOD_S COUNT]    of a node that should not be there

@@ -33,6 +33,20 @@ Json DriveJson(const SevconDrive& drive) {
           {"rpdos", drive.rpdos()}};
 }
 
+// What drives it.
+Json DrivesJson(const SimVehicle& vehicle) {
+  if (const TwistController* controller = vehicle.controller()) {
+    const TwistController::Motion told = controller->motion();
+    return {{"controller",
+             {{"state", Name(controller->state())},
+              {"driven", told.driven},
+              {"speed", Rounded(told.speed_mps)},
+              {"turn", Rounded(told.turn)}}}};
+  }
+  return {{"left", DriveJson(vehicle.drive(Side::kLeft))},
+          {"right", DriveJson(vehicle.drive(Side::kRight))}};
+}
+
 }  // namespace
 
 ScriptedVehicle::ScriptedVehicle(const ScriptedVehicleSettings& settings,
@@ -88,7 +102,11 @@ void ScriptedVehicle::Step() {
   vehicle_.Advance(now_ns_, pending_.frames);
   max_speed_mps_ = std::max(max_speed_mps_, std::abs(vehicle_.speed_mps()));
   AdvanceSensors();
-  for (const Side side : kBothSides) TraceChanges(side);
+  if (vehicle_.controller() != nullptr) {
+    TraceController(*vehicle_.controller());
+  } else {
+    for (const Side side : kBothSides) TraceChanges(side);
+  }
   TraceCollision();
   if (sample_ns_ > 0 && now_ns_ >= next_sample_ns_) TraceSample();
 }
@@ -220,11 +238,22 @@ void ScriptedVehicle::TraceChanges(Side side) {
   seen = {drive.nmt_state(), drive.power_state(), drive.emergencies(), drive.boot_ups()};
 }
 
+void ScriptedVehicle::TraceController(const TwistController& controller) {
+  if (controller.state() == seen_controller_) return;
+  const Json line = {{"t", Rounded(Since_s())},
+                     {"event", "controller"},
+                     {"from", Name(seen_controller_)},
+                     {"to", Name(controller.state())}};
+  pending_.trace.push_back(line.dump());
+  seen_controller_ = controller.state();
+}
+
 void ScriptedVehicle::TraceCollision() {
   if (collided_) return;
   const Pose& pose = vehicle_.pose();
   const bool collides =
-      world::ContactOf(world_, pose.x_m, pose.y_m, pose.theta_rad, Since_s()).touches();
+      world::ContactOf(world_, pose.x_m, pose.y_m, pose.theta_rad, Since_s(), vehicle_.footprint())
+          .touches();
   if (!collides) return;
   collided_ = true;
   pending_.trace.push_back(Json{{"t", Rounded(Since_s())}, {"event", "collision"}}.dump());
@@ -233,31 +262,29 @@ void ScriptedVehicle::TraceCollision() {
 void ScriptedVehicle::TraceSample() {
   next_sample_ns_ += sample_ns_;
   const Pose& pose = vehicle_.pose();
-  const Json line = {{"t", Rounded(Since_s())},
-                     {"x", Rounded(pose.x_m)},
-                     {"y", Rounded(pose.y_m)},
-                     {"theta", Rounded(pose.theta_rad)},
-                     {"v", Rounded(vehicle_.speed_mps())},
-                     {"w", Rounded(vehicle_.yaw_rate_radps())},
-                     {"left", DriveJson(vehicle_.drive(Side::kLeft))},
-                     {"right", DriveJson(vehicle_.drive(Side::kRight))}};
+  Json line = {{"t", Rounded(Since_s())},
+               {"x", Rounded(pose.x_m)},
+               {"y", Rounded(pose.y_m)},
+               {"theta", Rounded(pose.theta_rad)},
+               {"v", Rounded(vehicle_.speed_mps())},
+               {"w", Rounded(vehicle_.yaw_rate_radps())}};
+  line.update(DrivesJson(vehicle_));
   pending_.trace.push_back(line.dump());
 }
 
 std::string ScriptedVehicle::Summary() const {
   const Pose& pose = vehicle_.pose();
-  const Json summary = {{"seconds", Rounded(Since_s())},
-                        {"x", Rounded(pose.x_m)},
-                        {"y", Rounded(pose.y_m)},
-                        {"theta", Rounded(pose.theta_rad)},
-                        {"driven_m", Rounded(vehicle_.driven_m())},
-                        {"max_speed", Rounded(max_speed_mps_)},
-                        {"speed", Rounded(vehicle_.speed_mps())},
-                        {"collided", collided_},
-                        {"lidar_datagrams", datagrams_[static_cast<size_t>(Sensor::kLidar)]},
-                        {"ins_datagrams", datagrams_[static_cast<size_t>(Sensor::kIns)]},
-                        {"left", DriveJson(vehicle_.drive(Side::kLeft))},
-                        {"right", DriveJson(vehicle_.drive(Side::kRight))}};
+  Json summary = {{"seconds", Rounded(Since_s())},
+                  {"x", Rounded(pose.x_m)},
+                  {"y", Rounded(pose.y_m)},
+                  {"theta", Rounded(pose.theta_rad)},
+                  {"driven_m", Rounded(vehicle_.driven_m())},
+                  {"max_speed", Rounded(max_speed_mps_)},
+                  {"speed", Rounded(vehicle_.speed_mps())},
+                  {"collided", collided_},
+                  {"lidar_datagrams", datagrams_[static_cast<size_t>(Sensor::kLidar)]},
+                  {"ins_datagrams", datagrams_[static_cast<size_t>(Sensor::kIns)]}};
+  summary.update(DrivesJson(vehicle_));
   return summary.dump();
 }
 

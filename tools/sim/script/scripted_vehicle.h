@@ -138,6 +138,7 @@ class ScriptedVehicle {
   void AdvanceSensors();
   void Dip(BodyMotion& motion);
   void TraceChanges(Side side);
+  void TraceController(const TwistController& controller);
   void TraceCollision();
   void TraceSample();
   double Since_s() const;
@@ -159,6 +160,7 @@ class ScriptedVehicle {
   uint64_t sample_ns_;
   uint64_t next_sample_ns_;
   Seen seen_[2];
+  TwistState seen_controller_ = TwistState::kStarting;
   bool quit_ = false;
   bool collided_ = false;
   double max_speed_mps_ = 0.0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/sim/sensors/sim_ins.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -38,6 +39,24 @@ uint16_t Crc16(const std::vector<uint8_t>& bytes, size_t from) {
   return static_cast<uint16_t>(crc);
 }
 
+// CRC-32 of ISO/IEC 8802-3, lowest bit first.
+uint32_t Crc32(const std::vector<uint8_t>& bytes) {
+  uint32_t crc = 0xffffffffu;
+  for (const uint8_t byte : bytes) {
+    crc ^= byte;
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ ((crc & 1u) != 0 ? 0xedb88320u : 0u);
+  }
+  return ~crc;
+}
+
+void AppendVector(std::vector<uint8_t>& bytes, const Vector& vector) {
+  AppendFloat(bytes, vector.x_m);
+  AppendFloat(bytes, vector.y_m);
+  AppendFloat(bytes, vector.z_m);
+}
+
+constexpr double kLeastUncertainty = 1.0e-3;  // of one that makes no errors
+
 }  // namespace
 
 InsErrors Vn300Errors() {
@@ -57,7 +76,7 @@ InsErrors Vn300Errors() {
 BodyMotion MotionOf(const SimVehicle& vehicle, const world::World& world) {
   const Pose& pose = vehicle.pose();
   BodyMotion motion;
-  motion.pose = world::StandingPose(world, pose.x_m, pose.y_m, pose.theta_rad);
+  motion.pose = world::StandingPose(world, pose.x_m, pose.y_m, pose.theta_rad, vehicle.footprint());
   const auto to_world =
       world::Rotation::FromAngles(motion.pose.roll_rad, motion.pose.pitch_rad, motion.pose.yaw_rad);
   const auto to_body = [&m = to_world.m](const Vector& v) {
@@ -125,34 +144,58 @@ double SimIns::Wander(uint64_t since_start_ns, uint64_t what) const {
 
 std::vector<uint8_t> SimIns::Message(uint64_t since_start_ns, const BodyMotion& motion,
                                      uint64_t index) const {
+  const Measured measured = Measure(since_start_ns, motion, index);
+  return settings_.format == InsFormat::kPoseDatagram
+             ? PoseDatagram(measured, static_cast<uint32_t>(index))
+             : VectorNavMessage(measured);
+}
+
+SimIns::Measured SimIns::Measure(uint64_t since_start_ns, const BodyMotion& motion,
+                                 uint64_t index) const {
   const InsErrors& errors = settings_.errors;
   // The world's x axis from north, clockwise; north, east and yaw are clockwise, the world is not.
   const Turn north = TurnOf(settings_.north_rad);
   const auto to_north = [&](const Vector& v) { return north.cos * v.x_m + north.sin * v.y_m; };
   const auto to_east = [&](const Vector& v) { return north.sin * v.x_m - north.cos * v.y_m; };
-  std::vector<uint8_t> bytes = {0xfa, 0x01, 0xeb,
-                                static_cast<uint8_t>(settings_.with_acceleration ? 0x11 : 0x10)};
-  Append(bytes, since_start_ns, 8);
-  Append(bytes, kGpsStart_ns + since_start_ns, 8);
-  AppendAttitude(motion, index, bytes);
+  Measured measured;
+  measured.since_start_ns = since_start_ns;
+  MeasureAttitude(motion, index, measured);
   const Vector& rate = motion.rate_radps;
   const Vector& gyro = errors.gyro_bias_radps;
-  AppendFloat(bytes, rate.x_m + gyro.x_m + errors.gyro_noise_radps * Noise(index, 3));
-  AppendFloat(bytes, -rate.y_m + gyro.y_m + errors.gyro_noise_radps * Noise(index, 4));
-  AppendFloat(bytes, -rate.z_m + gyro.z_m + errors.gyro_noise_radps * Noise(index, 5));
-  AppendPosition(motion, since_start_ns, bytes);
+  const double noise_radps = errors.gyro_noise_radps;
+  measured.rate_radps = {rate.x_m + gyro.x_m + noise_radps * Noise(index, 3),
+                         -rate.y_m + gyro.y_m + noise_radps * Noise(index, 4),
+                         -rate.z_m + gyro.z_m + noise_radps * Noise(index, 5)};
+  MeasurePosition(motion, since_start_ns, measured);
   const Vector& velocity = motion.velocity_mps;
   const double noise_mps = errors.velocity_noise_mps;
-  AppendFloat(bytes, to_north(velocity) + errors.drift_north_mps + noise_mps * Noise(index, 6));
-  AppendFloat(bytes, to_east(velocity) + errors.drift_east_mps + noise_mps * Noise(index, 7));
-  AppendFloat(bytes, -velocity.z_m + noise_mps * Noise(index, 8));
-  if (settings_.with_acceleration) {
-    const Vector& force = motion.specific_force_mps2;
-    const Vector& bias = errors.accel_bias_mps2;
-    AppendFloat(bytes, force.x_m + bias.x_m + errors.accel_noise_mps2 * Noise(index, 9));
-    AppendFloat(bytes, -force.y_m + bias.y_m + errors.accel_noise_mps2 * Noise(index, 10));
-    AppendFloat(bytes, -force.z_m + bias.z_m + errors.accel_noise_mps2 * Noise(index, 11));
+  measured.velocity_ned_mps = {
+      to_north(velocity) + errors.drift_north_mps + noise_mps * Noise(index, 6),
+      to_east(velocity) + errors.drift_east_mps + noise_mps * Noise(index, 7),
+      -velocity.z_m + noise_mps * Noise(index, 8)};
+  const Vector& force = motion.specific_force_mps2;
+  const Vector& bias = errors.accel_bias_mps2;
+  const double noise_mps2 = errors.accel_noise_mps2;
+  measured.force_mps2 = {force.x_m + bias.x_m + noise_mps2 * Noise(index, 9),
+                         -force.y_m + bias.y_m + noise_mps2 * Noise(index, 10),
+                         -force.z_m + bias.z_m + noise_mps2 * Noise(index, 11)};
+  return measured;
+}
+
+std::vector<uint8_t> SimIns::VectorNavMessage(const Measured& measured) const {
+  std::vector<uint8_t> bytes = {0xfa, 0x01, 0xeb,
+                                static_cast<uint8_t>(settings_.with_acceleration ? 0x11 : 0x10)};
+  Append(bytes, measured.since_start_ns, 8);
+  Append(bytes, kGpsStart_ns + measured.since_start_ns, 8);
+  for (const double angle_rad : {measured.yaw_rad, measured.pitch_rad, measured.roll_rad}) {
+    AppendFloat(bytes, angle_rad * 180.0 / kPi);
   }
+  AppendVector(bytes, measured.rate_radps);
+  AppendDouble(bytes, measured.latitude_deg);
+  AppendDouble(bytes, measured.longitude_deg);
+  AppendDouble(bytes, measured.altitude_m);
+  AppendVector(bytes, measured.velocity_ned_mps);
+  if (settings_.with_acceleration) AppendVector(bytes, measured.force_mps2);
   const uint32_t fix = settings_.mode == 2 ? 0x304u : 0u;  // satellites, and heading by them
   Append(bytes, fix | settings_.mode, 2);
   const uint16_t crc = Crc16(bytes, 1);
@@ -161,22 +204,47 @@ std::vector<uint8_t> SimIns::Message(uint64_t since_start_ns, const BodyMotion& 
   return bytes;
 }
 
+// docs/pose_datagram.md.
+std::vector<uint8_t> SimIns::PoseDatagram(const Measured& measured, uint32_t sequence) const {
+  constexpr uint8_t kVersion = 1;
+  constexpr uint8_t kAllGroups = 0xff;
+  constexpr double kNanodegrees = 1.0e9;
+  // A fix, and a heading by two antennas whose direction is known.
+  const auto status = static_cast<uint8_t>(settings_.mode == 2 ? 0x61 : 0);
+  std::vector<uint8_t> bytes = {'H', 'P', 'P', 'D', kVersion, kAllGroups, settings_.mode, status};
+  Append(bytes, sequence, 4);
+  Append(bytes, 0, 4);
+  Append(bytes, measured.since_start_ns, 8);
+  Append(bytes, kGpsStart_ns + measured.since_start_ns, 8);
+  for (const double angle_deg : {measured.latitude_deg, measured.longitude_deg}) {
+    Append(bytes, static_cast<uint64_t>(std::llround(angle_deg * kNanodegrees)), 8);
+  }
+  AppendFloat(bytes, measured.altitude_m);
+  AppendVector(bytes, measured.velocity_ned_mps);
+  for (const double angle_rad : {measured.roll_rad, measured.pitch_rad, measured.yaw_rad}) {
+    AppendFloat(bytes, angle_rad);
+  }
+  AppendVector(bytes, measured.rate_radps);
+  AppendVector(bytes, measured.force_mps2);
+  AppendFloat(bytes, std::max(settings_.errors.attitude_noise_rad, kLeastUncertainty));
+  AppendFloat(bytes, std::max(settings_.errors.position_wander_m, kLeastUncertainty));
+  AppendFloat(bytes, std::max(settings_.errors.velocity_noise_mps, kLeastUncertainty));
+  Append(bytes, Crc32(bytes), 4);
+  return bytes;
+}
+
 // Pitch is nose up here and nose down in the body frame; roll is the same about either x axis.
-void SimIns::AppendAttitude(const BodyMotion& motion, uint64_t index,
-                            std::vector<uint8_t>& bytes) const {
+void SimIns::MeasureAttitude(const BodyMotion& motion, uint64_t index, Measured& measured) const {
   const double noise_rad = settings_.errors.attitude_noise_rad;
-  const auto append_deg = [&bytes](double angle_rad) {
-    AppendFloat(bytes, world::Wrapped(angle_rad) * 180.0 / kPi);
-  };
-  append_deg(settings_.north_rad - motion.pose.yaw_rad + settings_.errors.yaw_bias_rad +
-             noise_rad * Noise(index, 0));
-  append_deg(-motion.pose.pitch_rad + noise_rad * Noise(index, 1));
-  append_deg(motion.pose.roll_rad + noise_rad * Noise(index, 2));
+  measured.yaw_rad = world::Wrapped(settings_.north_rad - motion.pose.yaw_rad +
+                                    settings_.errors.yaw_bias_rad + noise_rad * Noise(index, 0));
+  measured.pitch_rad = world::Wrapped(-motion.pose.pitch_rad + noise_rad * Noise(index, 1));
+  measured.roll_rad = world::Wrapped(motion.pose.roll_rad + noise_rad * Noise(index, 2));
 }
 
 // On the ellipsoid: radii of curvature of the meridian and across it at the world's origin.
-void SimIns::AppendPosition(const BodyMotion& motion, uint64_t since_start_ns,
-                            std::vector<uint8_t>& bytes) const {
+void SimIns::MeasurePosition(const BodyMotion& motion, uint64_t since_start_ns,
+                             Measured& measured) const {
   const InsErrors& errors = settings_.errors;
   const Turn north = TurnOf(settings_.north_rad);
   const Vector& place = motion.pose.position;
@@ -193,9 +261,9 @@ void SimIns::AppendPosition(const BodyMotion& motion, uint64_t since_start_ns,
       settings_.altitude_m;
   const double latitude_deg = settings_.latitude_deg + north_m / meridian_m * 180.0 / kPi;
   const double cosine = TurnOf(latitude_deg * kPi / 180.0).cos;
-  AppendDouble(bytes, latitude_deg);
-  AppendDouble(bytes, settings_.longitude_deg + east_m / (across_m * cosine) * 180.0 / kPi);
-  AppendDouble(bytes, settings_.altitude_m + place.z_m + wander_m * Wander(since_start_ns, 2));
+  measured.latitude_deg = latitude_deg;
+  measured.longitude_deg = settings_.longitude_deg + east_m / (across_m * cosine) * 180.0 / kPi;
+  measured.altitude_m = settings_.altitude_m + place.z_m + wander_m * Wander(since_start_ns, 2);
 }
 
 }  // namespace hardpack::sim

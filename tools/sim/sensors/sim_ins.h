@@ -10,9 +10,10 @@
 // A VN-300 on the vehicle, x forward and z down: binary messages FA 01 EB 10 (TimeStartup, TimeGps,
 // YawPitchRoll, AngularRate, PosLla, VelNed, InsStatus; 84 bytes), or FA 01 EB 11 with the
 // acceleration too (96 bytes), through a bridge from its serial line to UDP that cuts the stream
-// where its buffer is full. Bytes from the maker's description (REFERENCES.md), independent of
-// hal/vectornav. Positions on the WGS 84 ellipsoid. The same settings, motions and times give the
-// same bytes on every machine (tools/sim/world/portable_math.h).
+// where its buffer is full. Or the same as pose datagrams, of a program beside it. Bytes from the
+// descriptions (REFERENCES.md, docs/pose_datagram.md), independent of hal. Positions on the WGS 84
+// ellipsoid. The same settings, motions and times give the same bytes on every machine
+// (tools/sim/world/portable_math.h).
 
 namespace hardpack::sim {
 
@@ -40,7 +41,13 @@ struct InsErrors {
 // 100 Hz.
 InsErrors Vn300Errors();
 
+enum class InsFormat : uint8_t {
+  kVectorNav,
+  kPoseDatagram,  // of docs/pose_datagram.md, one a message
+};
+
 struct InsSettings {
+  InsFormat format = InsFormat::kVectorNav;
   int messages_per_s = 100;
   // Of the world's x axis from north, clockwise: so that no frame is another's by chance.
   double north_rad = 0.6;
@@ -80,11 +87,27 @@ class SimIns {
                                uint64_t index = 0) const;
 
  private:
+  // What a message says, in the sensor's axes: forward, right, down.
+  struct Measured {
+    uint64_t since_start_ns = 0;
+    double yaw_rad = 0.0;
+    double pitch_rad = 0.0;
+    double roll_rad = 0.0;
+    world::Vector rate_radps;
+    world::Vector force_mps2;
+    world::Vector velocity_ned_mps;
+    double latitude_deg = 0.0;
+    double longitude_deg = 0.0;
+    double altitude_m = 0.0;
+  };
+
+  Measured Measure(uint64_t since_start_ns, const BodyMotion& motion, uint64_t index) const;
+  std::vector<uint8_t> VectorNavMessage(const Measured& measured) const;
+  std::vector<uint8_t> PoseDatagram(const Measured& measured, uint32_t sequence) const;
   double Noise(uint64_t index, uint64_t what) const;
   double Wander(uint64_t since_start_ns, uint64_t what) const;
-  void AppendAttitude(const BodyMotion& motion, uint64_t index, std::vector<uint8_t>& bytes) const;
-  void AppendPosition(const BodyMotion& motion, uint64_t since_start_ns,
-                      std::vector<uint8_t>& bytes) const;
+  void MeasureAttitude(const BodyMotion& motion, uint64_t index, Measured& measured) const;
+  void MeasurePosition(const BodyMotion& motion, uint64_t since_start_ns, Measured& measured) const;
 
   InsSettings settings_;
   uint64_t start_ns_;

@@ -13,20 +13,43 @@ VehicleSettings DefaultVehicle() {
   return settings;
 }
 
+namespace {
+
+world::Footprint FootprintOf(const SteeredModelParams& params) {
+  world::Footprint footprint;
+  footprint.length_m = params.length_m;
+  footprint.width_m = params.width_m;
+  footprint.middle_m = params.length_m / 2.0 - params.rear_overhang_m;
+  footprint.half_wheelbase_m = params.wheelbase_m / 2.0;
+  footprint.half_track_m = params.track_m / 2.0;
+  footprint.wheels_m = params.wheelbase_m / 2.0;
+  return footprint;
+}
+
+}  // namespace
+
 SimVehicle::SimVehicle(const VehicleSettings& settings, uint64_t start_ns)
     : ground_(settings.ground),
       left_(settings.left, start_ns),
       right_(settings.right, start_ns),
       now_ns_(start_ns),
       pose_(settings.start) {
-  if (!settings.model) return;
-  model_.emplace(*settings.model, settings.start);
+  if (settings.controller) controller_.emplace(*settings.controller, start_ns);
+  if (settings.steered) {
+    steered_.emplace(*settings.steered, settings.start, VehicleModel::kStep_s);
+    footprint_ = FootprintOf(*settings.steered);
+    return;
+  }
+  if (!settings.model && !settings.controller) return;
+  body_ = settings.model.value_or(VehicleModelParams());
+  model_.emplace(*body_, settings.start);
   left_.LeaveMotor();
   right_.LeaveMotor();
 }
 
 void SimVehicle::TakeFrame(const CanFrame& frame, uint64_t now_ns) {
   StepTo(now_ns);
+  if (controller_) return controller_->TakeFrame(frame, now_ns);
   left_.TakeFrame(frame, now_ns);
   right_.TakeFrame(frame, now_ns);
 }
@@ -43,7 +66,9 @@ void SimVehicle::StepTo(uint64_t now_ns) {
   while (now_ns_ + kStep_ns <= now_ns) {
     now_ns_ += kStep_ns;
     CollectSent(now_ns_);
-    if (model_) {
+    if (steered_) {
+      MoveSteered();
+    } else if (model_) {
       MoveModel();
     } else {
       Move(kStep_s);
@@ -52,6 +77,7 @@ void SimVehicle::StepTo(uint64_t now_ns) {
 }
 
 void SimVehicle::CollectSent(uint64_t now_ns) {
+  if (controller_) return controller_->Advance(now_ns, outbox_);
   std::vector<CanFrame> of_left;
   std::vector<CanFrame> of_right;
   left_.Advance(now_ns, of_left);
@@ -64,17 +90,55 @@ void SimVehicle::CollectSent(uint64_t now_ns) {
 
 void SimVehicle::MoveModel() {
   static_assert(kStep_ns == 1'000'000 && VehicleModel::kStep_s == 0.001);
-  model_->Step({.speeds = {left_.setpoint_radps(), right_.setpoint_radps()},
-                .left_driven = left_.turns(),
-                .right_driven = right_.turns()});
-  left_.TurnWheels(model_->wheels().left_radps);
-  right_.TurnWheels(model_->wheels().right_radps);
+  model_->Step(Setpoints());
+  const WheelSpeeds& wheels = model_->wheels();
+  if (controller_) {
+    controller_->SetMeasured(
+        body_->ground_per_wheel * body_->wheel_radius_m * wheels.common_radps(),
+        2.0 * body_->wheel_radius_m * wheels.differential_radps() / body_->skid_baseline_m);
+  } else {
+    left_.TurnWheels(wheels.left_radps);
+    right_.TurnWheels(wheels.right_radps);
+  }
+  TakeMotion(model_->speed_mps(), model_->yaw_rate_radps(), model_->pose(), model_->driven_m());
+}
+
+// The wheel speeds that the drives are told, or that a controller makes of a speed and a yaw rate.
+WheelSetpoints SimVehicle::Setpoints() const {
+  if (!controller_) {
+    return {.speeds = {left_.setpoint_radps(), right_.setpoint_radps()},
+            .left_driven = left_.turns(),
+            .right_driven = right_.turns()};
+  }
+  const TwistController::Motion motion = controller_->motion();
+  const double common_radps = motion.speed_mps / (body_->ground_per_wheel * body_->wheel_radius_m);
+  const double differential_radps =
+      motion.turn * body_->skid_baseline_m / (2.0 * body_->wheel_radius_m);
+  return {.speeds = {common_radps - differential_radps, common_radps + differential_radps},
+          .left_driven = motion.driven,
+          .right_driven = motion.driven};
+}
+
+// Without a controller nobody drives it.
+void SimVehicle::MoveSteered() {
+  const TwistController::Motion motion =
+      controller_ ? controller_->motion() : TwistController::Motion();
+  steered_->Step({motion.driven, motion.speed_mps, motion.turn});
+  if (controller_) {
+    controller_->SetMeasured(steered_->measured_speed_mps(), steered_->steering_rad());
+  }
+  TakeMotion(steered_->speed_mps(), steered_->yaw_rate_radps(), steered_->pose(),
+             steered_->driven_m());
+}
+
+void SimVehicle::TakeMotion(double speed_mps, double yaw_rate_radps, const Pose& pose,
+                            double driven_m) {
   has_slipped_ = has_slipped_ || traction_ != 1.0;
-  speed_mps_ = traction_ * model_->speed_mps();
-  yaw_rate_radps_ = traction_ * model_->yaw_rate_radps();
+  speed_mps_ = traction_ * speed_mps;
+  yaw_rate_radps_ = traction_ * yaw_rate_radps;
   if (has_slipped_) return Integrate(VehicleModel::kStep_s);
-  pose_ = model_->pose();
-  driven_m_ = model_->driven_m();
+  pose_ = pose;
+  driven_m_ = driven_m;
 }
 
 void SimVehicle::Move(double seconds) {

@@ -8,13 +8,18 @@
 #include "hal/can_frame.h"
 #include "tools/sim/vehicle/pose.h"
 #include "tools/sim/vehicle/sevcon_drive.h"
+#include "tools/sim/vehicle/steered_model.h"
+#include "tools/sim/vehicle/twist_controller.h"
 #include "tools/sim/vehicle/vehicle_model.h"
+#include "tools/sim/world/contact.h"
 
 // Two simulated drives, and how a skid-steered vehicle moves over level ground by their wheels:
 //   v = ground_per_wheel r (w_l + w_r) / 2,  w = r (w_r - w_l) / baseline
 // or, where VehicleSettings has a model, as that model does (vehicle_model.h), which then moves the
-// wheels too. No wheel slips otherwise, nothing is hit. Frame: that of the world it drives in,
-// metres, x and y level, angles anticlockwise.
+// wheels too. No wheel slips otherwise, nothing is hit. A vehicle may have a motion controller in
+// place of the drives (twist_controller.h), and then steered wheels in place of such a body
+// (steered_model.h). Frame: that of the world it drives in, metres, x and y level, angles
+// anticlockwise.
 
 namespace hardpack::sim {
 
@@ -30,6 +35,9 @@ struct VehicleSettings {
   GroundModel ground;
   Pose start;
   std::optional<VehicleModelParams> model;  // in place of the drives' motors and of `ground`
+  // In place of the drives, which are then switched off; without `model` its body is a Warthog's.
+  std::optional<TwistControllerSettings> controller;
+  std::optional<SteeredModelParams> steered;  // in place of `model`
 };
 
 // Both drives at their nodes 2 and 3.
@@ -49,6 +57,10 @@ class SimVehicle {
   // Appends what the drives have sent until now_ns; they hear each other.
   void Advance(uint64_t now_ns, std::vector<CanFrame>& sent);
 
+  // Null: it has drives.
+  TwistController* controller() { return controller_ ? &*controller_ : nullptr; }
+  const TwistController* controller() const { return controller_ ? &*controller_ : nullptr; }
+
   // How much of what its wheels turn the vehicle moves by from now on: 1 all of it, 0 none (they
   // spin in place).
   void SetTraction(double share) { traction_ = share; }
@@ -59,6 +71,7 @@ class SimVehicle {
   double speed_mps() const { return speed_mps_; }
   double yaw_rate_radps() const { return yaw_rate_radps_; }
   double driven_m() const { return driven_m_; }  // way covered, forwards or backwards
+  const world::Footprint& footprint() const { return footprint_; }
 
  private:
   void StepTo(uint64_t now_ns);
@@ -66,10 +79,17 @@ class SimVehicle {
   void Move(double seconds);
 
   void MoveModel();
+  void MoveSteered();
+  WheelSetpoints Setpoints() const;
+  void TakeMotion(double speed_mps, double yaw_rate_radps, const Pose& pose, double driven_m);
   void Integrate(double seconds);
 
   GroundModel ground_;
+  world::Footprint footprint_;
+  std::optional<VehicleModelParams> body_;  // of model_
   std::optional<VehicleModel> model_;
+  std::optional<SteeredModel> steered_;
+  std::optional<TwistController> controller_;
   SevconDrive left_;
   SevconDrive right_;
   uint64_t now_ns_;

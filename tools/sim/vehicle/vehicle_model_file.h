@@ -3,12 +3,15 @@
 
 #include <string>
 #include <string_view>
+#include <variant>
 
 #include "port_linux/files/read_outcome.h"
+#include "tools/sim/vehicle/steered_model_params.h"
 #include "tools/sim/vehicle/vehicle_model_params.h"
 
-// A vehicle for the simulator as a TOML file (config/vehicles): one table, every number of
-// VehicleParameters() in it, with its standard deviation or as exact:
+// A vehicle for the simulator as a TOML file (config/vehicles): one table, [vehicle_model] of a
+// skid-steered vehicle or [steered_model] of one with steered wheels, with every number of it
+// (ParametersOf), with its standard deviation or as exact:
 //
 //   [vehicle_model]
 //   skid_baseline_m = { value = 1.88, deviation = 0.05 }
@@ -26,9 +29,15 @@ inline constexpr size_t kMaxVehicleFileBytes = 64 * 1024;
 ReadOutcome ParseVehicle(std::string_view toml, const std::string& name, UncertainVehicle& vehicle);
 ReadOutcome ReadVehicle(const std::string& path, UncertainVehicle& vehicle);
 
+// Of either kind: that of the table which the file has.
+using UncertainBody = std::variant<UncertainVehicle, UncertainSteered>;
+ReadOutcome ParseBody(std::string_view toml, const std::string& name, UncertainBody& vehicle);
+ReadOutcome ReadBody(const std::string& path, UncertainBody& vehicle);
+
 // A file that reads as the same vehicle, exactly; `comment` (lines without #) on top, and each
 // number's description and range beside it.
 std::string VehicleToToml(const UncertainVehicle& vehicle, const std::string& comment);
+std::string VehicleToToml(const UncertainBody& vehicle, const std::string& comment);
 
 // The shortest text that reads as the same number.
 std::string NumberText(double value);

@@ -8,12 +8,14 @@
 #include <string>
 #include <string_view>
 
+#include "tools/sim/vehicle/steered_model_params.h"
+
 namespace hardpack::sim {
 namespace {
 
 using P = VehicleModelParams;
 
-constexpr std::array<VehicleParameter, 22> kParameters = {{
+constexpr std::array<ModelParameter<P>, 22> kParameters = {{
     {"dead_time_common_s", &P::dead_time_common_s, 0.0, 1.0,
      "from a setpoint of both sides together to its first effect"},
     {"dead_time_differential_s", &P::dead_time_differential_s, 0.0, 1.0,
@@ -83,12 +85,14 @@ uint64_t HashOf(std::string_view name) {  // FNV-1a
 
 }  // namespace
 
-std::span<const VehicleParameter> VehicleParameters() {
+template <>
+std::span<const ModelParameter<P>> ParametersOf<P>() {
   return kParameters;
 }
 
-ReadOutcome CheckVehicleModel(const VehicleModelParams& params) {
-  for (const VehicleParameter& parameter : kParameters) {
+template <typename Params>
+ReadOutcome CheckVehicleModel(const Params& params) {
+  for (const ModelParameter<Params>& parameter : ParametersOf<Params>()) {
     const double value = params.*parameter.value;
     if (!std::isfinite(value)) {
       return {Status::kNotFinite, std::string(parameter.name) + ": is no finite number"};
@@ -102,13 +106,17 @@ ReadOutcome CheckVehicleModel(const VehicleModelParams& params) {
   return {};
 }
 
-UncertainVehicle::UncertainVehicle() {
-  for (const VehicleParameter& parameter : kParameters) deviation.*parameter.value = 0.0;
+template <typename Params>
+Uncertain<Params>::Uncertain() {
+  for (const ModelParameter<Params>& parameter : ParametersOf<Params>()) {
+    deviation.*parameter.value = 0.0;
+  }
 }
 
-VehicleModelParams Draw(const UncertainVehicle& vehicle, uint64_t seed) {
-  VehicleModelParams drawn;
-  for (const VehicleParameter& parameter : kParameters) {
+template <typename Params>
+Params Draw(const Uncertain<Params>& vehicle, uint64_t seed) {
+  Params drawn;
+  for (const ModelParameter<Params>& parameter : ParametersOf<Params>()) {
     std::mt19937_64 random(HashOf(parameter.name) ^ seed * 0x9e3779b97f4a7c15u);
     const double value =
         vehicle.typical.*parameter.value + vehicle.deviation.*parameter.value * CutNormal(random);
@@ -116,5 +124,13 @@ VehicleModelParams Draw(const UncertainVehicle& vehicle, uint64_t seed) {
   }
   return drawn;
 }
+
+// Of each kind of vehicle.
+template ReadOutcome CheckVehicleModel(const VehicleModelParams&);
+template ReadOutcome CheckVehicleModel(const SteeredModelParams&);
+template struct Uncertain<VehicleModelParams>;
+template struct Uncertain<SteeredModelParams>;
+template VehicleModelParams Draw(const Uncertain<VehicleModelParams>&, uint64_t);
+template SteeredModelParams Draw(const Uncertain<SteeredModelParams>&, uint64_t);
 
 }  // namespace hardpack::sim

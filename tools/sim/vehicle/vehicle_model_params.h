@@ -6,9 +6,9 @@
 
 #include "port_linux/files/read_outcome.h"
 
-// The numbers of the simulated vehicle (tools/sim/vehicle/vehicle_model.h says what each does),
-// what is known of how they vary, and vehicles drawn from that. Fitted to a recording by `hardpack
-// fit`, kept in config/vehicles (vehicle_model_file.h).
+// The numbers of a simulated skid-steered vehicle (tools/sim/vehicle/vehicle_model.h says what each
+// does), what is known of how they vary, and vehicles drawn from that. Fitted to a recording by
+// `hardpack fit`, kept in config/vehicles (vehicle_model_file.h).
 
 namespace hardpack::sim {
 
@@ -39,32 +39,46 @@ struct VehicleModelParams {
   double turning_point_speed_mps = 1.67;
 };
 
-struct VehicleParameter {
+// Params: of a kind of vehicle, a struct of doubles.
+template <typename Params>
+struct ModelParameter {
   const char* name;
-  double VehicleModelParams::*value;
+  double Params::*value;
   double low;
   double high;
   const char* description;
 };
 
 // One row a member, in the order of the struct.
-std::span<const VehicleParameter> VehicleParameters();
+template <typename Params>
+std::span<const ModelParameter<Params>> ParametersOf();
+template <>
+std::span<const ModelParameter<VehicleModelParams>> ParametersOf<VehicleModelParams>();
+
+using VehicleParameter = ModelParameter<VehicleModelParams>;
+inline std::span<const VehicleParameter> VehicleParameters() {
+  return ParametersOf<VehicleModelParams>();
+}
 
 // kNotFinite or kParameterOutOfRange, and a line that names the parameter and its range.
-ReadOutcome CheckVehicleModel(const VehicleModelParams& params);
+template <typename Params>
+ReadOutcome CheckVehicleModel(const Params& params);
 
 // What is known of a vehicle: `typical`, and the standard deviation of each number about it; 0:
 // taken as exact.
-struct UncertainVehicle {
-  VehicleModelParams typical;
-  VehicleModelParams deviation;
+template <typename Params>
+struct Uncertain {
+  Params typical;
+  Params deviation;
 
-  UncertainVehicle();  // no deviations
+  Uncertain();  // no deviations
 };
+using UncertainVehicle = Uncertain<VehicleModelParams>;
 
 // One such vehicle: each number from a normal distribution (a sum of twelve uniform ones) cut off
 // at two deviations and at its range. The same seed gives the same bits everywhere; a number's draw
 // depends on its name, not on what other numbers there are.
-VehicleModelParams Draw(const UncertainVehicle& vehicle, uint64_t seed);
+template <typename Params>
+Params Draw(const Uncertain<Params>& vehicle, uint64_t seed);
 
 }  // namespace hardpack::sim

@@ -124,13 +124,17 @@ Wheels WheelsOf(const World& world, const Outline& outline, const Footprint& foo
   return wheels;
 }
 
-Outline OutlineOf(double x_m, double y_m, double yaw_rad, const Footprint& footprint) {
-  return {x_m, y_m, TurnOf(yaw_rad), footprint.length_m / 2.0, footprint.width_m / 2.0};
+// Around a point so far ahead of the vehicle's place.
+Outline OutlineOf(double x_m, double y_m, double yaw_rad, double ahead_m,
+                  const Footprint& footprint) {
+  const Turn turn = TurnOf(yaw_rad);
+  return {x_m + turn.cos * ahead_m, y_m + turn.sin * ahead_m, turn, footprint.length_m / 2.0,
+          footprint.width_m / 2.0};
 }
 
 struct Plane {
-  double middle_m = 0.0;
-  double forward = 0.0;  // rise over run
+  double middle_m = 0.0;  // its height at the middle of the outline
+  double forward = 0.0;   // rise over run
   double left = 0.0;
 
   // Where a body stands, no further from the outline than the body reaches: on a slope what is low
@@ -147,27 +151,33 @@ struct Plane {
 
 Plane PlaneThrough(const Wheels& wheels, const Footprint& footprint) {
   const auto& h = wheels.heights_m;
-  return {(h[0] + h[1] + h[2] + h[3]) / 4.0,
-          (h[0] - h[1] - h[2] + h[3]) / (4.0 * footprint.half_wheelbase_m),
-          (h[0] + h[1] - h[2] - h[3]) / (4.0 * footprint.half_track_m)};
+  const double forward = (h[0] - h[1] - h[2] + h[3]) / (4.0 * footprint.half_wheelbase_m);
+  return {(h[0] + h[1] + h[2] + h[3]) / 4.0 + forward * (footprint.middle_m - footprint.wheels_m),
+          forward, (h[0] + h[1] - h[2] - h[3]) / (4.0 * footprint.half_track_m)};
+}
+
+Wheels WheelsAt(const World& world, double x_m, double y_m, double yaw_rad,
+                const Footprint& footprint) {
+  return WheelsOf(world, OutlineOf(x_m, y_m, yaw_rad, footprint.wheels_m, footprint), footprint);
 }
 
 }  // namespace
 
 BodyPose StandingPose(const World& world, double x_m, double y_m, double yaw_rad,
                       const Footprint& footprint) {
-  const Wheels wheels = WheelsOf(world, OutlineOf(x_m, y_m, yaw_rad, footprint), footprint);
+  const Wheels wheels = WheelsAt(world, x_m, y_m, yaw_rad, footprint);
   const Plane plane = PlaneThrough(wheels, footprint);
+  const double height_m = plane.middle_m - plane.forward * footprint.middle_m;
   const double pitch_rad = -Angle(plane.forward, 1.0);
   const double level = std::sqrt(1.0 + plane.forward * plane.forward);
-  return {{x_m, y_m, plane.middle_m}, Angle(plane.left, level), pitch_rad, yaw_rad};
+  return {{x_m, y_m, height_m}, Angle(plane.left, level), pitch_rad, yaw_rad};
 }
 
 Contact ContactOf(const World& world, double x_m, double y_m, double yaw_rad, double time_s,
                   const Footprint& footprint) {
   Contact contact;
-  const Outline outline = OutlineOf(x_m, y_m, yaw_rad, footprint);
-  const Wheels wheels = WheelsOf(world, outline, footprint);
+  const Outline outline = OutlineOf(x_m, y_m, yaw_rad, footprint.middle_m, footprint);
+  const Wheels wheels = WheelsAt(world, x_m, y_m, yaw_rad, footprint);
   const Plane plane = PlaneThrough(wheels, footprint);
   contact.slope = std::sqrt(plane.forward * plane.forward + plane.left * plane.left);
   for (const Point2& wheel : wheels.places) {
@@ -184,8 +194,8 @@ Contact ContactOf(const World& world, double x_m, double y_m, double yaw_rad, do
     double& nearest_m =
         body.material.matter == Matter::kFoliage ? contact.foliage_m : contact.hard_m;
     const double beyond_m = nearest_m + body.radius_m + reach_m;
-    const double dx_m = body.x_m - x_m;
-    const double dy_m = body.y_m - y_m;
+    const double dx_m = body.x_m - outline.x_m;
+    const double dy_m = body.y_m - outline.y_m;
     const bool is_near = dx_m * dx_m + dy_m * dy_m < beyond_m * beyond_m;
     const bool is_in_way =
         body.high_m >= ground_m + kDrivenOver_m && body.low_m <= ground_m + kDrivenUnder_m;

@@ -15,12 +15,16 @@ struct BodyPose {
   double yaw_rad = 0.0;
 };
 
-// The outline of a Warthog, and where its wheels touch.
+// An outline and where the wheels touch; by default a Warthog's. The middles of the outline and of
+// the wheelbase are ahead of the body frame's origin, which is the place of a vehicle in what
+// follows.
 struct Footprint {
   double length_m = 1.52;
   double width_m = 1.38;
+  double middle_m = 0.0;  // of the outline
   double half_wheelbase_m = 0.46;
   double half_track_m = 0.56;
+  double wheels_m = 0.0;  // the middle of the wheelbase
 };
 
 // On the plane through the heights under the four wheels (the nearest one to all of them).

@@ -25,7 +25,7 @@ MissionSettings ShortMission(uint64_t seed = 1) {
   MissionSettings settings;
   EXPECT_TRUE(world::MakeScenario("open", seed, settings.scenario).ok());
   settings.scenario.goal = {6.0, 0.0};
-  EXPECT_TRUE(sim::ReadVehicle(HARDPACK_VEHICLES "/warthog_paper.toml", settings.vehicle).ok());
+  EXPECT_TRUE(sim::ReadBody(HARDPACK_VEHICLES "/warthog_paper.toml", settings.vehicle).ok());
   settings.seed = seed;
   settings.lidar_columns = 512;
   settings.limit_s = 20.0;

@@ -48,7 +48,7 @@ TEST(PageData, HasMapsThatLieWhereTheWorldIs) {
   settings.scenario.goal = {9.0, 0.0};
   settings.scenario.world.AddBox({5.0, 0.0}, 0.0, 0.6, 2.0, -0.5, 1.5,
                                  {world::Label::kBarrier, world::Matter::kSolid, 1.0});
-  ASSERT_TRUE(sim::ReadVehicle(HARDPACK_VEHICLES "/warthog_paper.toml", settings.vehicle).ok());
+  ASSERT_TRUE(sim::ReadBody(HARDPACK_VEHICLES "/warthog_paper.toml", settings.vehicle).ok());
   settings.lidar_columns = 512;
   settings.limit_s = 2.0;
   experiment::RunResult result;

@@ -27,7 +27,7 @@ class WireMission : public ::testing::Test {
     std::filesystem::create_directory(folder);
     MissionSettings& mission = settings.mission;
     ASSERT_TRUE(world::MakeScenario("open", 1, mission.scenario).ok());
-    ASSERT_TRUE(sim::ReadVehicle(HARDPACK_VEHICLES "/warthog_paper.toml", mission.vehicle).ok());
+    ASSERT_TRUE(sim::ReadBody(HARDPACK_VEHICLES "/warthog_paper.toml", mission.vehicle).ok());
     mission.lidar_columns = 512;
     // Any port: several tests may run at a time.
     settings.wire.lidar_from = settings.wire.ins_from = "127.0.0.1:0";

@@ -49,7 +49,7 @@ void Drive(VehicleModel& model, const WheelSetpoints& setpoints, double seconds)
 }
 
 TEST(VehicleModel, DefaultsAreInRange) {
-  EXPECT_TRUE(CheckVehicleModel({}).ok());
+  EXPECT_TRUE(CheckVehicleModel(VehicleModelParams()).ok());
 }
 
 TEST(VehicleModel, FollowsAStepOfBothSidesAsAFirstOrderLag) {
