@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -384,13 +385,37 @@ TEST(Ackermann, IsNeverToldToBendMoreThanItCan) {
           tracker.Predict(static_cast<uint64_t>(tick) * 10'000'000, input.pose, {}, {}));
       ASSERT_TRUE(IsUsable(tracker.Follow(input, kTick_s, output)));
       const WheelParts wheels = PartsOf(output.wheels.left_radps, output.wheels.right_radps);
+      // At the speed that is told or that it has: braking, the wheels turn faster than they are
+      // told.
+      const float common_radps = std::max(std::abs(wheels.common_radps),
+                                          std::abs(tracker.predicted().wheels.common_radps));
       const float most_radps =
-          0.5f * vehicle.skid_baseline_m * (std::tan(0.45f) / 1.5f) * std::abs(wheels.common_radps);
+          0.5f * vehicle.skid_baseline_m * (std::tan(0.45f) / 1.5f) * common_radps;
       ASSERT_LE(std::abs(wheels.differential_radps), most_radps * 1.0001f + 1e-6f) << tick;
       at_limit += std::abs(wheels.differential_radps) > 0.99f * most_radps ? 1 : 0;
     }
     EXPECT_GT(at_limit, 100) << "the limit was not tried";
   }
+}
+
+// A body that does not lag behind its wheels has its speed controlled all the same: where it rolls
+// and is to stand, it is braked.
+TEST(Tracker, BrakesABodyThatDoesNotLagBehindItsWheels) {
+  Tracker tracker;
+  DynamicsParams dynamics;
+  dynamics.speed_lag_s = 0.0f;
+  ASSERT_EQ(tracker.Configure({}, {}, {}, dynamics, {}), Status::kOk);
+  TrackingInput input = Aim(2.0f, 0.0f, 0.0f);
+  input.left_m = 0.0f;
+  TrackingOutput output;
+  const float rolling_radps = 1.0f;
+  for (int tick = 1; tick <= 100; ++tick) {
+    const WheelFeedback wheels = {true, static_cast<uint64_t>(tick) * 10'000'000, rolling_radps,
+                                  rolling_radps};
+    static_cast<void>(tracker.Predict(wheels.time_ns, input.pose, wheels, {}));
+    ASSERT_TRUE(IsUsable(tracker.Follow(input, kTick_s, output)));
+  }
+  EXPECT_LT(output.wheels.left_radps + output.wheels.right_radps, rolling_radps) << "half of it";
 }
 
 // SR-PLN06

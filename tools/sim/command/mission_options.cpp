@@ -105,6 +105,7 @@ mission::MissionSettings SettingsOf(const MissionOptions& options) {
 
 DrivenWay DrivenOf(const mission::MissionTrace& trace) {
   DrivenWay driven;
+  driven.footprint = trace.footprint;
   for (const mission::MissionTrace::Sample& sample : trace.samples) {
     driven.way.push_back({sample.x_m, sample.y_m});
     driven.end_s = sample.t_s;

@@ -53,7 +53,7 @@ class WorldPicture {
   void DrawPeople(double time_s);
   void DrawReturns(const std::vector<WorldReturn>& returns);
   void DrawDriven(const DrivenWay& driven);
-  void DrawEnds();
+  void DrawEnds(const world::Footprint& footprint);
   void Frame() {
     axes_.ClipEnd();
     axes_.Frame("", "x [m]", "y [m]");
@@ -206,20 +206,20 @@ void WorldPicture::DrawDriven(const DrivenWay& driven) {
   axes_.Line(way, {.colour = picture::kDriven, .line_px = 4.0});
 }
 
-void WorldPicture::DrawEnds() {
+void WorldPicture::DrawEnds(const world::Footprint& footprint) {
   const world::BodyPose& start = scenario_->start;
-  const world::Footprint footprint;
   const auto at = [&](double along_m, double left_m) {
     const double c = std::cos(start.yaw_rad);
     const double s = std::sin(start.yaw_rad);
     return DataPoint{start.position.x_m + c * along_m - s * left_m,
                      start.position.y_m + s * along_m + c * left_m};
   };
-  const double half_length_m = footprint.length_m / 2.0;
+  const double front_m = footprint.middle_m + footprint.length_m / 2.0;
+  const double rear_m = footprint.middle_m - footprint.length_m / 2.0;
   const double half_width_m = footprint.width_m / 2.0;
   const std::array<DataPoint, 4> outline = {
-      at(half_length_m, half_width_m), at(-half_length_m, half_width_m),
-      at(-half_length_m, -half_width_m), at(half_length_m, -half_width_m)};
+      at(front_m, half_width_m), at(rear_m, half_width_m), at(rear_m, -half_width_m),
+      at(front_m, -half_width_m)};
   axes_.Polygon(outline, {1.0, 1.0, 1.0, 0.7}, picture::kVehicle);
   const std::array<DataPoint, 2> nose = {at(0.0, 0.0), at(2.2, 0.0)};
   axes_.Line(nose, {.colour = picture::kVehicle, .line_px = 3.0});
@@ -340,7 +340,7 @@ Canvas DrawWorld(const Scenario& scenario, uint64_t seed, const std::vector<Worl
   picture.DrawReturns(returns);
   picture.DrawPeople(driven.end_s);
   picture.DrawDriven(driven);
-  picture.DrawEnds();
+  picture.DrawEnds(driven.footprint);
   picture.Frame();
   DrawLegend(canvas, picture, returns, driven);
   return canvas;

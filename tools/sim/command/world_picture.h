@@ -28,6 +28,7 @@ WorldScan ScanFromStart(const world::Scenario& scenario, uint32_t seed);
 
 // What was driven there; nothing where it is empty.
 struct DrivenWay {
+  world::Footprint footprint;  // of who has driven, or will
   std::vector<world::Point2> way;
   std::vector<std::vector<world::Point2>> plans;  // each that was committed
   double end_s = 0.0;                             // people are drawn as of then

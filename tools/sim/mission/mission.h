@@ -77,6 +77,7 @@ struct MissionTrace {
     double t_s = 0.0;
     std::string text;  // "driving", "safe_stop: person", "touched a person at 0.2 m/s"
   };
+  world::Footprint footprint;  // of the vehicle
   std::vector<Sample> samples;
   std::vector<Plan> plans;  // each that was committed
   std::vector<Event> events;

@@ -242,6 +242,7 @@ void Observer::Sample(const Moment& now, double t_s) {
   for (const world::Person& person : now.vehicle->world().people()) {
     sample.people.push_back(person.At(now.time_s));
   }
+  trace_->footprint = now.vehicle->vehicle().footprint();
   trace_->samples.push_back(std::move(sample));
 }
 

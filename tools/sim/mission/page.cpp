@@ -213,13 +213,15 @@ nlohmann::ordered_json PageData(const MissionSettings& settings,
   for (const MissionTrace::Event& event : trace.events) {
     events.push_back({{"t_s", Centimetres(event.t_s)}, {"text", event.text}});
   }
-  const world::Footprint footprint;
+  const world::Footprint& footprint = trace.footprint;
   return {
       {"run", experiment::ToJson(result)},
       {"wanted", experiment::Name(WantedOutcome(result.world))},
       {"has_log", !settings.log.empty()},
       {"max_speed_mps", Thousandths(double{settings.configuration.planner.speed.max_speed_mps})},
-      {"vehicle", {{"length_m", footprint.length_m}, {"width_m", footprint.width_m}}},
+      {"vehicle", {{"length_m", footprint.length_m},
+        {"width_m", footprint.width_m},
+        {"middle_m", footprint.middle_m}}},
       {"cell_m", 0.2},
       {"scene", SceneOf(settings, trace)},
       {"samples", SamplesOf(trace)},

@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <string>
+#include <utility>
 
 #include "core/safety/supervisor.h"
 #include "port_linux/hardpackctl/code_names.h"
@@ -44,6 +46,57 @@ class LogFile : public ::testing::Test {
   std::string path = ::testing::TempDir() + "mission_" + std::to_string(::getpid()) + ".pcap";
   ~LogFile() override { std::remove(path.c_str()); }
 };
+
+// The same with the vehicle of a configuration of config/.
+MissionSettings ShortMissionOf(const std::string& configuration, const std::string& vehicle) {
+  MissionSettings settings = ShortMission();
+  const std::string folder = HARDPACK_VEHICLES "/..";
+  const ReadOutcome read =
+      ReadConfiguration(folder + "/" + configuration + ".toml", settings.configuration);
+  EXPECT_TRUE(read.ok()) << read.message;
+  EXPECT_TRUE(sim::ReadBody(folder + "/vehicles/" + vehicle + ".toml", settings.vehicle).ok());
+  settings.vehicle_name = vehicle;
+  return settings;
+}
+
+// SR-LOG01
+TEST_F(LogFile, OfEachKindOfVehicleReplays) {
+  for (const auto& [configuration, vehicle] :
+       {std::pair{"twist_base", "warthog_paper"}, {"ackermann", "ackermann"}}) {
+    MissionSettings settings = ShortMissionOf(configuration, vehicle);
+    settings.log = path;
+    const RunResult result = MissionOf(settings);
+    EXPECT_EQ(result.outcome, Outcome::kReached) << configuration << ": " << result.reason;
+    EXPECT_NEAR(result.driven_m, 6.0, 1.0) << configuration;
+    std::string difference;
+    EXPECT_TRUE(ReplaysTheSame(path, result.decision_hash, difference).ok());
+    EXPECT_EQ(difference, "") << configuration;
+  }
+}
+
+TEST(Mission, StopsForTheFaultsOfAMotionController) {
+  for (const char* fault :
+       {"controller-silent on", "controller-deaf on", "controller-fault 2", "controller-refuses on",
+        "controller-version 2", "controller-reboot", "controller-bad-crc on"}) {
+    MissionSettings settings = ShortMissionOf("ackermann", "ackermann");
+    settings.scenario.goal = {20.0, 0.0};
+    settings.script = "at 3.0 " + std::string(fault) + "\n";
+    const RunResult result = MissionOf(settings);
+    EXPECT_EQ(result.outcome, Outcome::kFault) << fault << ": " << result.reason;
+    EXPECT_EQ(result.reason, "drives") << fault;
+    EXPECT_LT(result.time_s, 3.5) << fault;
+  }
+}
+
+TEST(Mission, RefusesAVehicleThatItsConfigurationIsNotFor) {
+  const MissionSettings skids = ShortMissionOf("ackermann", "warthog_paper");
+  RunResult result;
+  EXPECT_EQ(RunMission(skids, result, nullptr).status, Status::kInvalidArgument);
+  const MissionSettings steers = ShortMissionOf("twist_base", "ackermann");
+  const ReadOutcome outcome = RunMission(steers, result, nullptr);
+  EXPECT_EQ(outcome.status, Status::kInvalidArgument);
+  EXPECT_NE(outcome.message.find("vehicle.kinematics = 1"), std::string::npos) << outcome.message;
+}
 
 // SR-LOG01
 TEST_F(LogFile, OfAMissionReplaysToItsDecisions) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "gtest/gtest.h"
+#include "hal/pose_datagram/pose_datagram.h"
 #include "hal/vectornav/vectornav.h"
 #include "test/tools/sim/vehicle/bus.h"
 
@@ -86,6 +87,41 @@ TEST(SimIns, TellsWhereTheVehicleIsAndHowItMoves) {
               vehicle.speed_mps(), 1.0e-5);
   EXPECT_EQ(sample.status.mode, InsMode::kTracking);
   EXPECT_TRUE(sample.status.gnss_fix);
+}
+
+// The same in the two formats, to what each resolves.
+TEST(SimIns, TellsTheSameInPoseDatagrams) {
+  uint64_t now_ns = 0;
+  SimVehicle vehicle = Started(now_ns);
+  Drive(vehicle, 60, 80, now_ns, 5.0);
+  InsSettings settings;
+  settings.errors = Vn300Errors();
+  settings.with_acceleration = true;
+  const SimIns vectornav(settings, 0);
+  settings.format = InsFormat::kPoseDatagram;
+  const SimIns pose(settings, 0);
+  const InsSample one = Decoded(vectornav.Message(123'456'789, MotionOf(vehicle), 41));
+  const std::vector<uint8_t> datagram = pose.Message(123'456'789, MotionOf(vehicle), 41);
+  ASSERT_EQ(datagram.size(), pose_datagram::kDatagram_bytes);
+  uint32_t sequence = 0;
+  InsSample other;
+  ASSERT_EQ(pose_datagram::Decode(std::span(datagram).first<pose_datagram::kDatagram_bytes>(),
+                                  sequence, other),
+            Status::kOk);
+  EXPECT_EQ(sequence, 41u);
+  EXPECT_EQ(other.timestamp_ns, one.timestamp_ns);
+  EXPECT_EQ(other.gps_time_ns, one.gps_time_ns);
+  EXPECT_NEAR(other.yaw_rad, one.yaw_rad, 1.0e-6);
+  EXPECT_NEAR(other.pitch_rad, one.pitch_rad, 1.0e-6);
+  EXPECT_NEAR(other.roll_rad, one.roll_rad, 1.0e-6);
+  EXPECT_EQ(other.angular_rate.z_radps, one.angular_rate.z_radps);
+  EXPECT_EQ(other.acceleration.x_mps2, one.acceleration.x_mps2);
+  EXPECT_EQ(other.velocity_ned.north_mps, one.velocity_ned.north_mps);
+  EXPECT_NEAR(static_cast<double>(other.latitude_ndeg - one.latitude_ndeg), 0.0, 1.0);
+  EXPECT_NEAR(static_cast<double>(other.longitude_ndeg - one.longitude_ndeg), 0.0, 1.0);
+  EXPECT_EQ(other.status.mode, one.status.mode);
+  EXPECT_EQ(other.status.gnss_fix, one.status.gnss_fix);
+  EXPECT_EQ(other.status.gnss_heading, one.status.gnss_heading);
 }
 
 TEST(SimIns, MovesItsPositionAsItsVelocitySays) {

@@ -116,5 +116,18 @@ TEST(StandingPose, LiesOnThePlaneUnderTheWheels) {
   }
 }
 
+// A vehicle whose place is its rear axle.
+TEST(Contact, OfAnOutlineThatIsAheadOfTheVehiclesPlace) {
+  const Footprint footprint = {2.0, 1.4, 0.6, 0.6, 0.6, 0.6};
+  World world;
+  AddBoxOnGround(world, {3.0, 0.0}, 0.0, 1.0, 1.0, 1.4, kThing);
+  EXPECT_NEAR(ContactOf(world, 0.0, 0.0, 0.0, 0.0, footprint).hard_m, 2.5 - 1.6, 1.0e-9);
+  EXPECT_NEAR(ContactOf(world, 6.0, 0.0, kPi, 0.0, footprint).hard_m, 2.5 - 1.6, 1.0e-9);
+  EXPECT_NEAR(ContactOf(world, 5.0, 0.0, 0.0, 0.0, footprint).hard_m, 1.5 - 0.4, 1.0e-9);
+  const World slope({}, Terrain({}, [](double x_m, double y_m) { return 0.1 * x_m - 0.2 * y_m; }));
+  const BodyPose pose = StandingPose(slope, 3.0, -4.0, 0.7, footprint);
+  EXPECT_NEAR(pose.position.z_m, 1.1, 1.0e-6) << "at its place, not at its middle";
+}
+
 }  // namespace
 }  // namespace hardpack::world
