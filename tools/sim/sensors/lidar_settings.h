@@ -33,8 +33,8 @@ struct LidarBeams {
   std::array<double, kMost> altitude_deg = {};
   std::array<double, kMost> azimuth_deg = {};  // clockwise from where the head looks
   std::array<double, kMost> above_m = {};      // where it leaves the head's axis, from the origin
-  std::array<uint64_t, kMost> fires_after_ns =
-      {};                              // the first of its column; never less than before
+  // The first of its column; never less than the beam before.
+  std::array<uint64_t, kMost> fires_after_ns = {};
   double origin_to_beam_m = 0.012163;  // first-generation OS1
   double lidar_above_sensor_m = 0.03618;
 
