@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tools/picture/canvas.h"
+#include "tools/sim/world/contact.h"
 #include "tools/sim/world/named_worlds.h"
 
 // A world from above: heights, what stands on it and who walks there, start and goal, and what one

@@ -85,6 +85,9 @@ ReadOutcome DescribeMission(const MissionSettings& settings, sim::ScriptedVehicl
   configuration = settings.configuration;
   const ReadOutcome outcome = ChooseMethods(settings, configuration);
   if (!outcome.ok()) return outcome;
+  if (settings.labels && sim::IsVelodyne(settings.lidar_model)) {
+    return {Status::kUnsupported, "--labels needs an Ouster"};
+  }
   vehicle = {};
   vehicle.world = settings.scenario.world;
   vehicle.vehicle.start = {settings.scenario.start.position.x_m,
@@ -93,7 +96,7 @@ ReadOutcome DescribeMission(const MissionSettings& settings, sim::ScriptedVehicl
   const ReadOutcome body = DescribeBody(settings, vehicle.vehicle, configuration);
   if (!body.ok()) return body;
   const auto seed = static_cast<uint32_t>(settings.seed);
-  vehicle.lidar = sim::NoisyLidar();
+  vehicle.lidar = sim::NoisyLidar(settings.lidar_model);
   vehicle.lidar.columns = settings.lidar_columns;
   vehicle.lidar.seed = seed;
   if (vehicle.vehicle.steered) {
@@ -208,6 +211,9 @@ uint64_t DigestOf(const MissionSettings& settings) {
   for (const double number : {settings.spread ? 1.0 : 0.0, settings.limit_s,
                               static_cast<double>(settings.lidar_columns)}) {
     text.append(" ").append(sim::NumberText(number));
+  }
+  if (settings.lidar_model != sim::LidarModel::kOuster) {
+    text.append(" lidar ").append(std::to_string(static_cast<int>(settings.lidar_model)));
   }
   if (settings.labels) {
     for (const double number : {settings.labels->accuracy, settings.labels->delay_s,

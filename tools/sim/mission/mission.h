@@ -32,7 +32,8 @@ struct MissionSettings {
   // External labels, which the vehicle then waits for (mapping.use_labels); none: it classes all
   // returns itself.
   std::optional<sim::LabelSettings> labels;
-  int lidar_columns = 1024;
+  sim::LidarModel lidar_model = sim::LidarModel::kOuster;
+  int lidar_columns = 1024;  // of an Ouster
   Configuration configuration;
   std::string
       script;  // events besides (tools/sim/script/script.h), counted from the goal's acceptance
@@ -90,7 +91,8 @@ ReadOutcome RunMission(const MissionSettings& settings, experiment::RunResult& r
                        MissionTrace* trace);
 
 // What there is to drive, and the configuration of who drives it: `settings` with its names
-// resolved and its seed drawn. kInvalidArgument: a method that there is not.
+// resolved and its seed drawn. kInvalidArgument: a method that there is not; kUnsupported: labels
+// with a lidar that is no Ouster, whose columns they are named by.
 ReadOutcome DescribeMission(const MissionSettings& settings, sim::ScriptedVehicleSettings& vehicle,
                             Configuration& configuration);
 

@@ -52,12 +52,14 @@
 //   lidar-delay MS, ins-delay MS                   later by so much
 //   lidar-delay-growth MS, ins-delay-growth MS     and from now on by so much more every second
 //   lidar-reorder N, ins-reorder N                 N at a time, in an order drawn; 0: no longer
-//   lidar-restart                its clock, its frame count and its init id begin anew
+//   lidar-restart                its clock, its frame count and its init id begin anew; a
+//                                Velodyne's clock at 0
 //   lidar-clock MS               its clock jumps ahead by so much; negative: back
 //   lidar-blind FROM TO HOW      from one direction of the body anticlockwise to the other [deg],
 //                                ahead is 0: lost (its packets are), invalid (its columns say so),
 //                                dark (nothing comes back), covered (everything from the window),
-//                                or none: no longer
+//                                or none: no longer. A Velodyne's columns say nothing of
+//                                themselves: invalid is dark there
 //   lidar-frozen SWITCH          each column says again what it said in the revolution before
 //   lidar-turned YAW PITCH ROLL  its mount, so many degrees from where it is said to be
 //   lidar-rain PERMILLE          of its rays that see a drop 1 to 12 m away instead of what is

@@ -32,7 +32,7 @@ void SimLabels::Advance(uint64_t now_ns, const std::vector<CastColumn>& columns,
 
 void SimLabels::Send() {
   labels::Header header;
-  header.beams = LidarBeams::kCount;
+  header.beams = LidarBeams::kMost;
   header.frame_id = columns_.front().frame_id;
   header.first_measurement = columns_.front().measurement_id;
   header.columns = static_cast<uint16_t>(columns_.size());

@@ -58,6 +58,7 @@ enum class Stream : uint32_t {
   kIns = 6,
   kRain = 7,
   kDust = 8,
+  kHead = 9,
 };
 
 constexpr uint64_t Mixed(uint64_t value) {  // the finalizer of SplitMix64 (REFERENCES.md)

@@ -98,6 +98,25 @@ TEST(Mission, RefusesAVehicleThatItsConfigurationIsNotFor) {
   EXPECT_NE(outcome.message.find("vehicle.kinematics = 1"), std::string::npos) << outcome.message;
 }
 
+// Labels name the columns of an Ouster.
+TEST(Mission, RefusesLabelsWithAVelodyne) {
+  MissionSettings settings = ShortMission();
+  sim::ScriptedVehicleSettings vehicle;
+  Configuration configuration;
+  for (const sim::LidarModel model : {sim::LidarModel::kVlp16, sim::LidarModel::kVlp32c}) {
+    settings.lidar_model = model;
+    settings.labels.reset();
+    EXPECT_TRUE(DescribeMission(settings, vehicle, configuration).ok());
+    EXPECT_EQ(vehicle.lidar.model, model);
+    settings.labels = sim::LabelSettings{};
+    const ReadOutcome outcome = DescribeMission(settings, vehicle, configuration);
+    EXPECT_EQ(outcome.status, Status::kUnsupported);
+    EXPECT_EQ(outcome.message, "--labels needs an Ouster");
+  }
+  settings.lidar_model = sim::LidarModel::kOuster;
+  EXPECT_TRUE(DescribeMission(settings, vehicle, configuration).ok());
+}
+
 // SR-LOG01
 TEST_F(LogFile, OfAMissionReplaysToItsDecisions) {
   MissionSettings settings = ShortMission();

@@ -208,9 +208,11 @@ function drawGround(t_s) {
 function outlineAt(i) {
   const [x, y, yaw] = [samples.x_m[i], samples.y_m[i], samples.yaw_rad[i]];
   const [c, s] = [Math.cos(yaw), Math.sin(yaw)];
-  const {length_m, width_m} = mission.vehicle;
-  return [[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]].map(([a, b]) =>
-    [x + c * a * length_m - s * b * width_m, y + s * a * length_m + c * b * width_m]);
+  const {length_m, width_m, middle_m} = mission.vehicle;
+  return [[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]].map(([a, b]) => {
+    const ahead_m = middle_m + a * length_m;
+    return [x + c * ahead_m - s * b * width_m, y + s * ahead_m + c * b * width_m];
+  });
 }
 
 function drawVehicle(pen, i) {

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "tools/sim/sensors/lidar_settings.h"
+
+// The data packets of a VLP-16 or a VLP-32C in its mode of one return, the strongest: 12 blocks of
+// 32 returns each under the azimuth of the block's first laser, the time of the packet's first
+// laser, and what the sensor is. Written from the maker's manuals (REFERENCES.md) on its own, so
+// that it tests the library's instead of repeating it.
+
+namespace hardpack::sim {
+
+class VelodynePackets {
+ public:
+  static constexpr size_t kBytes = 1206;  // of a datagram's payload
+  static constexpr int kBlocks = 12;
+  static constexpr int kReturnsPerBlock = 32;
+
+  explicit VelodynePackets(LidarModel model);
+
+  // A firing sequence: of 16 lasers, two in a block, or of 32. azimuth_turns: [0, 1), where its
+  // first laser finds the head, and stamp_ns when. True: the packet is whole, and bytes() are it.
+  bool Append(double azimuth_turns, uint64_t stamp_ns, const LidarReturns& returns);
+  const std::vector<uint8_t>& bytes() const { return bytes_; }
+  // Nothing is under way any more.
+  void Restart();
+
+ private:
+  LidarModel model_;
+  int returns_ = 0;  // in the packet under way
+  uint32_t first_us_ = 0;
+  std::vector<uint8_t> bytes_;
+};
+
+}  // namespace hardpack::sim
