@@ -118,6 +118,12 @@ Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float>
   return Status::kOk;
 }
 
+SinCosPair TurnedEncoder(SinCosPair encoder, float azimuth_offset_rad) {
+  const SinCosPair offset = SinCos(IsFinite(azimuth_offset_rad) ? azimuth_offset_rad : 0.0f);
+  return {encoder.sin * offset.cos + encoder.cos * offset.sin,
+          encoder.cos * offset.cos - encoder.sin * offset.sin};
+}
+
 uint32_t NearestRange(const LidarColumn& column, int row) {
   HP_ASSERT(row >= 0 && row < kMaxBeams);
   const uint32_t first_mm = column.range_mm[row];
@@ -135,6 +141,7 @@ Status ScanRing::Configure(int beams, int columns_per_revolution, int window_fir
   newest_sequence_ = -1;
   first_turn_ = 0;
   fold_count_ = 0;
+  measures_azimuth_ = false;
   counters_ = ScanCounters{};
   if (beams < 1 || beams > kMaxBeams || columns_per_revolution < 1 ||
       columns_per_revolution > kMaxColumnsPerRevolution || window_first < 0 ||
@@ -264,7 +271,7 @@ Status ScanRing::Push(const LidarColumn& column, uint64_t time_ns,
     return Status::kColumnInvalid;
   }
   const Result<int64_t> named = SequenceOf(column.frame_id, column.measurement_id);
-  if (column.beams != beams_ || named.status() == Status::kBadColumn) {
+  if (column.beams != beams_ || named.status() == Status::kBadColumn || !TakesOffset(column)) {
     ++counters_.bad_columns;
     return Status::kBadColumn;
   }
@@ -286,6 +293,8 @@ Status ScanRing::Push(const LidarColumn& column, uint64_t time_ns,
   info.frame_id = column.frame_id;
   info.measurement_id = column.measurement_id;
   info.state = ColumnState::kRaw;
+  info.azimuth_offset_rad = column.azimuth_offset_rad;
+  measures_azimuth_ = measures_azimuth_ || column.azimuth_offset_rad != 0.0f;
   info.odom_from_sensor = odom_from_sensor;
   FileReturns(column, slot, self);
   if (sequence > newest_sequence_) newest_sequence_ = sequence;

@@ -142,6 +142,8 @@ class SightWatch {
   uint64_t column_ns_ = 0;  // of the column before ...
   uint32_t column_digest_ = 0;
   int32_t column_id_ = -1;
+  float column_offset_rad_ = 0.0f;
+  uint64_t step_ns_ = 0;  // from the column before that one to it
   int32_t covered_ = 0;
   int32_t frozen_ = 0;
   uint64_t faulty_since_ns_ = 0;  // 0: not
