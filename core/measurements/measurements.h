@@ -32,9 +32,9 @@ enum class ReturnClass : uint8_t {
 // the sensor sends them. A sensor that fires wherever it is just then, and says where that was, has
 // its columns named by the nearest free place of a grid, and tells how far off that they are.
 struct LidarColumn {
-  uint64_t timestamp_ns = 0;          // sensor's clock
-  uint16_t measurement_id = 0;        // column of the revolution, 0 .. columns_per_frame - 1
-  uint16_t frame_id = 0;              // revolution counter, wraps
+  uint64_t timestamp_ns = 0;    // sensor's clock
+  uint16_t measurement_id = 0;  // column of the revolution, 0 .. columns_per_frame - 1
+  uint16_t frame_id = 0;        // revolution counter, wraps
   // The encoder's true angle less that of measurement_id, anticlockwise: at most 2 columns either
   // way; 0 for a sensor that fires at the places of its grid.
   float azimuth_offset_rad = 0.0f;
