@@ -204,6 +204,8 @@ struct StampedPose {
 struct BeamModel {
   int32_t beams = 0;
   int32_t columns_per_revolution = 0;
+  // How many of them come: fewer where the sensor measures its azimuth and leaves places out.
+  int32_t fired_per_revolution = 0;
   float origin_to_beam_m = 0.0f;  // lidar_origin_to_beam_origin
   float sin_altitude[kMaxBeams] = {};
   float cos_altitude[kMaxBeams] = {};
@@ -233,6 +235,7 @@ struct LidarLayout {
   std::span<const float> altitude_deg;
   std::span<const float> azimuth_deg;
   int32_t columns_per_revolution = 0;
+  int32_t fired_per_revolution = 0;  // as BeamModel's; 0: all columns
   float origin_to_beam_m = 0.0f;
   Transform3 sensor_from_lidar;
   LidarWindow window;

@@ -84,6 +84,7 @@ Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float>
                      const Transform3& sensor_from_lidar, BeamModel& model) {
   model.beams = 0;
   model.columns_per_revolution = 0;
+  model.fired_per_revolution = 0;
   model.max_column_shift = 0;
   if (altitude_deg.empty() || altitude_deg.size() > kMaxBeams ||
       altitude_deg.size() != azimuth_deg.size() || columns_per_revolution < 1 ||
@@ -113,6 +114,7 @@ Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float>
   }
   model.beams = static_cast<int32_t>(altitude_deg.size());
   model.columns_per_revolution = columns_per_revolution;
+  model.fired_per_revolution = columns_per_revolution;
   model.origin_to_beam_m = origin_to_beam_m;
   model.sensor_from_lidar = sensor_from_lidar;
   return Status::kOk;
@@ -122,6 +124,22 @@ SinCosPair TurnedEncoder(SinCosPair encoder, float azimuth_offset_rad) {
   const SinCosPair offset = SinCos(IsFinite(azimuth_offset_rad) ? azimuth_offset_rad : 0.0f);
   return {encoder.sin * offset.cos + encoder.cos * offset.sin,
           encoder.cos * offset.cos - encoder.sin * offset.sin};
+}
+
+Status MakeBeamModel(const LidarLayout& layout, BeamModel& model) {
+  const Status status =
+      MakeBeamModel(layout.altitude_deg, layout.azimuth_deg, layout.columns_per_revolution,
+                    layout.origin_to_beam_m, layout.sensor_from_lidar, model);
+  const int32_t fired = layout.fired_per_revolution;
+  if (!IsUsable(status) || fired == 0) return status;
+  if (fired < 0 || fired > model.columns_per_revolution) {
+    model.beams = 0;
+    model.columns_per_revolution = 0;
+    model.fired_per_revolution = 0;
+    return Status::kInvalidArgument;
+  }
+  model.fired_per_revolution = fired;
+  return Status::kOk;
 }
 
 uint32_t NearestRange(const LidarColumn& column, int row) {

@@ -31,6 +31,8 @@ namespace hardpack {
 Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float> azimuth_deg,
                      int columns_per_revolution, float origin_to_beam_m,
                      const Transform3& sensor_from_lidar, BeamModel& model);
+// The same of a lidar's layout. kInvalidArgument is also more columns that come than there are.
+Status MakeBeamModel(const LidarLayout& layout, BeamModel& model);
 
 // Sine and cosine of the encoder angle of one column: theta_e = 2 pi (1 - m / W); from the model's
 // table. Precondition: 0 <= measurement_id < model.columns_per_revolution.

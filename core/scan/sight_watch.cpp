@@ -65,6 +65,7 @@ Status SightWatch::Configure(const LidarMountParams& mount, const SafetyParams& 
   }
   beams_ = model.beams;
   columns_ = columns;
+  fired_ = model.fired_per_revolution;
   columns_per_packet_ = columns_per_packet;
   sectors_ = ClampInt(columns / columns_per_packet, kLeastSectors, kMaxSectors);
   window_mm_ = static_cast<uint32_t>(RoundToInt(mount.min_range_m * kMillisecondsPerSecond));
@@ -344,7 +345,8 @@ SightWatch::Shares SightWatch::SharesOf(int part, uint64_t now_ns) const {
     beams += sector.last.beams;
     came += sector.last.came;
   }
-  shares.columns_permille = Permille(columns, expected);
+  const bool leaves_out = fired_ < columns_;
+  shares.columns_permille = Permille(columns, leaves_out ? expected * fired_ / columns_ : expected);
   shares.returns_permille = Permille(came, beams);
   return shares;
 }

@@ -132,6 +132,7 @@ class SightWatch {
   bool configured_ = false;
   int32_t beams_ = 0;
   int32_t columns_ = 0;  // a revolution
+  int32_t fired_ = 0;    // of those that come
   int32_t columns_per_packet_ = 1;
   int32_t sectors_ = 0;
   uint32_t window_mm_ = 0;  // nearer than this is at the window

@@ -9,7 +9,8 @@
 namespace hardpack::velodyne {
 namespace {
 
-// 1.03 times the firings of a minute.
+constexpr int32_t kFiringsPerMinute = 1'085'069;  // 60 s / 55.296 us
+// 1.03 times as many.
 constexpr int32_t kPlacesPerMinute = 1'117'622;
 // Faster than it is set up to by a twenty-fifth.
 constexpr int32_t kFastest_percent = 104;
@@ -26,6 +27,11 @@ constexpr uint64_t kFirstHour_ns = uint64_t{kHour_us} * 1000u;
 int32_t ColumnsOf(const Config& config) {
   const int32_t columns = (kPlacesPerMinute + config.rpm - 1) / config.rpm;
   return columns < kMaxColumnsPerRevolution ? columns : kMaxColumnsPerRevolution;
+}
+
+// Those of a revolution that are whole.
+int32_t FiringsOf(const Config& config) {
+  return kFiringsPerMinute / config.rpm;
 }
 
 size_t RateOf(const Config& config) {
@@ -56,6 +62,7 @@ LidarLayout Lidar::LayoutOf(const Config& config) {
     layout.azimuth_deg = kVlp32cAzimuths_deg[rate];
   }
   layout.columns_per_revolution = columns;
+  layout.fired_per_revolution = FiringsOf(config);
   layout.window = {
       .columns_per_datagram = FormatOf(config).firings, .first = 0, .last = columns - 1};
   return layout;

@@ -66,9 +66,7 @@ class Stream {
   explicit Stream(const Config& config)
       : config_(config), format_(FormatOf(config)), layout_(Lidar::LayoutOf(config)) {
     Require(lidar_->Configure(config) == Status::kOk);
-    Require(MakeBeamModel(layout_.altitude_deg, layout_.azimuth_deg, layout_.columns_per_revolution,
-                          layout_.origin_to_beam_m, layout_.sensor_from_lidar,
-                          *model_) == Status::kOk);
+    Require(MakeBeamModel(layout_, *model_) == Status::kOk);
     Require(ring_->Configure(format_.beams, layout_.columns_per_revolution) == Status::kOk);
   }
 

@@ -39,9 +39,7 @@ std::vector<Config> AllConfigs() {
 std::unique_ptr<BeamModel> ModelOf(const Config& config) {
   const LidarLayout layout = Lidar::LayoutOf(config);
   auto model = std::make_unique<BeamModel>();
-  EXPECT_EQ(MakeBeamModel(layout.altitude_deg, layout.azimuth_deg, layout.columns_per_revolution,
-                          layout.origin_to_beam_m, layout.sensor_from_lidar, *model),
-            Status::kOk);
+  EXPECT_EQ(MakeBeamModel(layout, *model), Status::kOk);
   return model;
 }
 
