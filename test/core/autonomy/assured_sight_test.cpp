@@ -212,32 +212,32 @@ TEST(AssuredSight, WhatIsAsWideAsIsAssuredIsFirm) {
     }
     EXPECT_EQ(least(1.1 * sight_m), 0) << columns << " columns";
   }
+}
 
-  // The same of a sensor that leaves places out, wherever one is.
-  // SR-LOW02
-  TEST(AssuredSight, WhatIsAsWideAsIsAssuredIsFirmWithAPlaceLeftOut) {
-    constexpr int kBeams = 32;
-    constexpr int kFired = 994;
-    constexpr int kPlaces = 10;
-    BeamModel model = EvenBeams(kBeams);
-    const float all_m = FirmSight_m(model, 0.24f);
-    model.fired_per_revolution = kFired;
-    const double sight_m = double{FirmSight_m(model, 0.24f)};
-    EXPECT_LT(sight_m, 0.79 * double{all_m});
-    const auto least = [&](double d_m) {
-      int standing = kMaxBeams;
-      for (int place = 0; place < kPlaces; ++place) {
-        const double aside_m = d_m * 2.0 * M_PI / kFired * place / kPlaces;
-        for (int left_out = -5; left_out <= 6; ++left_out) {
-          const Thing thing = {d_m, aside_m, 0.24, 0.3};
-          standing = std::min(standing, StandingFirm(thing, kBeams, kFired, left_out));
-        }
+// The same of a sensor that leaves places out, wherever one is.
+// SR-LOW02
+TEST(AssuredSight, WhatIsAsWideAsIsAssuredIsFirmWithAPlaceLeftOut) {
+  constexpr int kBeams = 32;
+  constexpr int kFired = 994;
+  constexpr int kPlaces = 10;
+  BeamModel model = EvenBeams(kBeams);
+  const float all_m = FirmSight_m(model, 0.24f);
+  model.fired_per_revolution = kFired;
+  const double sight_m = double{FirmSight_m(model, 0.24f)};
+  EXPECT_LT(sight_m, 0.79 * double{all_m});
+  const auto least = [&](double d_m) {
+    int standing = kMaxBeams;
+    for (int place = 0; place < kPlaces; ++place) {
+      const double aside_m = d_m * 2.0 * M_PI / kFired * place / kPlaces;
+      for (int left_out = -5; left_out <= 6; ++left_out) {
+        const Thing thing = {d_m, aside_m, 0.24, 0.3};
+        standing = std::min(standing, StandingFirm(thing, kBeams, kFired, left_out));
       }
-      return standing;
-    };
-    for (const double share : {0.92, 0.96, 0.995}) EXPECT_GE(least(share * sight_m), 1) << share;
-    EXPECT_EQ(least(double{all_m} * 0.96), 0) << "with four columns";
-  }
+    }
+    return standing;
+  };
+  for (const double share : {0.92, 0.96, 0.995}) EXPECT_GE(least(share * sight_m), 1) << share;
+  EXPECT_EQ(least(double{all_m} * 0.96), 0) << "with four columns";
 }
 
 }  // namespace
