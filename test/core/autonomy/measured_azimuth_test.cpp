@@ -117,6 +117,32 @@ TEST(MeasuredAzimuth, TheMapHasThePostInItsCells) {
   EXPECT_EQ(sensor.bench.HardInGrid(about), sensor.bench.HardInGrid(cells));
 }
 
+// Ground that rises to the left by 1 in 5, about straight ahead, 16 to 28 m away: how high it is
+// filed above where it is, on average. Filed 1.4 columns aside it would be 3 cm off.
+double GroundTooHigh_m(double shift_columns) {
+  FreeFiring sensor(kColumns - 31, shift_columns);
+  sensor.bench.world.bodies.clear();
+  sensor.bench.world.ground = Ground({{-1000.0, -200.0}, {1000.0, 200.0}}, 0.5 * kPi_rad);
+  for (int k = 0; k < 2 * kColumns; ++k) sensor.Fire(k);
+  const Area ahead = {16.0, -3.0, 28.0, 3.0};
+  double sum_m = 0.0;
+  int cells = 0;
+  ahead.ForEach([&](Cell cell) {
+    const HeightGrid::CellHeights heights = sensor.bench.mapper->heights().At(cell);
+    if (!heights.ground) return;
+    sum_m += 0.01 * heights.lowest_cm - 0.2 * (0.2 * cell.y + 0.1);
+    ++cells;
+  });
+  EXPECT_GT(cells, 100);
+  return sum_m / cells;
+}
+
+TEST(MeasuredAzimuth, TheGroundLiesWhereItIs) {
+  const double own_m = GroundTooHigh_m(0.0);
+  EXPECT_NEAR(GroundTooHigh_m(1.4), own_m, 0.01);
+  EXPECT_NEAR(GroundTooHigh_m(-1.4), own_m, 0.01);
+}
+
 // 3 of 100 places are left out: nothing is lost, nothing else is seen.
 TEST(MeasuredAzimuth, PlacesLeftOutAreNoObstaclesAndNoLoss) {
   FreeFiring sensor(kColumns - 31);
