@@ -47,10 +47,12 @@ float AssuredSight_m(const BeamModel& model, float sensor_height_m, float band_m
 }
 
 float FirmSight_m(const BeamModel& model, float width_m) {
-  if (model.columns_per_revolution < 1 || !(width_m > 0.0f)) return 0.0f;
-  constexpr float kFirmColumns = 4.0f;
-  const float apart_rad = kTwoPi / static_cast<float>(model.columns_per_revolution);
-  return Min(width_m / (kFirmColumns * apart_rad), kMostSight_m);
+  if (model.fired_per_revolution < 1 || !(width_m > 0.0f)) return 0.0f;
+  // One more where a place among them may be left out: then the middle has three neighbours still.
+  const bool are_all = model.fired_per_revolution >= model.columns_per_revolution;
+  const float columns = are_all ? 4.0f : 5.0f;
+  const float apart_rad = kTwoPi / static_cast<float>(model.fired_per_revolution);
+  return Min(width_m / (columns * apart_rad), kMostSight_m);
 }
 
 float SensorHeight_m(const BeamModel& model, const LidarMountParams& mount) {

@@ -25,7 +25,8 @@
 //
 // To be told from growth it has to be firm as well: of one beam, a return with three of its four
 // neighbours in azimuth on the same surface (core/segmentation/texture.h), so four columns. They
-// are 2 pi d / W apart, W in a revolution.
+// are 2 pi d / W apart, W in a revolution. Of a sensor that leaves places of its grid out, one in
+// such a row may be missing: five columns that come.
 
 namespace hardpack {
 

@@ -157,7 +157,8 @@ Status Mapper::AddColumn(const LidarColumn& column, uint64_t time_ns) {
   for (int row = 0; row < model_.beams; ++row) self_[row] = 0;
   const std::span<const uint8_t> self(self_, static_cast<size_t>(model_.beams));
   const Result<int64_t> sequence = ring_.SequenceOf(column.frame_id, column.measurement_id);
-  if (!column.valid || column.beams != model_.beams || !sequence.ok()) {
+  const bool is_column = column.valid && column.beams == model_.beams && ring_.TakesOffset(column);
+  if (!is_column || !sequence.ok()) {
     // The ring has a name for it, and counts it.
     const Status refused = ring_.Push(column, time_ns, Transform3{}, self);
     late_run_ = refused == Status::kLate ? late_run_ + 1 : 0;
@@ -209,7 +210,8 @@ void Mapper::FoldOccupant(int64_t sequence) {
 }
 
 void Mapper::MarkSelf(const LidarColumn& column) {
-  const SinCosPair encoder = EncoderSinCos(model_, column.measurement_id);
+  const SinCosPair encoder =
+      EncoderSinCos(model_, column.measurement_id, column.azimuth_offset_rad);
   const LidarMountParams& mount = params_.mount;
   HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int row = 0; row < model_.beams; ++row) {

@@ -213,7 +213,9 @@ class Mapper {
   bool IsLow(const DirectionClasses& classes, int beam) const;
   void FileWires(const Direction& direction, const DirectionClasses& classes);
   uint32_t RevolutionOf(int64_t sequence) const;
-  Vec3 PointOdom(const ScanColumn& column, int row, PackedReturn packed) const;
+  SinCosPair EncoderOf(int slot) const;
+  Vec3 PointOdom(const ScanColumn& column, SinCosPair encoder, int row, PackedReturn packed) const;
+  int64_t HeldBeside(int64_t sequence) const;
   void Fold(int slot);
   bool FoldPending(uint64_t now_ns, uint64_t deadline_ns);
   bool MayBeObstacle(PackedReturn packed) const;

@@ -86,8 +86,9 @@ void Mapper::LookWithBeam(int beam, int own_id, const Transform3& pose, Directio
   const PackedReturn packed = held ? ring_.at(slot, row) : PackedReturn();
   const bool seen = packed.range_mm() != 0 && !packed.self();
   const Transform3& from = held ? ring_.column(slot).odom_from_sensor : pose;
+  const float offset_rad = held ? ring_.column(slot).azimuth_offset_rad : 0.0f;
   const SinCosPair encoder =
-      EncoderSinCos(model_, Wrapped(own_id + shift, model_.columns_per_revolution));
+      EncoderSinCos(model_, Wrapped(own_id + shift, model_.columns_per_revolution), offset_rad);
   const Vec3 point =
       from.Apply(PointInSensor(model_, encoder, row, seen ? packed.range_mm() : kSomewhere_mm));
   const Vec3& sensor = direction.fan.sensor_odom;

@@ -27,7 +27,7 @@ Status Mapper::AddLabels(const ColumnLabels& labels) {
     // One that is not classed yet is held against its label again when it is.
     packed.SetClass(CheckedLabel(said, seen, obstacle_height_m_), true);
     if (said == ReturnClass::kHard && known && height_m > band_m_ && height_m <= growth_height_m_) {
-      heights_.CountLow(PointOdom(ring_.column(slot), row, packed), true);
+      heights_.CountLow(PointOdom(ring_.column(slot), EncoderOf(slot), row, packed), true);
     }
     ring_.Set(slot, row, packed);
   }
@@ -57,8 +57,13 @@ uint32_t Mapper::RevolutionOf(int64_t sequence) const {
   return static_cast<uint32_t>(ring_.TurnOf(sequence));
 }
 
-Vec3 Mapper::PointOdom(const ScanColumn& column, int row, PackedReturn packed) const {
-  const SinCosPair encoder = EncoderSinCos(model_, column.measurement_id);
+SinCosPair Mapper::EncoderOf(int slot) const {
+  const ScanColumn& column = ring_.column(slot);
+  return EncoderSinCos(model_, column.measurement_id, column.azimuth_offset_rad);
+}
+
+Vec3 Mapper::PointOdom(const ScanColumn& column, SinCosPair encoder, int row,
+                       PackedReturn packed) const {
   return column.odom_from_sensor.Apply(PointInSensor(model_, encoder, row, packed.range_mm()));
 }
 
@@ -67,6 +72,7 @@ Vec3 Mapper::PointOdom(const ScanColumn& column, int row, PackedReturn packed) c
   --folds_left_;
   const ScanColumn& column = ring_.column(slot);
   const uint32_t revolution = RevolutionOf(column.sequence);
+  const SinCosPair encoder = EncoderOf(slot);
   HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int row = 0; row < model_.beams; ++row) {
     const PackedReturn packed = ring_.at(slot, row);
@@ -76,7 +82,7 @@ Vec3 Mapper::PointOdom(const ScanColumn& column, int row, PackedReturn packed) c
       ++counters_.overhead_returns;
       continue;
     }
-    if (!IsUsable(heights_.Insert(PointOdom(column, row, packed), what, revolution))) {
+    if (!IsUsable(heights_.Insert(PointOdom(column, encoder, row, packed), what, revolution))) {
       ++counters_.returns_off_map;
     }
   }
@@ -153,11 +159,12 @@ void Mapper::MarkPending(int slot, uint32_t since, CostmapBuilder& builder) cons
       column.state == ColumnState::kFolded && static_cast<int32_t>(column.fold_count - since) >= 0;
   if (column.state != ColumnState::kClassed && !folded_since) return;
   const GridWindow& window = builder.result().window;
+  const SinCosPair encoder = EncoderOf(slot);
   HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int row = 0; row < model_.beams; ++row) {
     const PackedReturn packed = ring_.at(slot, row);
     if (!MayBeObstacle(packed)) continue;
-    const Vec3 point = PointOdom(column, row, packed);
+    const Vec3 point = PointOdom(column, encoder, row, packed);
     const Cell cell = CellAt({point.x_m, point.y_m});
     if (!IsFinite(point.x_m) || !IsFinite(point.y_m) || !window.Contains(cell)) continue;
     const uint8_t flags = PendingFlags(packed, InCentimeters(point.z_m), heights_.At(cell));
@@ -170,7 +177,7 @@ uint8_t Mapper::ObstacleOf(int slot, int row, uint32_t max_range_mm, Vec2& point
   if (state != ColumnState::kClassed && state != ColumnState::kFolded) return 0;
   const PackedReturn packed = ring_.at(slot, row);
   if (packed.range_mm() > max_range_mm || !MayBeObstacle(packed)) return 0;
-  const Vec3 point = PointOdom(ring_.column(slot), row, packed);
+  const Vec3 point = PointOdom(ring_.column(slot), EncoderOf(slot), row, packed);
   const Cell cell = CellAt({point.x_m, point.y_m});
   if (!IsFinite(point.x_m) || !IsFinite(point.y_m)) return 0;
   point_odom = {point.x_m, point.y_m};
@@ -184,7 +191,7 @@ bool Mapper::GroundStepOf(int slot, int row, uint32_t max_range_mm, Vec2& point_
   const PackedReturn packed = ring_.at(slot, row);
   const bool is_ground = packed.return_class() == ReturnClass::kGround && !packed.self();
   if (!is_ground || packed.range_mm() == 0 || packed.range_mm() > max_range_mm) return false;
-  const Vec3 point = PointOdom(ring_.column(slot), row, packed);
+  const Vec3 point = PointOdom(ring_.column(slot), EncoderOf(slot), row, packed);
   const HeightGrid::CellHeights cell = heights_.At(CellAt({point.x_m, point.y_m}));
   if (!IsFinite(point.x_m) || !IsFinite(point.y_m) || !cell.ground) return false;
   point_odom = {point.x_m, point.y_m};
@@ -192,8 +199,15 @@ bool Mapper::GroundStepOf(int slot, int row, uint32_t max_range_mm, Vec2& point_
   return true;
 }
 
-// The encoder's angle runs backwards: theta_e = 2 pi (1 - m / W). The beams' own azimuths are left
-// out: they shift a column's direction by less than the sectors in which ages differ.
+// A column, or where the sensor has left its place out the one beside it.
+int64_t Mapper::HeldBeside(int64_t sequence) const {
+  if (!ring_.measures_azimuth() || ring_.Holds(sequence)) return sequence;
+  return ring_.Holds(sequence + 1) ? sequence + 1 : sequence - 1;
+}
+
+// The encoder's angle runs backwards: theta_e = 2 pi (1 - m / W). The beams' own azimuths and the
+// column's offset are left out: they shift its direction by less than the sectors in which ages
+// differ.
 uint64_t Mapper::NewestLook_ns(Vec2 direction_odom) const {
   const int64_t newest = ring_.newest_sequence();
   if (!configured_ || newest < 0 || !ring_.Holds(newest)) return 0;
@@ -212,7 +226,8 @@ uint64_t Mapper::NewestLook_ns(Vec2 direction_odom) const {
   int64_t sequence = newest - (since < 0 ? since + columns : since);
   HP_LOOP_BOUND(kLookBack)
   for (int back = 0; back < kLookBack && sequence >= 0; ++back, sequence -= columns) {
-    if (ring_.Holds(sequence)) return ring_.column(ring_.SlotOf(sequence)).time_ns;
+    const int64_t held = HeldBeside(sequence);
+    if (ring_.Holds(held)) return ring_.column(ring_.SlotOf(held)).time_ns;
   }
   return 0;
 }

@@ -29,11 +29,15 @@ enum class ReturnClass : uint8_t {
 };
 
 // One measurement column: all beams fired at one encoder position. [beams] arrays, row 0 first as
-// the sensor sends them.
+// the sensor sends them. A sensor that fires wherever it is just then, and says where that was, has
+// its columns named by the nearest free place of a grid, and tells how far off that they are.
 struct LidarColumn {
-  uint64_t timestamp_ns = 0;          // sensor's clock
-  uint16_t measurement_id = 0;        // column of the revolution, 0 .. columns_per_frame - 1
-  uint16_t frame_id = 0;              // revolution counter, wraps
+  uint64_t timestamp_ns = 0;    // sensor's clock
+  uint16_t measurement_id = 0;  // column of the revolution, 0 .. columns_per_frame - 1
+  uint16_t frame_id = 0;        // revolution counter, wraps
+  // The encoder's true angle less that of measurement_id, anticlockwise: at most 2 columns either
+  // way; 0 for a sensor that fires at the places of its grid.
+  float azimuth_offset_rad = 0.0f;
   uint32_t encoder_ticks = 0;         // LEGACY: 90112 a revolution; 0 where the profile has none
   uint32_t status = 0;                // as sent
   bool valid = false;                 // the sensor vouches for this column
@@ -200,6 +204,8 @@ struct StampedPose {
 struct BeamModel {
   int32_t beams = 0;
   int32_t columns_per_revolution = 0;
+  // How many of them come: fewer where the sensor measures its azimuth and leaves places out.
+  int32_t fired_per_revolution = 0;
   float origin_to_beam_m = 0.0f;  // lidar_origin_to_beam_origin
   float sin_altitude[kMaxBeams] = {};
   float cos_altitude[kMaxBeams] = {};
@@ -229,6 +235,7 @@ struct LidarLayout {
   std::span<const float> altitude_deg;
   std::span<const float> azimuth_deg;
   int32_t columns_per_revolution = 0;
+  int32_t fired_per_revolution = 0;  // as BeamModel's; 0: all columns
   float origin_to_beam_m = 0.0f;
   Transform3 sensor_from_lidar;
   LidarWindow window;

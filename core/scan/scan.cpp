@@ -84,6 +84,7 @@ Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float>
                      const Transform3& sensor_from_lidar, BeamModel& model) {
   model.beams = 0;
   model.columns_per_revolution = 0;
+  model.fired_per_revolution = 0;
   model.max_column_shift = 0;
   if (altitude_deg.empty() || altitude_deg.size() > kMaxBeams ||
       altitude_deg.size() != azimuth_deg.size() || columns_per_revolution < 1 ||
@@ -113,8 +114,31 @@ Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float>
   }
   model.beams = static_cast<int32_t>(altitude_deg.size());
   model.columns_per_revolution = columns_per_revolution;
+  model.fired_per_revolution = columns_per_revolution;
   model.origin_to_beam_m = origin_to_beam_m;
   model.sensor_from_lidar = sensor_from_lidar;
+  return Status::kOk;
+}
+
+SinCosPair TurnedEncoder(SinCosPair encoder, float azimuth_offset_rad) {
+  const SinCosPair offset = SinCos(IsFinite(azimuth_offset_rad) ? azimuth_offset_rad : 0.0f);
+  return {encoder.sin * offset.cos + encoder.cos * offset.sin,
+          encoder.cos * offset.cos - encoder.sin * offset.sin};
+}
+
+Status MakeBeamModel(const LidarLayout& layout, BeamModel& model) {
+  const Status status =
+      MakeBeamModel(layout.altitude_deg, layout.azimuth_deg, layout.columns_per_revolution,
+                    layout.origin_to_beam_m, layout.sensor_from_lidar, model);
+  const int32_t fired = layout.fired_per_revolution;
+  if (!IsUsable(status) || fired == 0) return status;
+  if (fired < 0 || fired > model.columns_per_revolution) {
+    model.beams = 0;
+    model.columns_per_revolution = 0;
+    model.fired_per_revolution = 0;
+    return Status::kInvalidArgument;
+  }
+  model.fired_per_revolution = fired;
   return Status::kOk;
 }
 
@@ -135,6 +159,7 @@ Status ScanRing::Configure(int beams, int columns_per_revolution, int window_fir
   newest_sequence_ = -1;
   first_turn_ = 0;
   fold_count_ = 0;
+  measures_azimuth_ = false;
   counters_ = ScanCounters{};
   if (beams < 1 || beams > kMaxBeams || columns_per_revolution < 1 ||
       columns_per_revolution > kMaxColumnsPerRevolution || window_first < 0 ||
@@ -264,7 +289,7 @@ Status ScanRing::Push(const LidarColumn& column, uint64_t time_ns,
     return Status::kColumnInvalid;
   }
   const Result<int64_t> named = SequenceOf(column.frame_id, column.measurement_id);
-  if (column.beams != beams_ || named.status() == Status::kBadColumn) {
+  if (column.beams != beams_ || named.status() == Status::kBadColumn || !TakesOffset(column)) {
     ++counters_.bad_columns;
     return Status::kBadColumn;
   }
@@ -286,6 +311,8 @@ Status ScanRing::Push(const LidarColumn& column, uint64_t time_ns,
   info.frame_id = column.frame_id;
   info.measurement_id = column.measurement_id;
   info.state = ColumnState::kRaw;
+  info.azimuth_offset_rad = column.azimuth_offset_rad;
+  measures_azimuth_ = measures_azimuth_ || column.azimuth_offset_rad != 0.0f;
   info.odom_from_sensor = odom_from_sensor;
   FileReturns(column, slot, self);
   if (sequence > newest_sequence_) newest_sequence_ = sequence;

@@ -31,12 +31,23 @@ namespace hardpack {
 Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float> azimuth_deg,
                      int columns_per_revolution, float origin_to_beam_m,
                      const Transform3& sensor_from_lidar, BeamModel& model);
+// The same of a lidar's layout. kInvalidArgument is also more columns that come than there are.
+Status MakeBeamModel(const LidarLayout& layout, BeamModel& model);
 
 // Sine and cosine of the encoder angle of one column: theta_e = 2 pi (1 - m / W); from the model's
 // table. Precondition: 0 <= measurement_id < model.columns_per_revolution.
 inline SinCosPair EncoderSinCos(const BeamModel& model, int measurement_id) {
   HP_ASSERT(measurement_id >= 0 && measurement_id < model.columns_per_revolution);
   return {model.sin_encoder[measurement_id], model.cos_encoder[measurement_id]};
+}
+
+// The same of a column that is azimuth_offset_rad off its place in the grid; bit for bit the
+// table's where that is 0. Not finite counts as 0. Cost: a sine and a cosine where it is not 0.
+SinCosPair TurnedEncoder(SinCosPair encoder, float azimuth_offset_rad);
+inline SinCosPair EncoderSinCos(const BeamModel& model, int measurement_id,
+                                float azimuth_offset_rad) {
+  const SinCosPair encoder = EncoderSinCos(model, measurement_id);
+  return azimuth_offset_rad == 0.0f ? encoder : TurnedEncoder(encoder, azimuth_offset_rad);
 }
 
 // The point of one return in the lidar's sensor frame [m].
@@ -136,7 +147,8 @@ struct ScanColumn {
   uint16_t measurement_id = 0;
   ColumnState state = ColumnState::kAbsent;
   bool labelled = false;
-  Transform3 odom_from_sensor;  // pose of the sensor when the column was taken
+  float azimuth_offset_rad = 0.0f;  // as LidarColumn's
+  Transform3 odom_from_sensor;      // pose of the sensor when the column was taken
 };
 
 // Counts of what came in since Configure.
@@ -144,7 +156,8 @@ struct ScanCounters {
   uint32_t columns = 0;  // filed
   uint32_t duplicates = 0;
   uint32_t invalid_columns = 0;
-  uint32_t bad_columns = 0;  // off the window or the revolution, or another number of beams
+  // Off the window or the revolution, another number of beams, or too far off its place.
+  uint32_t bad_columns = 0;
   // Of the window, skipped between two columns that were filed, or before EndRevolution.
   uint32_t missing_columns = 0;
   uint32_t late_columns = 0;      // filed although a later one had come; no longer missing
@@ -169,6 +182,8 @@ class ScanRing {
   static constexpr int kCapacityReturns = 131072;  // rows x columns of one revolution
   static constexpr int kMaxColumns = 6144;
   static constexpr int kMaxReturns = 393216;
+  // So far from its place in the grid a column may have been measured.
+  static constexpr float kMaxOffset_columns = 2.0f;
   // A frame counter that jumps further, ahead or back, is a restart of the sensor, not a loss.
   static constexpr int kMaxFrameGap = 100;
 
@@ -197,11 +212,21 @@ class ScanRing {
   // reaches, slots() columns back from the newest.
   Result<int64_t> SequenceOf(uint16_t frame_id, uint16_t measurement_id) const;
 
+  // Whether a column's azimuth offset is finite and at most kMaxOffset_columns.
+  bool TakesOffset(const LidarColumn& column) const {
+    const float most_rad = kMaxOffset_columns * kTwoPi / static_cast<float>(columns_);
+    return Abs(column.azimuth_offset_rad) <= most_rad;
+  }
+  // The sensor's columns are not at the places of the grid: it leaves some of them out, and nothing
+  // is lost.
+  bool measures_azimuth() const { return measures_azimuth_; }
+
   // Files one column with its time and the sensor's pose then, as kRaw; what is in its slot from an
   // earlier revolution is gone. A return is that of the nearer of the beam's returns. `self`: for
   // each row whether it is the vehicle itself or outside the usable range; [beams].
   // kColumnInvalid, kBadColumn, kDuplicate (the column is in the ring), kLate, kSensorRestarted:
-  // counted, not filed. kNotFinite: the pose; kNotStarted: Configure has not succeeded;
+  // counted, not filed; kBadColumn is also one whose azimuth offset is none (TakesOffset).
+  // kNotFinite: the pose; kNotStarted: Configure has not succeeded;
   // kInvalidArgument: self of another size.
   // Cost: one pass over the rows, at most kMaxBeams.
   Status Push(const LidarColumn& column, uint64_t time_ns, const Transform3& odom_from_sensor,
@@ -286,6 +311,7 @@ class ScanRing {
   int64_t last_place_ = 0;
   int32_t filed_in_revolution_ = 0;  // the newest column's
   bool revolution_ended_ = false;    // and whether EndRevolution has counted it
+  bool measures_azimuth_ = false;
   uint32_t fold_count_ = 0;
   ScanCounters counters_;
   ScanColumn info_[kMaxColumns] = {};

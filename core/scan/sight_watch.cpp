@@ -13,6 +13,9 @@ namespace {
 
 // Of the columns of a sector, and of the beams that would meet the ground: so many are one look.
 constexpr int kShareOfLook = 4;
+// Between two columns of a sensor that is worth measuring, and how far apart they are at least.
+constexpr uint64_t kLongestStep_ns = 1'000'000;
+constexpr float kLeastStep_columns = 0.25f;
 
 // value modulo size, for -size <= value < 2 size.
 int Wrapped(int value, int size) {
@@ -62,6 +65,7 @@ Status SightWatch::Configure(const LidarMountParams& mount, const SafetyParams& 
   }
   beams_ = model.beams;
   columns_ = columns;
+  fired_ = model.fired_per_revolution;
   columns_per_packet_ = columns_per_packet;
   sectors_ = ClampInt(columns / columns_per_packet, kLeastSectors, kMaxSectors);
   window_mm_ = static_cast<uint32_t>(RoundToInt(mount.min_range_m * kMillisecondsPerSecond));
@@ -82,6 +86,8 @@ void SightWatch::Forget() {
   column_ns_ = 0;
   column_digest_ = 0;
   column_id_ = -1;
+  column_offset_rad_ = 0.0f;
+  step_ns_ = 0;
   covered_ = 0;
   frozen_ = 0;
   faulty_since_ns_ = 0;
@@ -181,12 +187,29 @@ bool SightWatch::IsRepeated(const LidarColumn& column, const Seen& seen) {
 }
 
 // A sensor's stamps are even within a packet; between two the offset to our clock may have moved.
+// Columns that are off their places are more or less than one apart, and begin a packet anywhere:
+// such a sensor fires in even steps, and the one between two packets tells by being none.
 void SightWatch::MeasureRevolution(const LidarColumn& column, uint64_t time_ns) {
   const bool follows = column.measurement_id == column_id_ + 1 && time_ns > column_ns_ &&
                        column.measurement_id % columns_per_packet_ != 0;
-  if (follows) revolution_ns_ = (time_ns - column_ns_) * static_cast<uint64_t>(columns_);
+  const bool is_placed = column_offset_rad_ == 0.0f && column.azimuth_offset_rad == 0.0f;
+  const uint64_t step_ns = time_ns - column_ns_;
+  if (follows && is_placed) {
+    revolution_ns_ = step_ns * static_cast<uint64_t>(columns_);
+  } else if (!is_placed) {
+    const bool is_even = 8 * step_ns <= 9 * step_ns_ && 8 * step_ns >= 7 * step_ns_;
+    if (follows && is_even && step_ns <= kLongestStep_ns) {
+      const auto columns = static_cast<float>(columns_);
+      const float further_rad = column_offset_rad_ - column.azimuth_offset_rad;
+      const float apart = Max(1.0f + further_rad * columns / kTwoPi, kLeastStep_columns);
+      const auto turned_ns = static_cast<float>(static_cast<uint32_t>(step_ns)) * columns / apart;
+      revolution_ns_ = static_cast<uint64_t>(RoundToInt(turned_ns));
+    }
+  }
+  step_ns_ = step_ns;
   column_id_ = column.measurement_id;
   column_ns_ = time_ns;
+  column_offset_rad_ = column.azimuth_offset_rad;
 }
 
 // Not inlined: its calls are counted (config/timing.toml).
@@ -322,7 +345,8 @@ SightWatch::Shares SightWatch::SharesOf(int part, uint64_t now_ns) const {
     beams += sector.last.beams;
     came += sector.last.came;
   }
-  shares.columns_permille = Permille(columns, expected);
+  const bool leaves_out = fired_ < columns_;
+  shares.columns_permille = Permille(columns, leaves_out ? expected * fired_ / columns_ : expected);
   shares.returns_permille = Permille(came, beams);
   return shares;
 }

@@ -132,6 +132,7 @@ class SightWatch {
   bool configured_ = false;
   int32_t beams_ = 0;
   int32_t columns_ = 0;  // a revolution
+  int32_t fired_ = 0;    // of those that come
   int32_t columns_per_packet_ = 1;
   int32_t sectors_ = 0;
   uint32_t window_mm_ = 0;  // nearer than this is at the window
@@ -142,6 +143,8 @@ class SightWatch {
   uint64_t column_ns_ = 0;  // of the column before ...
   uint32_t column_digest_ = 0;
   int32_t column_id_ = -1;
+  float column_offset_rad_ = 0.0f;
+  uint64_t step_ns_ = 0;  // from the column before that one to it
   int32_t covered_ = 0;
   int32_t frozen_ = 0;
   uint64_t faulty_since_ns_ = 0;  // 0: not

@@ -231,6 +231,7 @@ Status DecodeColumn(const PacketLayout& layout, std::span<const uint8_t> packet,
 
   column.timestamp_ns = bytes.U64(0);
   column.measurement_id = bytes.U16(8);
+  column.azimuth_offset_rad = 0.0f;
   column.beams = layout.beams;
   column.returns = layout.profile == Profile::kRng19Rfl8Sig16Nir16Dual ? 2 : 1;
   if (layout.profile == Profile::kLegacy) {

@@ -194,6 +194,32 @@ def pose_datagrams(seeds):
                   b"".join(datagram(i, groups) for i, groups in enumerate((255, 0x18, 2, 0, 127))))
 
 
+def velodyne_packets(seeds):
+    """Eight packets of each model, single and dual, over the north and the hour."""
+    def packet(is_vlp16, mode, number, last):
+        per_block, per_group = (2 if is_vlp16 else 1), (2 if mode == 0x39 else 1)
+        firings = 12 // per_group * per_block
+        out = b""
+        for block in range(12):
+            firing = number * firings + block // per_group * per_block
+            azimuth = int(35900 + firing * 600 * 600 * 55.296e-6) % 36000
+            out += b"\xff\xee" + struct.pack("<H", azimuth)
+            out += b"".join(struct.pack("<HB", 2000 + 3 * i + 50 * (block % 2), i) for i in range(32))
+        time = int(last + number * firings * 55.296) % 3_600_000_000
+        return out + struct.pack("<IBB", time, mode, 0x22 if is_vlp16 else 0x28)
+    for is_vlp16 in (True, False):
+        for place, mode in enumerate((0x37, 0x38, 0x39)):
+            kind = "dual" if mode == 0x39 else "vlp16" if is_vlp16 else "vlp32c"
+            head = bytes([6 + 2 * place + (0 if is_vlp16 else 1)])  # 600 rpm
+            packets = [packet(is_vlp16, mode, number, 3_599_996_000) for number in range(8)]
+            seeds.add("velodyne", kind, head + b"".join(struct.pack("<HB", len(p), 0) + p
+                                                       for p in packets))
+            # The target makes one of what follows, and has it begin anew.
+            bare = struct.pack("<HB", 4, 2 + 4 + 8 + 16) + b"\0\0\0\0"
+            again = struct.pack("<HB", 4, 1 + 2 + 4 + 8) + b"\0\0\1\2"
+            seeds.add("velodyne", kind, head + 3 * bare + 2 * again + bare)
+
+
 def control_messages(seeds):
     def add(sort, kind, body=b""):
         head = b"HPCT" + struct.pack("<BBHI", 1, kind, 12 + len(body), 9)
@@ -382,8 +408,8 @@ def main(arguments):
         print(__doc__)
         return 2
     seeds = Seeds(pathlib.Path(arguments[0]))
-    for make in (configurations, maps, point_files, label_datagrams, pose_datagrams, control_messages,
-                 drive_scripts, twist_drive_scripts, scripts, plans):
+    for make in (configurations, maps, point_files, label_datagrams, pose_datagrams, velodyne_packets,
+                 control_messages, drive_scripts, twist_drive_scripts, scripts, plans):
         make(seeds)
     can = [can_frame(">", 0x180 + i, bytes(range(i))) for i in range(9)]
     seeds.add("capture", "can", b"\0" + pcap(CAN_SOCKETCAN, can))

@@ -73,7 +73,8 @@ FiledReturns ReturnsIn(const Mapper& mapper) {
   for (int slot = 0; slot < ring.slots(); ++slot) {
     const ScanColumn& column = ring.column(slot);
     if (column.state == ColumnState::kAbsent) continue;
-    const SinCosPair encoder = EncoderSinCos(mapper.model(), column.measurement_id);
+    const SinCosPair encoder =
+        EncoderSinCos(mapper.model(), column.measurement_id, column.azimuth_offset_rad);
     for (int row = 0; row < ring.beams(); ++row) {
       const PackedReturn packed = ring.at(slot, row);
       if (packed.range_mm() == 0) continue;

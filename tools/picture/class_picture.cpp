@@ -200,7 +200,8 @@ std::vector<SeenReturn> ReturnsOf(const Mapper& mapper, const Pose2& pose) {
   for (int slot = 0; slot < ring.slots(); ++slot) {
     const ScanColumn& column = ring.column(slot);
     if (column.state == ColumnState::kAbsent) continue;
-    const SinCosPair encoder = EncoderSinCos(mapper.model(), column.measurement_id);
+    const SinCosPair encoder =
+        EncoderSinCos(mapper.model(), column.measurement_id, column.azimuth_offset_rad);
     const Vec3 sensor = column.odom_from_sensor.Apply({});
     for (int beam = 0; beam < ring.beams(); ++beam) {
       const int row = mapper.model().by_altitude[beam];

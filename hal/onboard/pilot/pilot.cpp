@@ -58,9 +58,7 @@ Status Pilot::Configure(const PilotConfig& config, const LidarLayout& lidar) {
 // No faster than it sees what is low.
 Status Pilot::LimitSpeed(const LidarLayout& lidar) {
   if (FirstInvalidParameter(config_.planner) != nullptr) return Status::kParameterOutOfRange;
-  const Status status =
-      MakeBeamModel(lidar.altitude_deg, lidar.azimuth_deg, lidar.columns_per_revolution,
-                    lidar.origin_to_beam_m, lidar.sensor_from_lidar, beam_model_);
+  const Status status = MakeBeamModel(lidar, beam_model_);
   if (!IsUsable(status)) return status;
   return LimitToAssuredSight(beam_model_, config_.perception, config_.planner.vehicle,
                              config_.planner.speed);

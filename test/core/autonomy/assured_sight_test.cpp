@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -154,15 +155,19 @@ DirectionView LookAt(const Thing& thing, double azimuth_rad, int beams) {
   return view;
 }
 
-// Of the returns of one scan: those that stand and are firm.
-int StandingFirm(const Thing& thing, int beams, int columns) {
+// Of the returns of one scan: those that stand and are firm. left_out: before this column, counted
+// from straight ahead, a place has none.
+int StandingFirm(const Thing& thing, int beams, int columns, int left_out = INT_MAX) {
   constexpr int kDirections = 41;
   auto segmenter = std::make_unique<Segmenter>();
   EXPECT_EQ(segmenter->Configure(SegmentationParams{}, beams), Status::kOk);
   int standing = 0;
   for (int direction = 0; direction < kDirections + Segmenter::kLag; ++direction) {
-    const double azimuth_rad = (direction - kDirections / 2) * 2.0 * M_PI / columns;
-    EXPECT_EQ(segmenter->Push(LookAt(thing, azimuth_rad, beams)), Status::kOk);
+    const int place = direction - kDirections / 2;
+    const int column = place > left_out ? place - 1 : place;
+    DirectionView view = LookAt(thing, column * 2.0 * M_PI / columns, beams);
+    if (place == left_out) std::fill_n(view.seen, beams, false);
+    EXPECT_EQ(segmenter->Push(view), Status::kOk);
     if (!segmenter->ready()) continue;
     const DirectionClasses& classes = segmenter->result();
     for (int beam = 0; beam < beams; ++beam) {
@@ -207,6 +212,32 @@ TEST(AssuredSight, WhatIsAsWideAsIsAssuredIsFirm) {
     }
     EXPECT_EQ(least(1.1 * sight_m), 0) << columns << " columns";
   }
+}
+
+// The same of a sensor that leaves places out, wherever one is.
+// SR-LOW02
+TEST(AssuredSight, WhatIsAsWideAsIsAssuredIsFirmWithAPlaceLeftOut) {
+  constexpr int kBeams = 32;
+  constexpr int kFired = 994;
+  constexpr int kPlaces = 10;
+  BeamModel model = EvenBeams(kBeams);
+  const float all_m = FirmSight_m(model, 0.24f);
+  model.fired_per_revolution = kFired;
+  const double sight_m = double{FirmSight_m(model, 0.24f)};
+  EXPECT_LT(sight_m, 0.79 * double{all_m});
+  const auto least = [&](double d_m) {
+    int standing = kMaxBeams;
+    for (int place = 0; place < kPlaces; ++place) {
+      const double aside_m = d_m * 2.0 * M_PI / kFired * place / kPlaces;
+      for (int left_out = -5; left_out <= 6; ++left_out) {
+        const Thing thing = {d_m, aside_m, 0.24, 0.3};
+        standing = std::min(standing, StandingFirm(thing, kBeams, kFired, left_out));
+      }
+    }
+    return standing;
+  };
+  for (const double share : {0.92, 0.96, 0.995}) EXPECT_GE(least(share * sight_m), 1) << share;
+  EXPECT_EQ(least(double{all_m} * 0.96), 0) << "with four columns";
 }
 
 }  // namespace

@@ -82,9 +82,11 @@ class Lidar {
  public:
   explicit Lidar(uint64_t seed) : random_(seed) {}
 
-  // One column with the codes of its returns, taken from where the vehicle is then.
+  // One column with the codes of its returns, taken from where the vehicle is then, and so far from
+  // the column's place.
   std::pair<LidarColumn, ColumnLabels> Cast(const World& world, const Pose& vehicle, double time_s,
-                                            uint16_t frame_id, uint16_t measurement_id) {
+                                            uint16_t frame_id, uint16_t measurement_id,
+                                            double offset_rad = 0.0) {
     LidarColumn column;
     ColumnLabels labels;
     column.frame_id = labels.frame_id = frame_id;
@@ -92,7 +94,9 @@ class Lidar {
     column.beams = labels.beams = kBeams;
     column.status = UINT32_MAX;
     column.valid = true;
-    const double encoder = 2.0 * kPi_rad * (1.0 - measurement_id / static_cast<double>(kColumns));
+    column.azimuth_offset_rad = static_cast<float>(offset_rad);
+    const double encoder =
+        2.0 * kPi_rad * (1.0 - measurement_id / static_cast<double>(kColumns)) + offset_rad;
     for (int row = 0; row < kBeams; ++row) {
       const Ray ray = RayOf(vehicle, encoder, row);
       const Hit hit = world.Look(ray, time_s, random_);

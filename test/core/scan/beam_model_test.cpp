@@ -36,6 +36,26 @@ std::unique_ptr<BeamModel> EvenModel(int beams, int columns, float origin_m) {
   return model;
 }
 
+TEST(BeamModel, TakesALayoutWithPlacesLeftOut) {
+  const std::vector<float> angles(16, 1.0f);
+  LidarLayout layout;
+  layout.altitude_deg = layout.azimuth_deg = angles;
+  layout.columns_per_revolution = 1863;
+  auto model = std::make_unique<BeamModel>();
+  ASSERT_EQ(MakeBeamModel(layout, *model), Status::kOk);
+  EXPECT_EQ(model->fired_per_revolution, 1863);
+  layout.fired_per_revolution = 1808;
+  ASSERT_EQ(MakeBeamModel(layout, *model), Status::kOk);
+  EXPECT_EQ(model->fired_per_revolution, 1808);
+  EXPECT_EQ(model->columns_per_revolution, 1863);
+  for (const int fired : {-1, 1864}) {
+    layout.fired_per_revolution = fired;
+    EXPECT_EQ(MakeBeamModel(layout, *model), Status::kInvalidArgument);
+    EXPECT_EQ(model->beams, 0);
+  }
+  EXPECT_EQ(MakeBeamModel(LidarLayout{}, *model), Status::kInvalidArgument);
+}
+
 TEST(BeamModel, RefusesWhatIsNoSensor) {
   const std::vector<float> angles(64, 1.0f);
   const std::vector<float> fewer(63, 1.0f);

@@ -9,6 +9,7 @@
 #include "hal/sevcon/sevcon.h"
 #include "hal/vectornav/encode.h"
 #include "hal/vectornav/stream_parser.h"
+#include "hal/velodyne/lidar.h"
 #include "test/hal/conformance/drive_device_conformance.h"
 #include "test/hal/conformance/ins_device_conformance.h"
 #include "test/hal/conformance/lidar_device_conformance.h"
@@ -16,8 +17,9 @@
 #include "test/hal/pose_datagram/samples.h"
 #include "test/hal/sevcon/bench.h"
 #include "test/hal/twist_drive/controller.h"
+#include "test/hal/velodyne/velodyne_packets.h"
 
-// The devices of the vehicles that there are (hal/onboard/vehicle_loop/vehicles.h).
+// The devices that a vehicle can have (hal/onboard/vehicle_loop/vehicles.h).
 
 namespace hardpack {
 namespace {
@@ -62,6 +64,24 @@ struct OusterHarness {
   static std::vector<uint8_t> Restarted(int k) { return DatagramOf(k, 8); }
 };
 INSTANTIATE_TYPED_TEST_SUITE_P(Ouster, LidarDeviceConformance, OusterHarness);
+
+template <velodyne::Model kModel, velodyne::ReturnMode kMode>
+struct VelodyneHarness {
+  using Device = velodyne::Lidar;
+  static constexpr bool kTellsRestarts = true;
+
+  static velodyne::Config config() { return {kModel, kMode, 600}; }
+  static std::vector<uint8_t> DatagramFrom(uint64_t begin_us, int k) {
+    return velodyne::test::PacketOf(
+        {.config = config(), .begin_cdeg = 35'000.0, .begin_us = begin_us}, k);
+  }
+  static std::vector<uint8_t> Datagram(int k) { return DatagramFrom(900'000'000, k); }
+  static std::vector<uint8_t> Restarted(int k) { return DatagramFrom(20'000'000, k); }
+};
+using Vlp16Harness = VelodyneHarness<velodyne::Model::kVlp16, velodyne::ReturnMode::kStrongest>;
+using Vlp32cHarness = VelodyneHarness<velodyne::Model::kVlp32c, velodyne::ReturnMode::kDual>;
+INSTANTIATE_TYPED_TEST_SUITE_P(Vlp16, LidarDeviceConformance, Vlp16Harness);
+INSTANTIATE_TYPED_TEST_SUITE_P(Vlp32c, LidarDeviceConformance, Vlp32cHarness);
 
 struct VectorNavHarness {
   using Device = vectornav::StreamParser;

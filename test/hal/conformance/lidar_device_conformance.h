@@ -45,9 +45,7 @@ TYPED_TEST_P(LidarDeviceConformance, SaysHowItIsMade) {
   EXPECT_LE(layout.window.columns_per_datagram, Device::kMaxColumns);
   EXPECT_GE(Device::MostColumnsPerSecond(config), layout.columns_per_revolution);
   const auto model = std::make_unique<BeamModel>();
-  EXPECT_EQ(MakeBeamModel(layout.altitude_deg, layout.azimuth_deg, layout.columns_per_revolution,
-                          layout.origin_to_beam_m, layout.sensor_from_lidar, *model),
-            Status::kOk);
+  EXPECT_EQ(MakeBeamModel(layout, *model), Status::kOk);
 }
 
 TYPED_TEST_P(LidarDeviceConformance, DecodesEveryColumnOfItsDatagrams) {
