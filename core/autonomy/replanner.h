@@ -22,22 +22,24 @@
 //        |---- kept stretch ------> \____                          __/
 //                                        \___ new plan ___________/
 //
-// One round, begun as soon as the previous one was evaluated: 1. Anchor. The predicted pose is
-// projected onto the committed path. The new plan starts on that path, with its pose, curvature and
-// speed, at the first point beyond the stretch that is driven during the round: min_latency_s, or
-// 1.5 times the longest of the last rounds (their length in the owner's time, so the same in
-// replay), and no closer to the place where the map began than unseen_start_m. The result is
-//    kept stretch + new plan. It starts from the predicted pose itself if there is no committed
-//    plan, if the vehicle is farther beside it than there is room there (max_cross_track_m at most,
-//    least_cross_track_m at least), or kMaxStandingOff_m at rest (or turned away from it by more
-//    than max_join_heading_rad), or if it stands at the path's end or at a turn on the spot.
-// 2. The new plan, on the present map. 3. The rest of the committed path, from the vehicle's
-// projection on, is checked on that map, with path.kept_margin_m around the outline: the allowance
-// for tracking error. It is less than a new plan's path.margin_m, because an object in a hard
-// square may be anywhere in it, and in a gap that is just wide enough its edge moves by a cell with
-// every build. Meanwhile each return itself is tested against the corridor
-// (core/safety/corridor.h). 4. If the ends differ, costs cannot be compared. So the committed path
-// is extended: its rest up to a point B, and a second plan from B to the goal on the same map.
+// One round, begun as soon as the previous one was evaluated:
+// 1. Anchor. The predicted pose is projected onto the committed path. The new plan starts on that
+//    path, with its pose, curvature and speed, at the first point beyond the stretch that is driven
+//    during the round: min_latency_s, or 1.5 times the longest of the last rounds (their length in
+//    the owner's time, so the same in replay), and no closer to the place where the map began than
+//    unseen_start_m. The result is kept stretch + new plan. It starts from the predicted pose
+//    itself if there is no committed plan, if the vehicle is farther beside it than there is room
+//    there (max_cross_track_m at most, least_cross_track_m at least), or kMaxStandingOff_m at rest
+//    (or turned away from it by more than max_join_heading_rad), or if it stands at the path's end
+//    or at a turn on the spot.
+// 2. The new plan, on the present map.
+// 3. The rest of the committed path, from the vehicle's projection on, is checked on that map, with
+//    path.kept_margin_m around the outline: the allowance for tracking error. It is less than a new
+//    plan's path.margin_m, because an object in a hard square may be anywhere in it, and in a gap
+//    that is just wide enough its edge moves by a cell with every build. Meanwhile each return
+//    itself is tested against the corridor (core/safety/corridor.h).
+// 4. If the ends differ, costs cannot be compared. So the committed path is extended: its rest up
+//    to a point B, and a second plan from B to the goal on the same map.
 //    - Its rest is free and ends short of the goal (which is off the map, or farther than a path is
 //      long), and the new plan reaches it or gets extend_m closer: B is kTail_m before its end,
 //      because the last stretch was bent toward a temporary end point.
@@ -45,7 +47,7 @@
 //      Distant changes do not affect the side on which the next obstacle is passed.
 //    - In its last kTail_m it is not extended: the new plan itself is the extension.
 // 5. Decision, on that one map, from the anchor on. F is the optimizer's cost (CostOf). If both end
-// at the same place (kSameEnd_m), the new plan is clearly cheaper where
+//    at the same place (kSameEnd_m), the new plan is clearly cheaper where
 //      F(committed) - F(new) > max(cheaper_share F(committed), cheaper_floor).
 //    If they do not, because one is cut at the capacity of a path, the same test is applied to the
 //    whole way to the search's end: length + F_map of the committed stretch + cost of the search
@@ -59,9 +61,10 @@
 //                                                    within what was checked free, and the
 //                                                    outcome says kStop: the owner stops
 // 6. Speeds. Whatever is driven from now on gets new speeds on this map, from the state at the
-// moment of publication. A new plan that arrives after the vehicle has passed its anchor is not
-// used (counted as late), and the next anchor is farther ahead. A plan that could not come to rest
-// within its length from the present speed is not used either.
+//    moment of publication.
+// A new plan that arrives after the vehicle has passed its anchor is not used (counted as late),
+// and the next anchor is farther ahead. A plan that could not come to rest within its length from
+// the present speed is not used either.
 
 namespace hardpack {
 
