@@ -143,7 +143,7 @@ struct SafetyParams {
   float sight_mask_to_rad = 0.0f;
 };
 
-// The work of one tick (hal/onboard/vehicle_loop.h).
+// The work of one tick (hal/onboard/vehicle_loop/vehicle_loop.h).
 struct TickParams {
   int32_t period_ms = 10;
   int32_t planning_units = 4000;  // units of the stages, in every tick
