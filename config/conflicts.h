@@ -6,28 +6,28 @@
 #include "config/onboard_parameters.h"
 #include "config/parameters.h"
 
-// Parameters of different meaning that have to go together, each rule once: the stages refuse by
-// it, and the configuration and the command line name both parameters. What a table's entry must
-// not exceed within its own group stands in the tables (core/base/validate.h). Parameters are
-// within their ranges before they are asked about here.
+// Conditions on pairs of parameters, each rule once: the stages refuse by it, and the configuration
+// and the command line name both parameters. Limits within one group are in the tables
+// (core/base/validate.h). The parameters are assumed to be in range here.
 
 namespace hardpack {
 
 struct ParameterConflict {
-  const char* name = nullptr;   // full name of the one; null: there is no conflict
-  const char* other = nullptr;  // and of the other
-  const char* rule = nullptr;   // what has to hold, as it is written behind "has to be"
+  const char* name = nullptr;   // full name of one; null: no conflict
+  const char* other = nullptr;  // full name of the other
+  const char* rule = nullptr;   // the condition, phrased to follow "has to be"
 };
 
-// A sensor, and the box of returns that are the vehicle itself, may reach so far beyond the outline
-// to the front and to the sides: what stands in there is not seen.
+// How far a sensor, and the box of returns that belong to the vehicle itself, may extend beyond the
+// outline at the front and the sides: objects in there are not seen.
 inline constexpr float kMaxBeyondOutline_m = 0.5f;
-// The same behind the rear, where a mast or a trailer's hitch may be, and nobody is driven to.
+// The same behind the rear, where a mast or a trailer hitch may be, and where the vehicle does not
+// drive.
 inline constexpr float kMaxBehindOutline_m = 2.0f;
 // Both layers and unknown ground in one cell (core/costmap/costmap.h): 39.
 inline constexpr float kMaxCellCost = 39.0f;
 
-// Calls take(conflict) for each that there is. Cost: a few comparisons.
+// Calls take(conflict) for each conflict. Cost: a few comparisons.
 template <typename Take>
 constexpr void ForEachConflict(const PlannerParams& planner, Take&& take) {
   const VehicleParams& vehicle = planner.vehicle;
@@ -61,7 +61,7 @@ constexpr void ForEachConflict(const PlannerParams& planner, Take&& take) {
   }
 }
 
-// The segmentation's and the map's: what is ground to the one is no obstacle to the other.
+// Segmentation and map: ground for the one must not be an obstacle for the other.
 template <typename Take>
 constexpr void ForEachConflict(const CostmapParams& costmap, const SegmentationParams& segmentation,
                                Take&& take) {
@@ -121,7 +121,7 @@ constexpr void ForEachConflict(const PlannerParams& planner, const OnboardParams
   }
 }
 
-// Of the two drives. Their signs are single values: hal/sevcon refuses others.
+// For the two drives. Their signs are single values: hal/sevcon refuses others.
 template <typename Take>
 constexpr void ForEachConflict(const DriveParams& drive, Take&& take) {
   constexpr const char* kDiffers = "another one: each node has its own number";
@@ -167,7 +167,7 @@ constexpr void ForEachConflict(const TwistDriveParams& drive, const VehicleParam
   }
 }
 
-// The first of a group's, or one without a name.
+// The first conflict of a group, or one without a name.
 constexpr ParameterConflict FirstConflict(const PlannerParams& planner) {
   ParameterConflict first;
   ForEachConflict(planner, [&first](const ParameterConflict& conflict) {
@@ -185,7 +185,8 @@ constexpr ParameterConflict FirstConflict(const TwistDriveParams& drive,
   return first;
 }
 
-// Of all that an onboard program is given, but the drives, which hal/sevcon asks about itself.
+// For everything that an onboard program is given, except the drives, which hal/sevcon checks
+// itself.
 constexpr ParameterConflict FirstConflict(const PlannerParams& planner,
                                           const PerceptionParams& perception,
                                           const OnboardParams& onboard) {
@@ -198,7 +199,7 @@ constexpr ParameterConflict FirstConflict(const PlannerParams& planner,
   return first;
 }
 
-// Defaults that do not go together do not compile.
+// Inconsistent defaults do not compile.
 static_assert(FirstConflict(PlannerParams{}, PerceptionParams{}, OnboardParams{}).name == nullptr);
 
 }  // namespace hardpack

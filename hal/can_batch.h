@@ -6,7 +6,7 @@
 
 namespace hardpack {
 
-// What one tick may send.
+// The frames that one tick may send.
 inline constexpr int kMaxFramesOut = 32;
 using CanBatch = FixedVector<CanFrame, kMaxFramesOut>;
 

@@ -12,16 +12,17 @@ inline constexpr int kMaxCanData_bytes = 8;
 inline constexpr uint32_t kMaxStandardCanId = 0x7ffu;
 inline constexpr uint32_t kMaxExtendedCanId = 0x1fffffffu;
 
-// One classic CAN data or remote frame, as it stands on the bus (ISO 11898-1). Error frames, which
-// a controller reports but no node sends, are not frames of this type: they are the bus's state.
+// One classic CAN data or remote frame, as on the bus (ISO 11898-1). Error frames, which a
+// controller reports but no node sends, are not frames of this type: they are part of the bus's
+// state.
 struct CanFrame {
   uint32_t id = 0;        // 11 bits, or 29 where extended
   bool extended = false;  // 29-bit identifier
-  bool remote = false;    // remote transmission request: size says what is asked for, no data
+  bool remote = false;    // remote transmission request: size is the requested one, no data
   uint8_t size = 0;       // 0 .. 8 bytes
   uint8_t data[kMaxCanData_bytes] = {};  // [size], the rest 0
-  // Our time at which it came off the bus, as far as the receiver tells; 0: it does not. No part of
-  // the frame: what compares equal stands on the bus alike.
+  // Time of arrival from the bus on our clock, if the receiver reports it; 0: unknown. Not part of
+  // the frame: equal frames are identical on the bus.
   uint64_t received_ns = 0;
 
   constexpr bool operator==(const CanFrame& other) const {
@@ -34,7 +35,7 @@ struct CanFrame {
 };
 static_assert(std::is_trivially_copyable_v<CanFrame>);
 
-// Whether the identifier fits its kind and the size its array.
+// Whether the identifier fits its kind and the size fits its array.
 constexpr bool IsValid(const CanFrame& frame) {
   return frame.size <= kMaxCanData_bytes &&
          frame.id <= (frame.extended ? kMaxExtendedCanId : kMaxStandardCanId);

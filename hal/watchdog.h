@@ -5,17 +5,17 @@
 
 namespace hardpack {
 
-// Ends (or stops) us when we no longer say that we are alive: a service manager, a timer circuit.
-// test/hal/conformance holds every implementation to this page.
+// Ends (or stops) the program when it no longer reports that it is alive: a service manager, a
+// timer circuit. test/hal/conformance tests every implementation against this page.
 class Watchdog {
  public:
   // Once: the program is set up and its first tick follows.
   virtual void Ready() = 0;
-  // Every tick; passed on often enough and not more often than needed. Does not block.
+  // Every tick; passed on as often as needed and no more. Does not block.
   virtual void Feed(uint64_t now_ns) = 0;
-  // The program ends as it was asked to: not being fed from now on is no failure.
+  // The program is ending on request: a missing Feed from now on is not a failure.
   virtual void Stopping() = 0;
-  // What is passed on: 0 where nobody watches.
+  // Number of signals passed on: 0 if there is no watchdog.
   virtual uint64_t fed() const = 0;
 
  protected:

@@ -15,14 +15,13 @@
 
 namespace hardpack {
 
-// The network interface below a CAN socket: watched through rtnetlink's notifications, and taken
-// down and up again on request, which empties the kernel's queue and takes a controller out of
-// bus-off.
+// The network interface below a CAN socket: watched through rtnetlink notifications, and taken down
+// and up again on request, which empties the kernel's queue and takes a controller out of bus-off.
 //
 // The kernel carries out a request within the call that makes it, under a lock that others hold for
-// milliseconds. So a thread of its own makes the calls, and the answers come to the owner through
-// the same socket as the notifications: Poll never waits. The same thread binds the CAN socket anew
-// when the interface was taken away and another of its name has come.
+// milliseconds. So a separate thread makes the calls, and the answers reach the owner through the
+// same socket as the notifications: Poll never waits. The same thread rebinds the CAN socket when
+// the interface was removed and another one of that name has appeared.
 class CanLink {
  public:
   CanLink() = default;
@@ -30,11 +29,11 @@ class CanLink {
   CanLink& operator=(const CanLink&) = delete;
   ~CanLink();
 
-  // Finds the interface; at start-up; may wait. kInterfaceDown: there is none of that name;
-  // kUnsupported: it is no CAN interface; kTimedOut, kSystemError.
+  // Finds the interface. At start-up; may wait. kInterfaceDown: there is none of that name;
+  // kUnsupported: it is not a CAN interface; kTimedOut, kSystemError.
   OpenOutcome Open(const std::string& name);
 
-  // What it is, as last told.
+  // Its properties, as last reported.
   const LinkInfo& info() const { return info_; }
 
   // Whether a restart would be permitted. At start-up, after Open; may wait.
@@ -45,18 +44,18 @@ class CanLink {
 
   // The rest is for the owner of the tick, after Watch; none of it waits.
 
-  // Takes the news; a bounded number of messages.
+  // Processes notifications; a bounded number of messages.
   void Poll();
 
-  // There is an interface of that name.
+  // An interface of that name exists.
   bool present() const { return present_; }
   // Frames can be sent and received.
   bool usable() const { return present_ && bound_ && info_.up && info_.carrier; }
-  // There, and up as far as the administrator is concerned.
+  // Exists, and the administrator has set it up.
   bool up() const { return present_ && bound_ && info_.up; }
-  // The controller is cut off, as the driver says.
+  // The controller is in bus-off, as the driver reports.
   bool bus_off() const { return up() && info_.bus_off && !info_.carrier; }
-  // How often it was seen to go down, other than by a restart.
+  // How often it has gone down, other than by a restart.
   uint64_t downs() const { return downs_; }
 
   enum class Restart : uint8_t { kNone, kRunning, kDone, kRefused };
@@ -65,7 +64,7 @@ class CanLink {
   Restart restart() const { return restart_; }
 
  private:
-  static constexpr int kMaxMessages = 16;  // datagrams taken by one Poll
+  static constexpr int kMaxMessages = 16;  // datagrams read by one Poll
   static constexpr uint32_t kRestartBit = 1, kBindBit = 2, kQueryBit = 4, kStopBit = 8;
 
   void Work();
@@ -86,16 +85,16 @@ class CanLink {
   uint64_t downs_ = 0;
   Restart restart_ = Restart::kNone;
   uint32_t sequence_ = 0;  // of the last request
-  int answer_ = -1;        // to it: an errno, 0: done, -1: none yet
+  int answer_ = -1;        // its result: an errno, 0: done, -1: none yet
   int down_answer_ = 0;
   alignas(8) std::array<uint8_t, 32768> buffer_;
 
   // Shared with the thread.
   std::atomic<uint32_t> work_ = 0;
   std::atomic<uint32_t> restart_sequence_ = 0;
-  std::atomic<uint32_t> failed_sequence_ = 0;  // of a restart that could not be asked for
+  std::atomic<uint32_t> failed_sequence_ = 0;  // of a restart that could not be requested
   std::atomic<int> index_ = 0;                 // to restart or to bind
-  std::atomic<int> bound_index_ = 0;           // that the CAN socket is bound to
+  std::atomic<int> bound_index_ = 0;           // the CAN socket is bound to
   int can_socket_ = -1;
   std::thread thread_;
 };

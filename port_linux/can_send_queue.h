@@ -12,26 +12,26 @@
 
 namespace hardpack {
 
-// The frames on their way to a bus that cannot recall what it was handed: those that wait (for at
-// most kMaxUnconfirmed to be outstanding) and those handed over whose echo has not come. Pure
+// The frames on their way to a bus that cannot recall what it was given: those waiting (until fewer
+// than kMaxUnconfirmed are outstanding) and those handed over whose echo has not arrived. Pure
 // bookkeeping, in order, without a clock.
 class CanSendQueue {
  public:
-  // So long after its deadline a frame that was handed over and not seen on the bus will do harm
-  // when it is. Longer than the tick and the scheduler take to see an echo.
+  // This long after its deadline, a frame that was handed over but not seen on the bus would do
+  // harm if it were sent. Longer than the tick and the scheduler take to see an echo.
   static constexpr uint64_t kStaleAfter_ns = 100'000'000;
 
   int waiting() const { return waiting_count_; }
   int unconfirmed() const { return unconfirmed_count_; }
 
-  // kCapacityExceeded: kMaxWaiting wait.
+  // kCapacityExceeded: kMaxWaiting frames are waiting.
   Status Add(const CanFrame& frame, uint64_t deadline_ns) {
     if (waiting_count_ == CanBus::kMaxWaiting) return Status::kCapacityExceeded;
     waiting_[static_cast<size_t>(waiting_count_++)] = {Normal(frame), deadline_ns};
     return Status::kOk;
   }
 
-  // Drops what waits past its deadline; the number of frames.
+  // Drops waiting frames past their deadline; returns their number.
   int DropExpired(uint64_t now_ns) {
     Pending* const end = waiting_.data() + waiting_count_;
     Pending* const kept = std::remove_if(waiting_.data(), end, [now_ns](const Pending& pending) {
@@ -44,7 +44,7 @@ class CanSendQueue {
   bool CanHandOver() const {
     return waiting_count_ > 0 && unconfirmed_count_ < CanBus::kMaxUnconfirmed;
   }
-  // Precondition of these: one waits.
+  // Precondition of these: a frame is waiting.
   const CanFrame& next() const { return waiting_[0].frame; }
   void HandedOver() {
     unconfirmed_[static_cast<size_t>(unconfirmed_count_++)] = waiting_[0];
@@ -52,7 +52,8 @@ class CanSendQueue {
   }
   void DropNext() { Erase(waiting_.data(), waiting_count_, 0); }
 
-  // An own frame was seen on the bus: the oldest outstanding one like it. False: there is none.
+  // One of our frames was seen on the bus: removes the oldest matching outstanding one. False:
+  // there is none.
   bool Confirm(const CanFrame& frame) {
     const Pending* const end = unconfirmed_.data() + unconfirmed_count_;
     const Pending* const found =
@@ -71,7 +72,7 @@ class CanSendQueue {
                        });
   }
 
-  // These give the number of frames.
+  // These return the number of frames.
   int DropWaiting() {
     const int dropped = waiting_count_;
     waiting_count_ = 0;
@@ -89,7 +90,7 @@ class CanSendQueue {
     uint64_t deadline_ns = 0;
   };
 
-  // As it stands on the bus, to be compared with its echo.
+  // As it appears on the bus, for comparison with its echo.
   static CanFrame Normal(const CanFrame& frame) {
     CanFrame normal = frame;
     const int used = frame.remote ? 0 : frame.size;

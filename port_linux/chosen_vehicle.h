@@ -13,21 +13,21 @@
 #include "port_linux/files/configuration.h"
 #include "port_linux/files/read_outcome.h"
 
-// The vehicle that a configuration names (vehicle.type), of those that the program is built with
+// The vehicle that a configuration selects (vehicle.type), among those built into the program
 // (hal/onboard/vehicle_loop/vehicles.h).
 
 namespace hardpack {
 
-// What describes the lidar, by its kind; a vehicle takes that of its own.
+// The description of the lidar, by kind; a vehicle uses that of its own lidar.
 using LidarConfigs = std::tuple<ouster::Metadata>;
 
-// Reads what the configuration says or names of its lidar. `text` is the file that it names.
+// Reads the lidar's description that the configuration names. `text` is the content of that file.
 ReadOutcome ReadLidar(const Configuration& configuration, std::string& text, LidarConfigs& lidars);
-// The same with that file's text at hand; `name` is what messages call it.
+// The same from the file's text; `name` is its name in messages.
 ReadOutcome ParseLidar(const Configuration& configuration, std::string_view text,
                        std::string_view name, LidarConfigs& lidars);
 
-// What that vehicle's loop is set up with.
+// The configuration of that vehicle's loop.
 template <VehicleType Vehicle>
 BasicVehicleConfig<Vehicle> ConfigOf(const Configuration& configuration,
                                      const LidarConfigs& lidars) {
@@ -38,18 +38,18 @@ BasicVehicleConfig<Vehicle> ConfigOf(const Configuration& configuration,
 
 class ChosenVehicle {
  public:
-  // Makes the vehicle that is called so, not configured. False: there is none, and none is chosen.
+  // Creates the vehicle of that type, not configured. False: there is none, and none is selected.
   bool Choose(std::string_view type);
 
-  // Makes the configuration's vehicle and sets it up. A failure says which parameters do not go
-  // together: "a and b: a has to be ...".
+  // Creates the configuration's vehicle and configures it. A failure names the conflicting
+  // parameters: "a and b: a has to be ...".
   ReadOutcome Configure(const Configuration& configuration, const LidarConfigs& lidars);
 
-  // Null: none is chosen.
+  // Null if none is selected.
   AnyVehicle* get();
   const AnyVehicle* get() const;
 
-  // Of any of the vehicles, as large as the largest: for whoever wants its pages touched.
+  // Memory of any of the vehicles, as large as the largest: for prefaulting its pages.
   std::span<std::byte> memory() { return std::as_writable_bytes(std::span(&vehicle_, 1)); }
 
  private:

@@ -15,20 +15,20 @@
 #include "port_linux/file_descriptor.h"
 #include "port_linux/open_outcome.h"
 
-// Where operators' programs connect: a Unix-domain SOCK_SEQPACKET socket in the file system, a
-// message of hal/onboard/control a packet (docs/control.md). It looks at headers only: what a
-// command does is the tick's business, what is answered the owner's.
+// Where operators' programs connect: a Unix-domain SOCK_SEQPACKET socket in the file system, one
+// message of hal/onboard/control per packet (docs/control.md). It reads headers only: commands are
+// executed by the tick and answered by the owner.
 //
-// Two locks keep others out. The file lets its owner and its group connect, nobody else; and of
-// those who connect, only root, the owner and members of the group may command, by what the kernel
-// says of them (SO_PEERCRED, SO_PEERGROUPS, of the moment of connecting). Who got in otherwise (the
-// file's mode was changed) may ask questions.
+// Two checks keep others out. The file lets only its owner and its group connect; and of those who
+// connect, only root, the owner and members of the group may command, according to the kernel
+// (SO_PEERCRED, SO_PEERGROUPS, at connect time). Anyone else who gets in (because the file's mode
+// was changed) may ask questions.
 
 namespace hardpack {
 
 struct ControlSocketOptions {
   std::string path;
-  std::string group;  // may connect and command besides the owner; empty: none
+  std::string group;  // may connect and command in addition to the owner; empty: none
 };
 
 // About 22 KiB.
@@ -41,20 +41,20 @@ class ControlSocket final : public OperatorLink {
   ControlSocket& operator=(const ControlSocket&) = delete;
   ~ControlSocket() { Close(); }
 
-  // Once, at start-up; allocates. A file that a dead program left behind is replaced.
-  // kInvalidArgument: no path, one that is too long for a socket, something else than a socket is
-  // there, or there is no such group; kNotPermitted: the folder, or giving the file to the group;
-  // kSystemError: all else, and that another program answers there or holds the lock (path +
-  // ".lock", a file that stays).
+  // Once, at start-up; allocates. A file left behind by a dead program is replaced.
+  // kInvalidArgument: no path, one too long for a socket, something other than a socket is there,
+  // or there is no such group; kNotPermitted: the folder, or giving the file to the group;
+  // kSystemError: everything else, including another program that answers there or holds the lock
+  // (path + ".lock", a file that stays).
   OpenOutcome Open(const ControlSocketOptions& options);
 
-  // Takes connections, too.
+  // Also accepts connections.
   [[nodiscard]] bool Receive(ControlMessage& message) override;
 
-  // A client that does not take its answers is dropped.
+  // A client that does not read its answers is dropped.
   void Answer(const ControlClient& client, std::span<const uint8_t> bytes) override;
 
-  // Ends all connections and removes the file, if it still is ours. No answers after that.
+  // Closes all connections and removes the file, if it is still ours. No answers after that.
   void Close();
 
   const control::ControlCounters& counters() const override { return counters_; }
@@ -63,12 +63,12 @@ class ControlSocket final : public OperatorLink {
   struct Client {
     FileDescriptor socket;
     uint64_t number = 0;
-    uint64_t last_call = 0;  // of Receive, in which it last said something
+    uint64_t last_call = 0;  // of Receive, in which it last sent something
     uint32_t user = 0;
     bool may_command = false;
-    bool leaves = false;  // nothing more comes from it; goes once what it has said is taken
+    bool leaves = false;  // sends nothing more; removed once its messages are read
   };
-  static constexpr size_t kMaxGroups = 4096;  // of a peer that are looked at
+  static constexpr size_t kMaxGroups = 4096;  // of a peer that are checked
 
   OpenOutcome Lock(const std::string& path);
   OpenOutcome RemoveStale(const std::string& path);
@@ -84,14 +84,14 @@ class ControlSocket final : public OperatorLink {
 
   FileDescriptor lock_;
   FileDescriptor socket_;
-  std::string path_;  // of the file that is ours
+  std::string path_;  // of our file
   dev_t device_ = 0;
   ino_t inode_ = 0;
   uid_t owner_ = 0;
   bool has_group_ = false;
   gid_t group_ = 0;
   std::array<Client, kMaxClients> clients_;
-  Client waits_;            // accepted, for a place that is being vacated
+  Client waits_;            // accepted, for a slot that is being vacated
   int32_t next_place_ = 0;  // asked first
   uint64_t last_number_ = 0;
   uint64_t calls_ = 0;  // of Receive

@@ -7,27 +7,27 @@
 #include <string_view>
 #include <vector>
 
-// The messages of rtnetlink(7) that a CAN interface is watched and restarted with. Only bytes: the
-// socket is CanLink's. What comes from the kernel is read with every length checked.
+// The rtnetlink(7) messages for watching and restarting a CAN interface. Bytes only: the socket is
+// CanLink's. Every length from the kernel is checked.
 
 namespace hardpack {
 
 // The kernel's name of an interface has at most 15 characters (IFNAMSIZ - 1).
 inline constexpr size_t kMaxLinkName = 15;
 
-// What RTM_NEWLINK and RTM_DELLINK tell of an interface.
+// What RTM_NEWLINK and RTM_DELLINK report about an interface.
 struct LinkInfo {
   int index = 0;
   bool up = false;       // by the administrator
-  bool carrier = false;  // and in working order: a CAN controller in bus-off has none
+  bool carrier = false;  // and working: a CAN controller in bus-off has none
   bool is_can = false;
   char name[kMaxLinkName + 1] = {};
-  // Of a CAN controller; an interface without one (vcan) tells nothing.
+  // For a CAN controller; an interface without one (vcan) reports none of these.
   bool has_controller = false;
   bool bus_off = false;
   uint32_t bit_rate_bps = 0;
   uint32_t sample_point_permille = 0;
-  uint32_t restart_ms = 0;  // after bus-off, by the kernel itself; 0: it does not
+  uint32_t restart_ms = 0;  // after bus-off, by the kernel itself; 0: disabled
 };
 
 struct NetlinkMessage {
@@ -36,19 +36,19 @@ struct NetlinkMessage {
   std::span<const uint8_t> payload;
 };
 
-// Takes the first message off `bytes`. False: there is none that is whole.
+// Takes the first message off `bytes`. False: there is no complete one.
 bool NextNetlinkMessage(std::span<const uint8_t>& bytes, NetlinkMessage& message);
 
-// Of a message of type RTM_NEWLINK or RTM_DELLINK. False: it is cut short.
+// Parses a message of type RTM_NEWLINK or RTM_DELLINK. False: it is truncated.
 bool ParseLink(std::span<const uint8_t> payload, LinkInfo& link);
 
-// Of a message of type NLMSG_ERROR: 0, or an errno. False: it is cut short.
+// Parses a message of type NLMSG_ERROR: 0, or an errno. False: it is truncated.
 bool ParseAcknowledgement(std::span<const uint8_t> payload, int& code);
 
 // A request for an interface's RTM_NEWLINK, by its name; at most kMaxLinkName characters.
 std::vector<uint8_t> LinkQuery(uint32_t sequence, std::string_view name);
 
-// A request, to be acknowledged, to do with the flags in `change` as `flags` say. None in `change`:
+// A request, with acknowledgement, to set the flags in `change` to `flags`. With no `change`,
 // nothing is done, and the acknowledgement tells whether it would be permitted.
 struct LinkRequest {
   alignas(4) uint8_t bytes[32];  // nlmsghdr, ifinfomsg

@@ -10,35 +10,35 @@
 #include "port_linux/files/read_outcome.h"
 
 // The folder of the flight logs: names new files, and deletes the oldest of ours when there are too
-// many. A file of ours is named flight_YYYYMMDD_HHMMSS_NNN.pcap by the run's start (UTC) and its
-// number in the run; others in the folder are left alone. Allocates in Open only.
+// many. Our files are named flight_YYYYMMDD_HHMMSS_NNN.pcap by the run's start (UTC) and the file's
+// number in the run; other files in the folder are left alone. Allocates in Open only.
 
 namespace hardpack {
 
 class LogFolder {
  public:
-  static constexpr size_t kMaxFiles = 8192;  // that are remembered, to be deleted in their turn
+  static constexpr size_t kMaxFiles = 8192;  // remembered, to be deleted in order
 
   LogFolder() = default;
   ~LogFolder();
   LogFolder(const LogFolder&) = delete;
   LogFolder& operator=(const LogFolder&) = delete;
 
-  // Makes the folder where it is missing and looks for files of ours. `start_s`: of the run, since
-  // 1970. kInvalidArgument: it cannot be made, read or written to.
+  // Creates the folder if it is missing and looks for our files. `start_s`: start of the run, since
+  // 1970. kInvalidArgument: it cannot be created, read or written to.
   ReadOutcome Open(const std::string& path, int64_t start_s);
 
-  // Makes the run's next file, empty, to be written. A file descriptor, or -1 with errno.
+  // Creates the run's next file, empty, for writing. A file descriptor, or -1 with errno.
   int NewFile();
-  // The newest file is so long now.
+  // Sets the present length of the newest file.
   void SetSize(uint64_t bytes);
-  // Of all our files.
+  // Total of all our files.
   uint64_t total_bytes() const { return total_bytes_; }
-  // Free on the medium for us; UINT64_MAX where it does not tell.
+  // Free space on the disk for us; UINT64_MAX if unknown.
   uint64_t FreeBytes() const;
-  // Deletes the oldest of our files, but never the newest one. False when there is no other.
+  // Deletes the oldest of our files, but never the newest. False if there is no other.
   bool DeleteOldest();
-  // Deletes the newest one: it could not be used. Its number is free again.
+  // Deletes the newest file because it could not be used. Its number is free again.
   void DeleteNewest();
 
  private:

@@ -7,7 +7,7 @@
 
 namespace hardpack {
 
-// CLOCK_MONOTONIC: nanoseconds since the computer's start, without the time it was suspended.
+// CLOCK_MONOTONIC: nanoseconds since the computer's start, excluding suspended time.
 class MonotonicClock final : public Clock {
  public:
   uint64_t Now_ns() override;

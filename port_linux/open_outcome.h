@@ -8,11 +8,11 @@
 
 namespace hardpack {
 
-// How opening a bus or a socket at start-up ended. Each text is one line for the operator.
+// The result of opening a bus or a socket at start-up. Each text is one line for the operator.
 struct [[nodiscard]] OpenOutcome {
   Status status = Status::kOk;
-  std::string message;                // failed: why; opened: what, as the kernel tells it
-  std::vector<std::string> warnings;  // opened, but not all that was asked for
+  std::string message;                // failed: why; opened: what, as the kernel reports it
+  std::vector<std::string> warnings;  // opened, but not everything requested
 
   bool ok() const { return IsUsable(status); }
 };

@@ -11,13 +11,14 @@
 
 namespace hardpack {
 
-// The service manager's side of the watchdog, as systemd's sd_notify(3) and sd_watchdog_enabled(3)
-// describe it: datagrams of text to the socket that NOTIFY_SOCKET names. A refused datagram is
-// tried again with the next Feed.
+// The service manager's side of the watchdog, following systemd's sd_notify(3) and
+// sd_watchdog_enabled(3): text datagrams to the socket in NOTIFY_SOCKET. A refused datagram is
+// retried with the next Feed.
 class ServiceWatchdog final : public Watchdog {
  public:
-  // What the service manager told this process, once at start-up. Without NOTIFY_SOCKET nobody
-  // watches, which is no failure; kInvalidArgument: a variable makes no sense; kSystemError.
+  // Reads what the service manager told this process, once at start-up. Without NOTIFY_SOCKET there
+  // is no watchdog, which is not a failure; kInvalidArgument: a variable makes no sense;
+  // kSystemError.
   OpenOutcome Open();
 
   void Ready() override;
@@ -25,7 +26,7 @@ class ServiceWatchdog final : public Watchdog {
   void Stopping() override;
   uint64_t fed() const override { return fed_; }
 
-  // How often the manager wants to be told at the least; 0: it does not watch.
+  // The longest interval the manager accepts; 0: it does not watch.
   uint64_t period_ns() const { return period_ns_; }
 
  private:

@@ -11,21 +11,21 @@
 #include "core/costmap/costmap.h"
 
 // A* over the costmap, 8-connected ([OS] Base Path Generation; docs/algorithm.md section 2):
-// integer costs, octile heuristic, a preallocated open set with one entry a cell (so it cannot
-// overflow), resumable. It finds a path of least cost over cells; it does not know the vehicle's
-// heading or its turning limits: those are the optimizer's.
+// integer costs, octile heuristic, a preallocated open set with one entry per cell (so it cannot
+// overflow), resumable. It finds a least-cost path over cells. It ignores the vehicle's heading and
+// turning limits; the optimizer handles those.
 //
-// Where the search may go. A step leads to one of the eight neighbours of a cell that is
+// Allowed steps. A step leads to one of the eight neighbours of a cell that is
 //   - on the map, and
-//   - not lethal, or lethal and of strictly lesser hard_depth2 than the cell that is left, if that
+//   - not lethal, or lethal with strictly less hard_depth2 than the present cell, if that
 //     one is lethal itself (so a start inside an obstacle is left along falling depth only, and
 //     once left, never entered again).
-// A diagonal step needs this of the two cells beside it as well: no corner is cut.
-// Edge cost: length x (1 + cost of the cell entered).
+// For a diagonal step the same must hold for the two adjacent cells: corners are not cut. Edge
+// cost: length x (1 + cost of the cell entered).
 //
-// Ties, so that equal inputs give equal paths: of equal cost-so-far plus heuristic the cell that
-// was reached last goes first; neighbours are looked at anticlockwise from +x; a cell keeps its
-// parent unless another is strictly cheaper.
+// Tie-breaking, so that equal inputs give equal paths: among equal cost-so-far plus heuristic, the
+// most recently reached cell goes first; neighbours are visited anticlockwise from +x; a cell keeps
+// its parent unless another is strictly cheaper.
 
 namespace hardpack {
 
@@ -33,13 +33,14 @@ namespace hardpack {
 inline constexpr int kStraightLength = 70;
 inline constexpr int kDiagonalLength = 99;
 
-// Integer cost of a step of `length` (one of the two above) into a cell; at least `length`, as the
-// division is of length * 256 + something not negative. Precondition: 0 <= cost_q8 <= kMaxCost_q8.
+// Integer cost of a step of `length` (one of the two above) into a cell; at least `length`, since
+// the dividend is length * 256 plus a non-negative number. Precondition: 0 <= cost_q8 <=
+// kMaxCost_q8.
 constexpr int EdgeCost(int length, int cost_q8) {
   return length * (kCostOne_q8 + cost_q8) / kCostOne_q8;
 }
 
-// The largest cost of one edge: a diagonal into a cell of the largest cost.
+// The largest cost of one edge: a diagonal step into a cell of the largest cost.
 inline constexpr int kMaxEdgeCost = EdgeCost(kDiagonalLength, kMaxCost_q8);
 
 struct AstarResult {
@@ -51,14 +52,14 @@ struct AstarResult {
   Cell start;
   Cell goal;               // the cell searched for
   Cell end;                // the last cell of the path: goal, or the best cell seen when partial
-  int32_t path_cells = 0;  // cells of the path, start and end included; 0 without a path
+  int32_t path_cells = 0;  // cells of the path, including start and end; 0 without a path
   int64_t cost = 0;        // sum of EdgeCost along the path
   int32_t expansions = 0;
 };
 
 class AstarSearch {
  public:
-  // The node array is relabelled at most so often in a query: see Step.
+  // Most relabellings of the node array in one query: see Step.
   static constexpr int kMaxLabelMoves = 33;
   static constexpr float kGoalReach_cells = 5.0f;
   // No query takes more units than this.
@@ -67,27 +68,27 @@ class AstarSearch {
   // Positions in the odom frame. kNotFinite, kParameterOutOfRange (max_expansions outside 1 to
   // kMapCells, move_goal_out_of_obstacle neither 0 nor 1), kStartOutsideMap, kGoalInObstacle end
   // the search at once, tested in this order (result().status says the same); otherwise kOk. A goal
-  // off the map becomes the nearest cell of the map, and is judged there. A lethal goal becomes the
-  // free cell that is nearest to the start (ties: the lowest index) of those no more than
-  // kGoalReach_cells further from it than the nearest free one: a place that stays the same while
-  // the obstacle's edge is seen better, and that is not at that edge. Cells that were observed go
-  // before all others. Cost: constant.
+  // off the map becomes the nearest cell of the map, and is tested there. A lethal goal is replaced
+  // by the free cell nearest to the start (ties: the lowest index) among those no more than
+  // kGoalReach_cells farther from the goal than the nearest free one. This place stays the same
+  // while the obstacle's edge is seen better, and it is not at that edge. Observed cells take
+  // precedence over all others. Cost: constant.
   Status Begin(const Costmap& map, const AstarParams& params, Vec2 start_odom, Vec2 goal_odom);
 
   // A unit is one row of the node array cleared (512 of them in the first query and in every 127th
-  // after it), one row scanned for a free cell to drive to instead of the goal (1024, only for a
-  // goal in an obstacle), one expansion, one row of the node array relabelled (512 when cost so far
-  // plus heuristic passes 2^18 - 2^13 and after each 3.3e7 more; the query after that clears), or
-  // one cell of the path traced back. Costs above kMaxCost_q8 count as that.
+  // after it), one row scanned for a free cell to replace the goal (1024, only for a goal in an
+  // obstacle), one expansion, one row of the node array relabelled (512 when cost so far plus
+  // heuristic passes 2^18 - 2^13 and after each 3.3e7 more; the query after that clears), or one
+  // cell of the path traced back. Costs above kMaxCost_q8 count as kMaxCost_q8.
   Progress Step(const Costmap& map, int units);
 
   // Outcomes: kOk; kGoalOutsideMap; kGoalMoved; kStartInObstacle (a path, left along falling
   // depth); kPartialPath (expansion limit; the end is the cell with the least heuristic among the
-  // expanded cells that are not lethal, the first expanded of equals, or the start if all are);
-  // kNoPath; kStartEnclosed (the start is lethal, and no cell that is not can be reached from it);
-  // kGoalInObstacle, and those of Begin. When several of the usable ones hold, status is the
-  // gravest (partial > start in obstacle > goal moved > goal outside) and the flags say all. The
-  // flags are set with failures too; end, path_cells and cost are for usable outcomes.
+  // expanded cells that are not lethal, the first expanded among equals, or the start if all are
+  // lethal); kNoPath; kStartEnclosed (the start is lethal, and no free cell can be reached from
+  // it); kGoalInObstacle, and those of Begin. If several usable ones apply, status is the most
+  // severe (partial > start in obstacle > goal moved > goal outside) and the flags show all of
+  // them. The flags are set for failures too; end, path_cells and cost are for usable outcomes.
   // kNotStarted until Step has returned kDone.
   const AstarResult& result() const { return result_; }
 
@@ -129,30 +130,30 @@ class AstarSearch {
   void BeginTrace(uint32_t end, uint32_t cost, bool partial);
   Status UsableStatus() const;
 
-  // The whole search state of a cell: see astar.cpp. [kMapSize_cells x kMapSize_cells], row-major.
+  // The entire search state of a cell: see astar.cpp. [kMapSize_cells x kMapSize_cells], row-major.
   uint64_t nodes_[kMapCells];
 
   // The open set: circular buckets of equal cost-so-far plus heuristic (f), each a doubly linked
   // list through nodes_. Only the heads of marked buckets are valid.
   uint32_t bucket_head_[kBuckets];
-  uint64_t bucket_used_[kBucketWords];  // a bit a bucket
-  uint64_t bucket_words_used_ = 0;  // a bit a word of bucket_used_: not 0, but for the one it is at
-  uint32_t least_f_ = 0;            // of the cell expanded last: not above any in the open set
+  uint64_t bucket_used_[kBucketWords];  // one bit per bucket
+  uint64_t bucket_words_used_ = 0;      // bit per nonzero word of bucket_used_, but the present
+  uint32_t least_f_ = 0;                // of the last expanded cell: not above any in the open set
 
   AstarResult result_;
   GridWindow window_;
   uint32_t start_ = 0;  // indices
   uint32_t goal_ = 0;
   int32_t max_expansions_ = 0;
-  // Labels: base_ + g in this query, and less than ceiling_; of earlier queries at least that.
+  // Labels: base_ + g in this query, below ceiling_; at least ceiling_ for earlier queries.
   uint32_t base_ = 0;
   uint32_t ceiling_ = 0;
-  uint32_t least_label_ = 0;              // that there is; 0: the next query has to clear
+  uint32_t least_label_ = 0;              // in use; 0: the next query must clear
   int32_t row_ = 0;                       // next row of kClear, kMoveGoal or kMoveLabels
   int32_t nearest_distance2_cells2_ = 0;  // of the best goal seen so far
-  int32_t goal_limit_cells2_ = 0;         // squared, of the goal that is asked for
+  int32_t goal_limit_cells2_ = 0;         // squared, from the requested goal
   uint32_t nearest_goal_ = 0;
-  uint32_t best_ = 0;  // the end of a partial path, as seen so far, ...
+  uint32_t best_ = 0;  // the best end of a partial path so far, ...
   uint32_t best_heuristic_ = 0;
   uint32_t best_cost_ = 0;
   uint32_t trace_cell_ = 0;

@@ -8,7 +8,7 @@
 #include "core/base/loop_bound.h"
 #include "core/costmap/costmap.h"
 
-// Where steps lead on the map, which of them are allowed, and what they cost: the rules of
+// Where steps lead on the map, which of them are allowed, and their costs: the rules of
 // core/astar/astar.h on cell indices. Private to the search.
 
 namespace hardpack::steps {
@@ -35,19 +35,19 @@ inline uint32_t Neighbour(uint32_t index, uint32_t direction) {
   return index + kStep[direction];
 }
 
-// The directions that may be taken: those not blocked, the diagonal ones only if neither direction
-// beside them is blocked. blocked: a bit a direction.
+// The allowed directions: those not blocked; diagonals only if neither adjacent direction is
+// blocked. blocked: one bit per direction.
 constexpr uint32_t WithoutCutCorners(uint32_t blocked) {
   const uint32_t wrapped = blocked | blocked << 8;
   const uint32_t beside = (wrapped >> 1 | wrapped >> 7) & kOdd;
   return ~(blocked | beside) & kAllDirections;
 }
 
-// One bit a direction: the neighbour may not be entered from here. For any cell.
+// One bit per direction: the neighbour may not be entered from here. For any cell.
 inline uint32_t BlockedNear(const Costmap& map, uint32_t index) {
   const int32_t x = static_cast<int32_t>(index & kColumnMask);
   const int32_t y = static_cast<int32_t>(index >> kRowShift);
-  // A cell that is not lethal has no depth, whatever the map says there.
+  // A cell that is not lethal has no depth, whatever the map stores there.
   const int depth2 = map.Lethal(static_cast<int>(index)) ? map.hard_depth2[index] : 0;
   uint32_t blocked = 0;
   HP_LOOP_BOUND(kDirections)
@@ -62,14 +62,14 @@ inline uint32_t BlockedNear(const Costmap& map, uint32_t index) {
   return blocked;
 }
 
-// The flags of four cells in a row, the first one's lowest: one load, as compilers see.
+// The flags of four cells in a row, the first one's lowest: compilers turn this into one load.
 inline uint32_t FourFlags(const Costmap& map, uint32_t index) {
   const uint8_t* const flags = map.flags + index;
   return uint32_t{flags[0]} | uint32_t{flags[1]} << 8 | uint32_t{flags[2]} << 16 |
          uint32_t{flags[3]} << 24;
 }
 
-// WithoutCutCorners for the cells around a cell, by a bit for each that is lethal:
+// WithoutCutCorners for the cells around a cell, indexed by one bit per lethal cell:
 //   1 4 7     directions   3 2 1
 //   2 5 8                  4 . 0
 //   0 3 6                  5 6 7
@@ -92,15 +92,15 @@ consteval DirectionTable MakeAllowed() {
 }
 inline constexpr DirectionTable kAllowed = MakeAllowed();
 
-// The directions that may be taken, as WithoutCutCorners(BlockedNear()), from a cell that is not
-// lethal and not at the map's border: nearly every cell.
+// The allowed directions, as WithoutCutCorners(BlockedNear()), from a cell that is not lethal and
+// not at the map's border: nearly every cell.
 inline uint32_t AllowedInner(const Costmap& map, uint32_t index) {
   constexpr uint32_t kShift = std::countr_zero(uint32_t{Costmap::kLethal});
   constexpr uint32_t kEach = 0x010101u << kShift;
   const uint32_t lower = FourFlags(map, index - 513) & kEach;
   const uint32_t upper = FourFlags(map, index + 510) >> 8 & kEach;  // ends on the map
   const uint32_t middle = FourFlags(map, index - 1) & kEach;
-  // Three bits a column, the columns eight bits apart; then all nine together.
+  // Three bits per column, the columns eight bits apart; then all nine together.
   const uint32_t columns = lower >> kShift | upper >> (kShift - 1) | middle >> (kShift - 2);
   return kAllowed.of[((columns & 7u) | columns >> 5 | columns >> 10) & 0x1ffu];
 }
@@ -111,17 +111,17 @@ inline bool IsInner(uint32_t index) {
   return x - 1 < kSize - 2 && y - 1 < kSize - 2;
 }
 
-// The directions worth taking after a step in `direction`: straight on and up to a right angle to
-// either side. The other three lead back, or to a cell that the parent reaches by a straight step:
-// at the price of that cell alone, less than by way of here. (Legal from here, they are legal from
-// the parent: a straight step needs nothing but the cell itself, and the depth it must undercut is
-// greater there.)
+// The directions worth taking after a step in `direction`: straight ahead and up to a right angle
+// to either side. The other three lead back, or to a cell that the parent reaches by a straight
+// step for the price of that cell alone, which is cheaper than via this cell. (If legal from here,
+// they are legal from the parent: a straight step needs only the cell itself, and the depth it must
+// undercut is greater there.)
 inline uint32_t WorthTaking(uint32_t direction) {
   constexpr uint32_t kAhead = 0x1f;  // directions 0 to 4, ahead of direction 2
   return std::rotl(static_cast<uint8_t>(kAhead), static_cast<int>(direction) - 2);
 }
 
-// Their index differences, the rightmost first: those after direction d are [d] to [d + 4].
+// Their index differences, the rightmost first: those for direction d are [d] to [d + 4].
 inline constexpr uint32_t kStepAhead[kDirections + 4] = {kStep[6], kStep[7], kStep[0], kStep[1],
                                                          kStep[2], kStep[3], kStep[4], kStep[5],
                                                          kStep[6], kStep[7], kStep[0], kStep[1]};
@@ -134,7 +134,7 @@ inline uint32_t CostOf(const Costmap& map, uint32_t index) {
   return map.cost_q8[index] < kMaxCost_q8 ? map.cost_q8[index] : uint32_t{kMaxCost_q8};
 }
 
-// Of the step into the cell.
+// The cost of the step into the cell.
 inline uint32_t CostInto(const Costmap& map, uint32_t index, uint32_t direction) {
   return static_cast<uint32_t>(
       EdgeCost(static_cast<int>(Length(direction)), static_cast<int>(CostOf(map, index))));

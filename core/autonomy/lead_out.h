@@ -12,22 +12,21 @@
 #include "core/costmap/costmap.h"
 #include "core/path/path.h"
 
-// The way out of a place without room to turn: along the present heading, straight on or gently
-// bent, until the vehicle could turn on the spot. The rest of the path is planned from there. It
-// does not know the goal's way (core/astar does). Ours.
+// The lead-out of a place without room to turn: along the present heading, straight or gently
+// curved, until the vehicle could turn on the spot. The rest of the path is planned from there. It
+// ignores the path to the goal (core/astar handles that). Ours.
 //
 //      ################
 //     [ > ]- - - - - - - - -(o)        straight on; arcs of kBends to both sides, where a straight
 //                          /            way is blocked or longer by more than what a bend costs
 //                         v
 //
-// A vehicle that cannot turn on the spot (core/kinematics) turns on its way instead: along an arc
-// that it can drive, of kBendShares of its largest curvature, until the goal lies about ahead.
+// A vehicle that cannot turn on the spot (core/kinematics) turns while driving instead: along a
+// feasible arc, of kBendShares of its largest curvature, until the goal is roughly ahead.
 //
-// It looks roughly: a hard cell counts by its middle, which must not come deeper into the outline
-// than it lies in it at the start and kCellTolerance_m. Whether a way that it has found may be
-// driven the check says (core/safety/path_check.h), as of any other path; if not, RefuseFound looks
-// for the next one.
+// The check is coarse: a hard cell counts by its centre, which must not lie deeper in the outline
+// than at the start plus kCellTolerance_m. Whether a lead-out may be driven is decided by the check
+// (core/safety/path_check.h), as for any other path; if not, RefuseFound looks for the next one.
 
 namespace hardpack {
 
@@ -36,7 +35,7 @@ class LeadOut {
   static constexpr float kStep_m = 0.1f;
   static constexpr int kStepsPerPoint = 3;  // between two points of the result
   static constexpr float kMaxLength_m = 12.0f;
-  // The same of a vehicle that cannot turn on the spot: more than half a circle of 7 m.
+  // The same for a vehicle that cannot turn on the spot: more than half a circle of 7 m.
   static constexpr float kTurningStep_m = 0.2f;
   static constexpr float kMaxTurningLength_m = 24.0f;
   static constexpr float kFirstChord_m = 0.1f;
@@ -44,29 +43,29 @@ class LeadOut {
   static constexpr float kBends_per_m[] = {0.0f, 0.08f, -0.08f, 0.2f, -0.2f, 0.4f, -0.4f};
   static constexpr int kBends = sizeof(kBends_per_m) / sizeof(kBends_per_m[0]);
   static constexpr float kBendShares[kBends] = {0.0f, 0.5f, -0.5f, 0.75f, -0.75f, 1.0f, -1.0f};
-  // The goal lies ahead: so far off its heading a path is joined with ease.
+  // The goal counts as ahead: within this angle a path can be joined easily.
   static constexpr float kAhead_rad = 0.5f;
   static constexpr int kMaxUnits = kBends * kMaxPoses;
-  static constexpr float kBendCost_m2 = 4.0f;  // a bend is worth so much way per curvature
+  static constexpr float kBendCost_m2 = 4.0f;  // distance equivalent of a bend, per curvature
   static constexpr float kCellTolerance_m = 0.06f;
   static constexpr int kMaxSide_cells = 64;
 
-  // A way of least_m at least and longest_m at most, by bends first_bend .. end_bend - 1 of kBends.
-  // Who can turn on the spot makes no use of goal_odom, and who cannot none of longest_m.
-  // Preconditions: finite, 0 <= first_bend <= end_bend <= kBends.
+  // A lead-out of least_m to longest_m, by bends first_bend .. end_bend - 1 of kBends. A vehicle
+  // that can turn on the spot ignores goal_odom, one that cannot ignores longest_m. Preconditions:
+  // finite, 0 <= first_bend <= end_bend <= kBends.
   void Begin(const VehicleParams& vehicle, const PathParams& params, const Pose2& start,
              Vec2 goal_odom, float least_m, float longest_m, int first_bend, int end_bend);
 
-  // A unit is one pose of one of the ways. At most kMaxUnits.
+  // A unit is one pose of one lead-out. At most kMaxUnits.
   Progress Step(const Costmap& map, int units);
 
-  // Once one is found: looks again, and not along its bend. At most kBends times.
+  // Once one is found: searches again, excluding its bend. At most kBends times.
   void RefuseFound();
 
-  // Once it is done: whether there is one, and the shortest of them, with what bends cost: its
-  // first point is the start, its last where the vehicle may turn.
+  // Once done: whether there is one. It is the shortest, including the cost of bends; its first
+  // point is the start, its last where the vehicle may turn.
   bool found() const { return best_bend_ >= 0; }
-  // Of the one that is found.
+  // Of the lead-out found.
   float curvature_per_m() const { return found() ? Bend(best_bend_) : 0.0f; }
   void Poses(WorldPath& path) const;
 
@@ -93,9 +92,9 @@ class LeadOut {
   int32_t reach_cells_ = 0;
   int32_t first_bend_ = 0;
   int32_t bends_ = 0;
-  uint32_t refused_ = 0;  // a bit for each bend
-  int32_t bend_ = 0;      // being looked along, ...
-  int32_t pose_ = 0;      // ... next pose of it
+  uint32_t refused_ = 0;  // one bit per bend
+  int32_t bend_ = 0;      // being searched, ...
+  int32_t pose_ = 0;      // ... its next pose
   int32_t best_bend_ = -1;
   float best_m_ = 0.0f;
   float best_cost_m_ = 0.0f;

@@ -13,7 +13,7 @@
 #include "core/safety/path_check.h"
 #include "core/speed/speed_caps.h"
 
-// When to plan again, and which plan to drive: owns a Planner and the committed plan. It reads no
+// When to plan again, and which plan to drive. Owns a Planner and the committed plan. It reads no
 // clock, measures nothing and commands nothing; time comes in with Update. Ours; the paper only
 // says that it replans at 4 to 10 Hz ([OS] Experiments). docs/algorithm.md sections 3, 6 and 8.
 //
@@ -22,66 +22,65 @@
 //        |---- kept stretch ------> \____                          __/
 //                                        \___ new plan ___________/
 //
-// One round, begun as soon as the one before was judged:
+// One round, begun as soon as the previous one was evaluated:
 // 1. Anchor. The predicted pose is projected onto the committed path. The new plan starts on that
-//    path, with its pose, curvature and speed, at the first point behind the stretch that is driven
-//    while the round lasts: min_latency_s, or 1.5 times the longest of the last rounds (their
-//    length in the owner's time, so the same in replay), nor nearer to the place where the map
-//    began than unseen_start_m. What it leads to is
-//    kept stretch + new plan. It starts from the predicted pose itself if there is no committed
-//    plan, if the vehicle is further beside it than there is room there (max_cross_track_m at most,
-//    least_cross_track_m at least), or kMaxStandingOff_m where it
-//    stands (or turned away from it by more than max_join_heading_rad), or stands at its end or at
-//    a turn on the spot.
-// 2. The new plan, on the map of this moment.
+//    path, with its pose, curvature and speed, at the first point beyond the stretch that is driven
+//    during the round: min_latency_s, or 1.5 times the longest of the last rounds (their length in
+//    the owner's time, so the same in replay), and no closer to the place where the map began than
+//    unseen_start_m. The result is kept stretch + new plan. It starts from the predicted pose
+//    itself if there is no committed plan, if the vehicle is farther beside it than there is room
+//    there (max_cross_track_m at most, least_cross_track_m at least), or kMaxStandingOff_m at rest
+//    (or turned away from it by more than max_join_heading_rad), or if it stands at the path's end
+//    or at a turn on the spot.
+// 2. The new plan, on the present map.
 // 3. The rest of the committed path, from the vehicle's projection on, is checked on that map, with
-//    path.kept_margin_m around the outline: what tracking is off by. It is less than a new plan's
-//    path.margin_m, as what stands in a hard square is somewhere in it, and in a gap that is just
-//    wide enough its edge moves by a cell with every build. Each return itself is held against the
-//    corridor meanwhile (core/safety/corridor.h).
-// 4. Where the ends differ, no cost can be compared. So the committed path is carried on: its rest
-//    up to a point B, and a second plan from B to the goal on the same map.
-//    - Its rest is free and ends short of the goal (which is off the map, or further than a path is
-//      long), and the new plan reaches it or gets extend_m nearer: B is kTail_m before its end,
-//      since the last stretch was bent towards an end that is none.
-//    - Its rest is blocked more than kFarBlock_m behind the anchor: B is half way to the block.
-//      What is far away does not change the side on which the next obstacle is passed.
-//    - In its last kTail_m it is not carried on: the new plan itself is the extension.
-// 5. Judgement, on that one map, from the anchor on. F is the optimizer's cost (CostOf). If both
-//    end at the same place (kSameEnd_m), the new plan is clearly cheaper where
+//    path.kept_margin_m around the outline: the allowance for tracking error. It is less than a new
+//    plan's path.margin_m, because an object in a hard square may be anywhere in it, and in a gap
+//    that is just wide enough its edge moves by a cell with every build. Meanwhile each return
+//    itself is tested against the corridor (core/safety/corridor.h).
+// 4. If the ends differ, costs cannot be compared. So the committed path is extended: its rest up
+//    to a point B, and a second plan from B to the goal on the same map.
+//    - Its rest is free and ends short of the goal (which is off the map, or farther than a path is
+//      long), and the new plan reaches it or gets extend_m closer: B is kTail_m before its end,
+//      because the last stretch was bent toward a temporary end point.
+//    - Its rest is blocked more than kFarBlock_m beyond the anchor: B is half way to the block.
+//      Distant changes do not affect the side on which the next obstacle is passed.
+//    - In its last kTail_m it is not extended: the new plan itself is the extension.
+// 5. Decision, on that one map, from the anchor on. F is the optimizer's cost (CostOf). If both end
+//    at the same place (kSameEnd_m), the new plan is clearly cheaper where
 //      F(committed) - F(new) > max(cheaper_share F(committed), cheaper_floor).
-//    If they do not, because one is cut at the capacity of a path, the same is asked of the way to
-//    the search's end: length + F_map of the committed stretch + cost of the search from B,
-//    against the cost of the new plan's search. If there is no common end at all, it is not
+//    If they do not, because one is cut at the capacity of a path, the same test is applied to the
+//    whole way to the search's end: length + F_map of the committed stretch + cost of the search
+//    from B, against the cost of the new plan's search. If there is no common end at all, it is not
 //    cheaper.
 //      no committed plan, or the vehicle is off it, or the goal has changed, or the committed plan
-//      was a stop, or its rest is blocked or too short and cannot be carried on, or the new plan is
+//      was a stop, or its rest is blocked or too short and cannot be extended, or the new plan is
 //      clearly cheaper                               the new plan replaces it
-//      its rest is free or was carried on            it is kept, with what was carried on
-//      neither can be                                it is cut to come to rest as soon as it can,
+//      its rest is free or was extended              it is kept, with the extension
+//      neither is possible                           it is cut to come to rest as soon as it can,
 //                                                    within what was checked free, and the
 //                                                    outcome says kStop: the owner stops
-// 6. Speeds. Whatever is driven from now on gets its speeds anew on this map, from the state of the
+// 6. Speeds. Whatever is driven from now on gets new speeds on this map, from the state at the
 //    moment of publication.
-// A new plan that comes after the vehicle has passed its anchor is not used (counted as late), and
-// the next one has its anchor further ahead. One that could not come to rest within its length from
+// A new plan that arrives after the vehicle has passed its anchor is not used (counted as late),
+// and the next anchor is farther ahead. A plan that could not come to rest within its length from
 // the present speed is not used either.
 
 namespace hardpack {
 
-// Where the vehicle will be, dead time and all, when a command that is given now takes effect.
+// The predicted vehicle, including dead time, when a command given now takes effect.
 struct VehicleState {
   Pose2 pose;  // odom
   float curvature_per_m = 0.0f;
-  // Forward. With lagging drives the speed that it has been told to have then: a plan that starts
-  // from the speed it lags at would never let it accelerate.
+  // Forward. With lagging drives, the speed commanded by then: a plan that starts from the lagging
+  // speed would never let it accelerate.
   float speed_mps = 0.0f;
-  float driven_mps = 0.0f;  // how fast it drives indeed, lags and all
-  // Age that what is known of the ground ahead will have when a plan of now is driven. Where that
-  // is more than SpeedParams::reaction_time_s it is what speeds are made for.
+  float driven_mps = 0.0f;  // actual speed, including lag
+  // Age that the knowledge of the ground ahead will have when a plan made now is driven. If it
+  // exceeds SpeedParams::reaction_time_s, speeds are computed for it.
   float reaction_s = 0.0f;
-  // How fast its wheels follow a turn, as a share of what the parameters say. A slower vehicle is
-  // further beside its path in a bend: where there is little room for that it gets as much less of
+  // How fast its wheels follow a turn, relative to the parameters. A slower vehicle is farther
+  // beside its path in a bend: where there is little room it gets proportionally less of
   // SpeedParams::max_curvature_rate_per_s2, down to Replanner::kLeastQuickness; a quicker one gets
   // no more.
   float turn_quickness = 1.0f;
@@ -95,11 +94,11 @@ struct VehicleState {
 VehicleState PredictAhead(const VehicleState& state, float ahead_s);
 
 enum class ReplanDecision : uint8_t {
-  kNone,      // nothing is committed: there is no plan
-  kKept,      // the committed path goes on, with new speeds
-  kExtended,  // the same, and carried on
+  kNone,      // nothing is committed: no plan
+  kKept,      // the committed path is kept, with new speeds
+  kExtended,  // the same, and extended
   kReplaced,
-  kStop,  // the committed path is blocked, obsolete or left, and there is no other: stop
+  kStop,  // the committed path is blocked, obsolete or left, with no alternative: stop
 };
 
 enum class ReplanReason : uint8_t {
@@ -108,35 +107,35 @@ enum class ReplanReason : uint8_t {
   kOffPath,      // the vehicle is too far from it
   kGoalChanged,  // it leads to another goal
   kAfterStop,    // it had been cut to a stop
-  kBlocked,      // what is blocked was replaced, far behind the vehicle or all of it
-  kEnds,         // it ends short of the goal and cannot be carried on
+  kBlocked,      // the blocked part was replaced, far ahead or entirely
+  kEnds,         // it ends short of the goal and cannot be extended
   kCheaper,      // the new one is clearly cheaper
 };
 inline constexpr int kReplanReasons = 8;
 
-// What the last round came to.
+// The result of the last round.
 struct ReplanOutcome {
   ReplanDecision decision = ReplanDecision::kNone;
   ReplanReason reason = ReplanReason::kNone;
-  // Usable: drive the committed plan; it says what to mind. kCollision: its way is blocked, and no
-  // plan leads around; else why there is no plan (the new plan's status).
+  // Usable: drive the committed plan, with any restriction it states. kCollision: it is blocked,
+  // and no plan leads around; otherwise why there is no plan (the new plan's status).
   Status status = Status::kNotStarted;
   Status plan_status = Status::kNotStarted;  // of the new plan, used or not
   bool anchored = false;                     // the new plan started on the committed path ...
-  bool late = false;                         // ... and came too late to be used
-  // Whether the vehicle is to stand where it is, and why: by the committed plan, short of its end,
-  // or since it drives kTooFast_mps more than a person allows, which no ramp mends in time.
+  bool late = false;                         // ... and arrived too late to be used
+  // Whether the vehicle must hold where it is, and why: the committed plan says so, short of its
+  // end, or it drives kTooFast_mps faster than a person allows, too fast for any ramp.
   bool held = false;
   CapCause held_by = CapCause::kPathEnd;
-  float committed_cost = 0.0f;  // as they were compared; 0 where they were not
+  float committed_cost = 0.0f;  // as compared; 0 if not compared
   float new_cost = 0.0f;
 };
 
 struct ReplanCounters {
-  uint32_t plans = 0;  // rounds that were judged
+  uint32_t plans = 0;  // rounds evaluated
   uint32_t kept = 0;
   uint32_t extended = 0;
-  uint32_t replaced[kReplanReasons] = {};  // by reason; kBlocked counts paths carried on, too
+  uint32_t replaced[kReplanReasons] = {};  // by reason; kBlocked includes extended paths
   uint32_t stopped = 0;
   uint32_t failed = 0;      // new plans that were not usable
   uint32_t reanchored = 0;  // rounds that found the vehicle off the path
@@ -146,27 +145,27 @@ struct ReplanCounters {
 
 class Replanner {
  public:
-  // Drops what there is. kParameterOutOfRange: nothing changes.
+  // Drops everything. kParameterOutOfRange: nothing changes.
   Status Configure(const PlannerParams& params);
 
-  // Drops the committed plan, the round under way and the newest state: after a jump of the
-  // odometry or of the clock, say. The next round needs an Update.
+  // Drops the committed plan, the round in progress and the newest state, for example after a jump
+  // of the odometry or of the clock. The next round needs an Update.
   void Forget();
 
-  // Every tick. kInvalidArgument: the time runs backwards, a speed is below -kStanding_mps or above
-  // kMaxRequestSpeed_mps, or a number is beyond what PlanRequest may have; kNotFinite. Then nothing
-  // changes but counters().refused. Cost: one pass over the committed path.
+  // Every tick. kInvalidArgument: time runs backwards, a speed is below -kStanding_mps or above
+  // kMaxRequestSpeed_mps, or a number is beyond PlanRequest's limits; kNotFinite. In these cases
+  // only counters().refused changes. Cost: one pass over the committed path.
   Status Update(uint64_t now_ns, const VehicleState& state, const PlanGoal& goal);
 
-  // At most `units` units of the stages', as Planner::Step, and ends with the round, so that the
-  // owner sees each. Begins a round where none is under way. kDone: a round has been judged, or
+  // At most `units` units of the stages, as Planner::Step. Ends with the round, so that the owner
+  // sees each one. Begins a round if none is in progress. kDone: a round has been evaluated, or
   // none could begin, and outcome() is new. kMaxUnits steps of one unit end any round. Any split of
-  // the units gives the same outcome while map and state stay as they are.
+  // the units gives the same outcome while map and state are unchanged.
   Progress Step(const Mapper& mapper, int units);
   Progress Step(const HeightGrid& heights, int units);
 
-  // The same on given cells: BeginCells begins the round (kNotStarted: no state has come), then
-  // SetCell on costmap_builder(), then StepCells until it is done. Failures of Begin are outcomes.
+  // The same on given cells: BeginCells begins the round (kNotStarted: no state yet), then SetCell
+  // on costmap_builder(), then StepCells until done. Failures of Begin are outcomes.
   Status BeginCells(const GridWindow& window);
   Progress StepCells(int units);
   CostmapBuilder& costmap_builder() { return planner_.costmap_builder(); }
@@ -177,21 +176,21 @@ class Replanner {
   // Of the newest state on the committed path.
   const PathPlace& place() const { return place_; }
   bool busy() const { return phase_ != Phase::kIdle; }
-  float latency_s() const { return latency_s_; }  // that the next round is taken to need
-  // Of the plan made last, and its map.
+  float latency_s() const { return latency_s_; }  // assumed for the next round
+  // The last plan made, and its map.
   const Planner& planner() const { return planner_; }
 
   static constexpr float kStanding_mps = SpeedCaps::kStanding_mps;
   static constexpr float kTooFast_mps = 0.3f;
-  // Off the path while it stands, behind a stop that came at once say: to join it from there it
-  // would have to turn where it was not checked.
+  // Off the path at rest, for example after an immediate stop: joining it from there would turn
+  // through unchecked space.
   static constexpr float kMaxStandingOff_m = 0.15f;
   static constexpr float kSameEnd_m = 0.3f;  // a cell's diagonal
   static constexpr float kTail_m = 5.0f;
   static constexpr float kFarBlock_m = 10.0f;
   static constexpr float kNearerEnd_m = 0.5f;  // in the last kTail_m
-  // What a slow turn matters by: all of it up to so much room, none of it from so much on, in the
-  // next so many metres.
+  // Effect of a slow turn: full up to this room, none from this room on, in the next so many
+  // metres.
   static constexpr float kNoRoomToTurnLate_m = 1.2f;
   static constexpr float kRoomToTurnLate_m = 2.0f;
   static constexpr float kTurnsAhead_m = 6.0f;
@@ -202,18 +201,18 @@ class Replanner {
  private:
   enum class Phase : uint8_t { kIdle, kPlan, kCheck, kExtend, kSpeed };
 
-  // A usable plan, as far as it is needed once the planner makes another.
+  // A usable plan: what is still needed once the planner makes another.
   struct Fresh {
     Status status = Status::kNotStarted;
     WorldPath path;
     int32_t slow_points = 0;
     int32_t lead_points = 0;
     Cell search_end;
-    Vec2 end_odom;          // of the search: where the path ends unless it was cut
+    Vec2 end_odom;          // of the search: the path's end unless it was cut
     float way_cost = 0.0f;  // of the search, in metres at cost 0
   };
 
-  // What is to be driven from now on, before its speeds.
+  // The next committed path, before its speeds.
   struct Candidate {
     ReplanDecision decision = ReplanDecision::kNone;
     ReplanReason reason = ReplanReason::kNone;
@@ -223,14 +222,14 @@ class Replanner {
     float start_turn_rad = 0.0f;
     int32_t slow_points = 0;
     int32_t lead_points = 0;
-    int32_t joint = -1;  // point of rest_ where it leaves the committed path; -1: it has no joint
+    int32_t joint = -1;  // point of rest_ where it leaves the committed path; -1: none
   };
 
   template <typename StepPlanner>
   Progress Run(StepPlanner&& step_planner, int units);
-  // core/autonomy/replanner.cpp: the course of a round.
+  // core/autonomy/replanner.cpp: the phases of a round.
   bool Stands() const { return state_.speed_mps <= kStanding_mps; }
-  bool IsAt(int point) const;  // of the committed path, or behind it
+  bool IsAt(int point) const;  // of the committed path, or beyond it
   bool MayBegin();
   void ChooseAnchor();
   int PointBehindStretch(int standing) const;
@@ -248,7 +247,7 @@ class Replanner {
   void EndRound();
   void Locate(float since_s);
 
-  // core/autonomy/replanner_judge.cpp: what it comes to.
+  // core/autonomy/replanner_judge.cpp: its result.
   int AnchorOfRest() const;
   int ExtensionPoint();
   bool EndCouldBeNearer(int anchor) const;
@@ -267,7 +266,7 @@ class Replanner {
   int StopPoint() const;
   bool ComesToRest() const;
 
-  // core/autonomy/replanner_publish.cpp: what is driven from now on.
+  // core/autonomy/replanner_publish.cpp: the plan driven from now on.
   void Publish();
   void DropAll();
   Status StopStatus() const;
@@ -293,7 +292,7 @@ class Replanner {
 
   // The round.
   Phase phase_ = Phase::kIdle;
-  ReplanOutcome round_;  // what it comes to
+  ReplanOutcome round_;  // its result
   uint64_t begun_ns_ = 0;
   PlanGoal round_goal_;
   bool anchored_ = false;
@@ -308,8 +307,8 @@ class Replanner {
   int32_t free_until_ = -1;  // last point of rest_ that was checked free
   Fresh fresh_;
   int32_t extension_point_ = -1;  // B, of rest_; -1: none was planned
-  bool ends_short_ = false;       // the committed path should be carried on, if it can be
-  bool is_cheaper_ = false;       // the new plan, clearly
+  bool ends_short_ = false;       // the committed path should be extended if possible
+  bool is_cheaper_ = false;       // the new plan is clearly cheaper
   Candidate candidate_;
   ActuatorPath timed_;  // as driven from the vehicle's place on
 

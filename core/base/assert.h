@@ -3,7 +3,7 @@
 
 namespace hardpack {
 
-// Called when a programmer's assumption is broken. It must not return: the platform brings the
+// Called when a programmer's assumption does not hold. It must not return: the platform brings the
 // vehicle to a stop and reports where. Bad input from outside never leads here.
 using AssertionHook = void (*)(const char* file, int line, const char* expression);
 
@@ -14,7 +14,7 @@ void SetAssertionHook(AssertionHook hook);
 
 }  // namespace hardpack
 
-// Active in every build: a broken assumption on a moving machine is not an optimisation hint.
+// Active in every build: on a moving machine, a failed assertion is not an optimisation hint.
 #define HP_ASSERT(expression)                         \
   (__builtin_expect(static_cast<bool>(expression), 1) \
        ? static_cast<void>(0)                         \

@@ -10,10 +10,10 @@
 
 namespace hardpack {
 
-// Reads little-endian numbers from a packet at checked offsets. It never reads outside the bytes it
-// was given: a read that would reach outside gives 0 and makes status() kTruncated for good, so a
-// decoder may read a whole record and ask once. No alignment is needed; nothing is cast. Inline, so
-// that reading a number is one comparison and one load; the bytes must outlive the reader.
+// Reads little-endian numbers from a packet at checked offsets. It never reads outside its bytes:
+// an out-of-bounds read returns 0 and sets status() to kTruncated permanently, so a decoder may
+// read a whole record and check once. No alignment is needed; nothing is cast. Inline, so that
+// reading a number is one comparison and one load. The bytes must outlive the reader.
 class ByteReader {
  public:
   explicit constexpr ByteReader(std::span<const uint8_t> bytes) : bytes_(bytes) {}
@@ -37,7 +37,7 @@ class ByteReader {
   }
   constexpr float F32(size_t offset) { return std::bit_cast<float>(U32(offset)); }
 
-  // A part of the bytes; empty, and status() kTruncated, when it would reach outside.
+  // A subrange of the bytes; empty, with status() kTruncated, if it is out of bounds.
   constexpr std::span<const uint8_t> Sub(size_t offset, size_t size) {
     return Holds(offset, size) ? bytes_.subspan(offset, size) : std::span<const uint8_t>{};
   }

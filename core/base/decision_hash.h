@@ -5,9 +5,9 @@
 
 namespace hardpack {
 
-// 64-bit FNV-1a over decisions, equal on every processor: numbers go in little-endian byte order,
-// field by field, never as memory. -0 is hashed as +0; a float that is not finite is a programmer's
-// error.
+// 64-bit FNV-1a over decisions, identical on every processor: numbers are added in little-endian
+// byte order, field by field, never as raw memory. -0 is hashed as +0. A float that is not finite
+// is a programming error.
 class DecisionHash {
  public:
   void AddU8(uint8_t value);

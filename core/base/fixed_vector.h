@@ -31,7 +31,7 @@ class FixedVector {
 
   constexpr void Clear() { size_ = 0; }
 
-  // Keeps the first `size` elements, or value-initialised new ones. Precondition: 0 <= size <=
+  // Keeps the first `size` elements, or appends value-initialised ones. Precondition: 0 <= size <=
   // kCapacity. Cost: the number of elements added.
   constexpr void Resize(int size) {
     HP_ASSERT(size >= 0 && size <= kCapacity);

@@ -7,8 +7,8 @@
 #include "config/parameters.h"
 #include "core/base/pose.h"
 
-// The vehicle's outline seen from above, and what follows from it. Everything that asks where the
-// vehicle's sides are asks here: it is all derived from three numbers of VehicleParams.
+// The vehicle's outline seen from above, and quantities derived from it. All code that needs the
+// position of the vehicle's sides gets it here, derived from three numbers of VehicleParams.
 //
 //             y
 //      +------|-----------+ half_width_m
@@ -19,30 +19,30 @@
 //    rear_m             front_m
 //
 // Body frame: the origin is the centre of the axle, the point about which the vehicle turns on the
-// spot, and not the middle of the outline. docs/vehicle.md says how to measure it.
+// spot, not the middle of the outline. docs/vehicle.md explains how to measure it.
 
 namespace hardpack {
 
 struct Footprint {
   static constexpr int kMaxDiscs = 16;
-  // Two at least; as many as it takes for them to reach no further than this beside the flank.
+  // At least two, and enough that they reach no more than this beyond the flank.
   static constexpr float kMaxDiscOverhang_m = 0.1f;
 
   float front_m = 0.0f;       // of the front edge along x
   float rear_m = 0.0f;        // of the rear edge along x; negative where it is behind the axle
   float half_width_m = 0.0f;  // of the flanks along y, to either side
 
-  // Discs of one radius, evenly along the x axis, that together cover the outline: for what looks
-  // up distances in a map. disc_radius_m - half_width_m is their overhang beside the flank; before
-  // the front and behind the rear they reach no further than the overhang at most of a disc.
+  // Discs of one radius, evenly spaced along the x axis, that together cover the outline; used for
+  // distance lookups in a map. disc_radius_m - half_width_m is their overhang beyond the flank. At
+  // the front and rear they reach no farther than the overhang of one disc.
   int32_t discs = 0;
   float disc_radius_m = 0.0f;
-  float disc_step_m = 0.0f;  // from centre to centre
+  float disc_step_m = 0.0f;  // between centres
 
-  // Of the circle about the origin that the outline sweeps in a whole turn on the spot.
+  // Radius of the circle about the origin that the outline sweeps in a full turn on the spot.
   float pivot_radius_m = 0.0f;
 
-  // Where the centre of a disc lies along x. Precondition: 0 <= disc < discs.
+  // Position of a disc's centre along x. Precondition: 0 <= disc < discs.
   constexpr float DiscAhead(int disc) const {
     return rear_m + (static_cast<float>(disc) + 0.5f) * disc_step_m;
   }
@@ -51,7 +51,7 @@ struct Footprint {
 };
 static_assert(std::is_trivially_copyable_v<Footprint>);
 
-// Single numbers of it, for what needs no more. Of the front and of the rear edge along x.
+// Single values, for callers that need no more: positions of the front and the rear edge along x.
 constexpr float FrontOf(const VehicleParams& vehicle) {
   return 0.5f * vehicle.length_m - vehicle.axle_offset_m;
 }
@@ -60,10 +60,10 @@ constexpr float RearOf(const VehicleParams& vehicle) {
 }
 float PivotRadiusOf(const VehicleParams& vehicle);
 
-// vehicle: in its ranges. Cost: at most kMaxDiscs square roots.
+// vehicle: all parameters in range. Cost: at most kMaxDiscs square roots.
 Footprint FootprintOf(const VehicleParams& vehicle);
 
-// Distance from a point of the body frame to the outline; 0 within it [m].
+// Distance from a point of the body frame to the outline; 0 inside it [m].
 float DistanceToOutline(const Footprint& footprint, Vec2 point_body);
 
 }  // namespace hardpack

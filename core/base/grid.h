@@ -24,24 +24,24 @@ struct Cell {
   constexpr bool operator==(const Cell&) const = default;
 };
 
-// The cell that a point lies in, to the rounding of the product: within 1e-7 of a point's own size
-// of a border it may be either neighbour. Saturates; NaN gives 0: callers validate points first.
-// Inline: every return goes through it, and more than once.
+// The cell that contains a point, up to the rounding of the product: a point closer to a border
+// than 1e-7 of its own size may fall into either neighbour. Saturates. NaN gives 0: callers
+// validate points first. Inline: every return goes through it, and more than once.
 inline Cell CellAt(Vec2 point_odom) {
   return {FloorToInt(point_odom.x_m * kCellsPerMeter), FloorToInt(point_odom.y_m * kCellsPerMeter)};
 }
 
-// The middle of a cell, odom frame. CellAt(CellCenter(cell)) == cell within 2^22 cells (838 km) of
+// The centre of a cell, odom frame. CellAt(CellCenter(cell)) == cell within 2^22 cells (838 km) of
 // the origin.
 Vec2 CellCenter(Cell cell);
 
-// Where a map lies: cells origin.x .. origin.x + 511, and the same in y. All of them must be
-// int32s: a window from CenteredAt is.
+// The position of a map: cells origin.x .. origin.x + 511, and the same in y. All of them must be
+// int32s; a window from CenteredAt satisfies this.
 struct GridWindow {
   Cell origin;
 
-  // Modulo 2^32 an offset is less than the window's size only if it is so itself: all its cells are
-  // int32s.
+  // Modulo 2^32, an offset is less than the window's size only if it really is, because all cells
+  // are int32s.
   constexpr bool Contains(Cell cell) const {
     const uint32_t dx = static_cast<uint32_t>(cell.x) - static_cast<uint32_t>(origin.x);
     const uint32_t dy = static_cast<uint32_t>(cell.y) - static_cast<uint32_t>(origin.y);
@@ -63,7 +63,7 @@ struct GridWindow {
   // The cell of the window nearest to `cell` (Euclidean distance between cell centres).
   Cell Nearest(Cell cell) const;
 
-  // The window whose middle cell (256, 256) is the one that holds point_odom.
+  // The window whose middle cell (256, 256) contains point_odom.
   static GridWindow CenteredAt(Vec2 point_odom);
 
   constexpr bool operator==(const GridWindow&) const = default;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// HP_LOOP_BOUND(n) stands immediately before every loop of core and hal, on a line of its own and
+// HP_LOOP_BOUND(n) goes immediately before every loop of core and hal, on a line of its own and
 // without a semicolon. n is a compile-time constant: the largest number of times the loop's body
 // can run each time the loop is entered.
 //
@@ -9,38 +9,38 @@
 //   for (int row = 0; row < rows; ++row) { ... }
 //
 // In a normal build it writes one record (address of the loop's entry, n, the macro's line) into
-// the non-loaded section .note.hardpack.loops of the object file and no instruction at all; a
-// static timing analyser reads the records from the linked image, in which every inlined copy has
-// its own, and knows by the line which of several records is a loop's: that of the line before it.
-// The record of a template's or an inline function's loop joins that function's section group
-// ("?"), so that the linker keeps and drops both together.
-// In a counting build (test/loop_count) the same words count the iterations instead and stop the
-// test when a loop runs more often than it says. A loop without the macro does not compile there.
+// the non-loaded section .note.hardpack.loops of the object file and adds no instruction. A static
+// timing analyser reads the records from the linked image, where every inlined copy has its own. If
+// several records are candidates, the line identifies the loop's: it is the line before the loop.
+// The record of a loop in a template or an inline function joins that function's section group
+// ("?"), so that the linker keeps or drops both together. In a counting build (test/loop_count) the
+// same macros count the iterations instead and stop the test when a loop runs more often than
+// stated. A loop without the macro does not compile there.
 //
-// HP_LOOP_BOUND_INNER(n, m) stands there instead where the loops directly inside share their work
-// among the iterations: each of them iterates at most m times in one entry of this loop, all its
-// iterations together. The second record goes into .note.hardpack.inner; what a called function
-// loops that is not inlined is not meant.
+// HP_LOOP_BOUND_INNER(n, m) is used instead where the loops directly inside share their work among
+// the iterations: during one entry of this loop, each of them iterates at most m times in total
+// over all iterations. The second record goes into .note.hardpack.inner. Loops in called functions
+// that are not inlined do not count.
 //
 //   HP_LOOP_BOUND_INNER(kRuns, kMapSize_cells)
 //   while (left != 0) Fill(TakeRun(left));
 //
-// HP_LOOP_BOUND_BEAMS(n) and HP_LOOP_BOUND_INNER_BEAMS(n, m) stand before a loop over the beams of
-// the lidar that is configured: n, and m, are of kMaxBeams beams, and one less for each that it
-// lacks. .note.hardpack.beams tells so, with kMaxBeams as the second word, so that the analyser can
-// be told of how many beams its bounds are to be. The counting build is told by
-// LoopCounter::SetBeams.
+// HP_LOOP_BOUND_BEAMS(n) and HP_LOOP_BOUND_INNER_BEAMS(n, m) go before a loop over the beams of the
+// configured lidar: n and m are for kMaxBeams beams, and decrease by one for each beam fewer.
+// .note.hardpack.beams records this, with kMaxBeams as the second word, so that the analyser can
+// compute its bounds for a given number of beams. LoopCounter::SetBeams sets it in the counting
+// build.
 //
-// During constant evaluation none of this happens.
+// During constant evaluation the macros do nothing.
 
 #if defined(HP_COUNT_LOOPS)
 
 namespace hardpack {
 
-// Counts one loop's iterations during one entry. Its out-of-line members are the counting build's
-// (test/loop_count/loop_counter.cpp). During constant evaluation nothing is recorded, and one
+// Counts one loop's iterations during one entry. Its out-of-line members belong to the counting
+// build (test/loop_count/loop_counter.cpp). During constant evaluation nothing is recorded, and one
 // iteration too many is not a constant expression. Where functions are hooked (test/call_count) its
-// own are not: a loop is its function's.
+// own are excluded: a loop belongs to its function.
 class LoopCounter {
  public:
   enum class Of { kAll, kBeams };
@@ -58,10 +58,10 @@ class LoopCounter {
   LoopCounter(const LoopCounter&) = delete;
   LoopCounter& operator=(const LoopCounter&) = delete;
 
-  // Of this thread's lidar, until the next call; kMaxBeams without one.
+  // Sets the beams of this thread's lidar, until the next call; kMaxBeams by default.
   static void SetBeams(int beams);
 
-  // Before each iteration. Returns true, so that it can stand in a condition.
+  // Called before each iteration. Returns true, so that it can be part of a condition.
   [[gnu::no_instrument_function]] constexpr bool Tick() {
     if (++count_ > bound_) Exceed();
     return true;
@@ -75,11 +75,11 @@ class LoopCounter {
   [[noreturn]] void Exceed() const;
 
   unsigned long long bound_;
-  unsigned long long inner_;  // 0: its inner loops have no bound in all
+  unsigned long long inner_;  // 0: its inner loops have no total bound
   unsigned long long count_ = 0;
   const char* file_;
   int line_;
-  int inner_from_ = 0;  // of the inner loops' sums, where its own begin
+  int inner_from_ = 0;  // where its own inner sums begin
 };
 
 }  // namespace hardpack
@@ -103,7 +103,7 @@ class LoopCounter {
 
 #define HP_LOOP_BOUND_NUMBER(name, n) [name] "i"(static_cast<unsigned long>(n))
 
-// A record of three words in one of the sections; those of one place stand behind the same label.
+// A record of three words in one of the sections; records of the same place share a label.
 #define HP_LOOP_BOUND_RECORD(kind, name)                                                     \
   ".pushsection .note.hardpack." kind ",\"?\",%%note\n" HP_LOOP_BOUND_WORD " 771b, %c[" name \
   "], %c[line]\n.popsection\n"

@@ -49,7 +49,7 @@ struct Transform3 {
   }
 };
 
-// The transform of a body standing at `pose` on level ground of height z_m: body -> odom.
+// The transform body -> odom of a vehicle at `pose` on level ground of height z_m.
 Transform3 TransformFromPose(const Pose2& pose, float z_m);
 
 // From roll, pitch, yaw (rotation = Rz(yaw) Ry(pitch) Rx(roll)) and a translation.

@@ -8,14 +8,14 @@
 
 namespace hardpack {
 
-// A value or the reason why there is none. Holds the value in place: no heap, trivially copyable.
+// A value, or the reason why there is none. Holds the value in place: no heap, trivially copyable.
 template <typename T>
 class [[nodiscard]] Result {
   static_assert(std::is_trivially_copyable_v<T>);
   static_assert(!std::is_same_v<T, Status>, "a Status says it all by itself");
 
  public:
-  // From either, so that a function may return a value or a Status as it is.
+  // Implicit from either, so that a function may return a value or a Status directly.
   constexpr Result(T value) : value_(value) {}
   // Precondition: not a usable status.
   constexpr Result(Status failure) : status_(failure) { HP_ASSERT(!IsUsable(failure)); }

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-// The only way from float to integer: a plain cast outside the target's range is undefined and
-// differs between processors. NaN gives 0; values beyond the range give its nearest end.
-// Inline: the map is sampled through them.
+// The only conversion from float to integer: a plain cast outside the target's range is undefined
+// and differs between processors. NaN gives 0; values out of range give the nearest limit. Inline:
+// map sampling goes through it.
 
 namespace hardpack {
 
@@ -16,7 +16,7 @@ constexpr bool FitsInt32(float value) {
   return value >= -kTwoTo31 && value < kTwoTo31;
 }
 
-// What the functions below give where it is not.
+// The result of the functions below where it is not.
 constexpr int32_t SaturatedInt32(float value) {
   if (value >= kTwoTo31) return INT32_MAX;
   return value < -kTwoTo31 ? INT32_MIN : 0;
@@ -26,7 +26,7 @@ constexpr int32_t SaturatedInt32(float value) {
 constexpr int32_t FloorToInt(float value) {
   if (!FitsInt32(value)) return SaturatedInt32(value);
   const int32_t truncated = static_cast<int32_t>(value);
-  // Cannot overflow: beyond 2^24 a float is an integer, and truncated is it.
+  // Cannot overflow: beyond 2^24 a float is an integer, equal to truncated.
   return static_cast<float>(truncated) > value ? truncated - 1 : truncated;
 }
 
@@ -34,7 +34,7 @@ constexpr int32_t FloorToInt(float value) {
 constexpr int32_t RoundToInt(float value) {
   if (!FitsInt32(value)) return SaturatedInt32(value);
   const int32_t truncated = static_cast<int32_t>(value);
-  // Exact: beyond 2^23 a float has no fraction, below it the difference is representable.
+  // Exact: beyond 2^23 a float has no fraction; below it, the difference is representable.
   const float fraction = value - static_cast<float>(truncated);
   if (fraction >= 0.5f) return truncated + 1;
   if (fraction <= -0.5f) return truncated - 1;

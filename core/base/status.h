@@ -5,25 +5,25 @@
 
 namespace hardpack {
 
-// Why an operation ended as it did. One list for the whole library, so that a status keeps its
-// meaning (and its name in logs and in plan.json) on its way from the codec to the operator.
-// Codes at or above kFirstFailure mean that the operation gave no usable result; the ones below
-// are outcomes with a usable result, which the caller may still have to treat differently.
+// How an operation ended. One list for the whole library, so that a status keeps its meaning (and
+// its name in logs and in plan.json) on its way from the codec to the operator. Codes at or above
+// kFirstFailure mean that the operation gave no usable result. Lower codes are outcomes with a
+// usable result, which the caller may still have to treat differently.
 enum class [[nodiscard]] Status : uint8_t{
-    kOk = 0,  // Done as asked.
+    kOk = 0,  // Done as requested.
 
-    // Usable results that are not quite what was asked.
+    // Usable results that differ from the request.
     kGoalOutsideMap,   // The goal is off the map; the nearest cell of the map was used.
-    kGoalMoved,        // The goal lies in a hard obstacle; the nearest free cell was used.
-    kStartInObstacle,  // The start lies in a hard obstacle; left along falling depth. Drive slowly.
+    kGoalMoved,        // The goal is in a hard obstacle; the nearest free cell was used.
+    kStartInObstacle,  // The start is in a hard obstacle; left along falling depth. Drive slowly.
     kPartialPath,      // The expansion limit was hit; the path ends at the best cell seen.
-    kPathCut,          // The path was longer than the capacity and ends where that is full.
-    kIterationLimit,   // The optimizer's sweep limit ended it before it converged.
-    kNarrowGap,        // Little room beside the outline somewhere; to be driven at v_min there.
-    kLimitExceeded,  // A curvature or curvature-rate limit is exceeded. Free of hard obstacles, but
-                     // for those that the start is in.
-    kClockJumped,    // A device's clock jumped against ours; the new offset is used from here on.
-    kOffPath,        // Too far from the path to follow it; the vehicle is being brought to rest.
+    kPathCut,          // The path exceeded the capacity and was cut there.
+    kIterationLimit,   // The optimizer reached its sweep limit before it converged.
+    kNarrowGap,        // Little room beside the outline; drive at v_min there.
+    kLimitExceeded,    // A curvature or curvature-rate limit is exceeded. Free of hard obstacles,
+                       // except those that the start is in.
+    kClockJumped,      // A device's clock jumped against ours; the new offset is used from now on.
+    kOffPath,          // Too far from the path to follow it; the vehicle is being brought to rest.
 
     // Failures: there is no result.
     kFirstFailure = 32,
@@ -32,13 +32,14 @@ enum class [[nodiscard]] Status : uint8_t{
     kNotFinite,                   // A number that must be finite is NaN or infinite.
     kParameterOutOfRange,         // A parameter is outside the range its table gives.
     kCapacityExceeded,  // The input does not fit the fixed capacity; nothing was truncated.
-    kNoPath,            // Every way to the goal is closed.
+    kNoPath,            // Every way to the goal is blocked.
     kStartOutsideMap,   // The start is off the map.
     kStartEnclosed,     // The start is in a hard obstacle and no falling depth leads out.
-    kGoalInObstacle,    // The goal lies in a hard obstacle, and moving it is not permitted.
-    kPivotBlocked,  // A turn on the spot is needed; its circle is not free or the vehicle moves.
-    kCollision,     // The checked path touches a hard obstacle.
-    kPathTooShort,  // Fewer points than the operation needs.
+    kGoalInObstacle,    // The goal is in a hard obstacle, and moving it is not permitted.
+    kPivotBlocked,      // A turn on the spot is needed, but its circle is not free or the vehicle
+                        // moves.
+    kCollision,         // The checked path touches a hard obstacle.
+    kPathTooShort,      // Fewer points than the operation needs.
 
     // Bytes from outside.
     kTruncated,        // Fewer bytes than the format needs.
@@ -50,26 +51,26 @@ enum class [[nodiscard]] Status : uint8_t{
     kUnsupported,      // A profile or format that is known but not handled.
     kBadCrc,           // The checksum does not match.
     kDuplicate,        // The column or packet was already received.
-    kLate,             // It came after it was last of use.
-    kSensorRestarted,  // The sensor counts anew: what is known of it has to be set up again.
+    kLate,             // It arrived too late to be used.
+    kSensorRestarted,  // The sensor's counters restarted: its state must be set up again.
     kNoPose,           // The vehicle's pose at that time is not known.
 
     // Buses, sockets and devices.
-    kEmpty,          // Nothing is there to be taken now.
+    kEmpty,          // Nothing is available now.
     kExpired,        // Its deadline passed before it could be sent; it was dropped.
     kInterfaceDown,  // The network interface is down or gone.
     kBusOff,         // The CAN controller has cut itself off from the bus.
-    kNotPermitted,   // The caller, or the present mode, may not do that.
-    kSystemError,    // The operating system refused, for a reason that is none of the others.
-    kWrongSender,    // It comes from an address that is not the configured one.
-    kTimedOut,       // The answer did not come in time.
+    kNotPermitted,   // The caller or the present mode does not permit it.
+    kSystemError,    // The operating system refused, for a reason not listed here.
+    kWrongSender,    // The sender's address is not the configured one.
+    kTimedOut,       // The answer did not arrive in time.
     kAborted,        // The device refused, and said so.
-    kDeviceFault,    // The device reports a fault, or behaves against what it was told.
-    kWrongDevice,    // The device is not the one that the configuration describes.
-    kStale,          // What it would rely upon is too old.
+    kDeviceFault,    // The device reports a fault, or acts against its commands.
+    kWrongDevice,    // The device differs from the one in the configuration.
+    kStale,          // The data it depends on are too old.
 
     // Planning, for a vehicle that cannot turn on the spot.
-    kNeedsManoeuvre,  // The way bends more sharply than the vehicle can, or needs a turn on the
+    kNeedsManoeuvre,  // The path bends more sharply than the vehicle can, or needs a turn on the
                       // spot.
 };
 
@@ -78,7 +79,7 @@ constexpr bool IsUsable(Status status) {
   return status < Status::kFirstFailure;
 }
 
-// Of two outcomes that belong together; statuses are numbered by gravity.
+// The more severe of two related outcomes; statuses are numbered by severity.
 constexpr Status Graver(Status a, Status b) {
   return a < b ? b : a;
 }

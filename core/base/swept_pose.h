@@ -3,15 +3,15 @@
 
 #include "core/base/pose.h"
 
-// A pose of a motion that is looked ahead at, and how fast the vehicle is there: what
-// core/tracking/stop_motion.h rolls out and core/safety/motion_sweep.h holds against returns.
+// A pose of a predicted motion, and the speed there: core/tracking/stop_motion.h rolls it out, and
+// core/safety/motion_sweep.h tests it against returns.
 
 namespace hardpack {
 
 struct SweptPose {
   Pose2 pose;  // odom
   float speed_mps = 0.0f;
-  // That it may be off by.
+  // Possible error of the pose.
   float along_m = 0.0f;
   float aside_m = 0.0f;
 };

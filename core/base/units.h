@@ -6,8 +6,8 @@
 #include "core/base/saturate.h"
 #include "core/base/wide_int.h"
 
-// Between metres and seconds and the integer units in which the sensor gives ranges, the map keeps
-// heights and clocks count.
+// Converts between metres and seconds and the integer units of sensor ranges, map heights and
+// clocks.
 
 namespace hardpack {
 

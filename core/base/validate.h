@@ -13,9 +13,8 @@
 #include "core/base/saturate.h"
 #include "core/base/status.h"
 
-// Checks parameters against config/parameter_tables.h. It cannot tell whether parameters of
-// different meaning go together (config/conflicts.h); port_linux/files/set_parameter.h sets them by
-// name.
+// Checks parameters against config/parameter_tables.h. It does not check parameters against each
+// other (config/conflicts.h does); port_linux/files/set_parameter.h sets them by name.
 
 namespace hardpack {
 
@@ -113,7 +112,7 @@ constexpr void VisitParameters(Params& params, Visit&& visit) {
   }
 }
 
-// False for NaN too. A whole number is compared as one: a float may not hold it.
+// False for NaN too. Integers are compared as integers: a float may not hold them.
 template <typename Group>
 constexpr bool IsInRange(const ParameterEntry<Group>& entry, const Group& group) {
   if (entry.number != nullptr) {
@@ -124,14 +123,14 @@ constexpr bool IsInRange(const ParameterEntry<Group>& entry, const Group& group)
   return value >= RoundToInt(entry.low) && value <= RoundToInt(entry.high);
 }
 
-// Whether it does not exceed the member that it must not exceed.
+// Whether the parameter respects the member that it must not exceed.
 template <typename Group>
 constexpr bool IsInOrder(const ParameterEntry<Group>& entry, const Group& group) {
   return entry.not_above == nullptr || entry.Get(group) <= group.*entry.not_above;
 }
 
-// The full name of the first parameter that is not finite or out of its range; if there is none, of
-// the first that is above the one that it must not exceed; else nullptr. Params: as
+// The full name of the first parameter that is not finite or out of range; if there is none, of the
+// first that is above the one that it must not exceed; otherwise nullptr. Params: as
 // VisitParameters. Cost: one pass over the tables.
 template <typename Params>
 constexpr const char* FirstInvalidParameter(const Params& params) {

@@ -5,8 +5,8 @@
 
 #include "core/base/assert.h"
 
-// What 32-bit processors do with 64-bit integers by a library routine, whose loops nobody has
-// bounded: here in a fixed number of their own instructions.
+// Operations on 64-bit integers that 32-bit processors would do in a library routine with unbounded
+// loops; here in a fixed number of their own instructions.
 
 namespace hardpack {
 
@@ -25,7 +25,7 @@ constexpr Division Divide(int64_t dividend, int32_t divisor) {
   const auto high = static_cast<uint32_t>(static_cast<uint64_t>(dividend) >> 32u);
   const auto low = static_cast<uint32_t>(static_cast<uint64_t>(dividend) & 0xffffffffu);
   const uint32_t quotient_high = high / by;
-  // Each is below divisor * 2^16, and so its quotient below 2^16.
+  // Each is below divisor * 2^16, so its quotient is below 2^16.
   const uint32_t upper = ((high % by) << 16u) | (low >> 16u);
   const uint32_t lower = ((upper % by) << 16u) | (low & 0xffffu);
   const uint64_t quotient_low = (upper / by) << 16u | lower / by;
@@ -33,7 +33,7 @@ constexpr Division Divide(int64_t dividend, int32_t divisor) {
           static_cast<int32_t>(lower % by)};
 }
 
-// The value as a float: exact below 2^24, else with a relative error below 2^-22.
+// The value as a float: exact below 2^24, otherwise with a relative error below 2^-22.
 constexpr float ToFloat(uint64_t value) {
   constexpr float kTwoTo32 = 4294967296.0f;
   return static_cast<float>(static_cast<uint32_t>(value >> 32u)) * kTwoTo32 +

@@ -12,17 +12,17 @@
 #include "core/path/path.h"
 #include "core/speed/speed.h"
 
-// The plan that is being driven: where on it a vehicle is, and what it says at each place. It does
-// not judge or change itself (core/autonomy/replanner.h does). The paper has no part in it;
-// docs/algorithm.md sections 3 and 6 say what paths and speeds are.
+// The plan being driven: where on it a vehicle is, and what it specifies at each place. It does not
+// evaluate or change itself (core/autonomy/replanner.h does). Not part of the paper; for paths and
+// speeds see docs/algorithm.md sections 3 and 6.
 
 namespace hardpack {
 
-// What is to be reached.
+// The target of planning.
 struct PlanGoal {
   Vec2 position_odom;
   bool has_heading = false;
-  float heading_rad = 0.0f;  // else it has no effect
+  float heading_rad = 0.0f;  // ignored otherwise
 };
 
 // A place on a path of n points: on the chord from `point` to the next one.
@@ -30,86 +30,86 @@ struct PathPlace {
   int32_t point = 0;           // 0 to n - 2
   float share = 0.0f;          // of that chord, 0 to 1
   float along_m = 0.0f;        // from the path's first point
-  float cross_track_m = 0.0f;  // distance to what was projected, never negative
+  float cross_track_m = 0.0f;  // distance to the projected point, never negative
 };
 
-// What a path says at one place.
+// The state that a path specifies at one place.
 struct PathState {
   Pose2 pose;  // odom
   float curvature_per_m = 0.0f;
   float speed_mps = 0.0f;
 };
 
-// It begins at most two chords behind the place where the vehicle was when it was published, and
-// ends at rest inside ground that was checked. Forward steps, and turns on the spot.
+// It begins at most two chords behind the vehicle's position at publication, and ends at rest
+// within checked ground. Forward steps, and turns on the spot.
 struct CommittedPlan {
-  uint32_t number = 0;                  // of the path: a new one has the next; 0: there is no plan
-  Status status = Status::kNotStarted;  // of its planning: usable, and what to mind
+  uint32_t number = 0;  // of the path, incremented for a new one; 0: there is no plan
+  Status status = Status::kNotStarted;  // of its planning: usable, with any restriction
   WorldPath path;                       // [n], n >= 2 where number is not 0
   ActuatorPath actuator;                // [n - 1]
   SpeedProfile speed;                   // [n]; [0] holds at and before start_along_m
-  float start_along_m = 0.0f;           // where the vehicle was when it was published
-  float start_curvature_per_m = 0.0f;   // at path[0], where no chord comes in any more ...
-  float start_turn_rad = 0.0f;          // ... and the turn that was there
+  float start_along_m = 0.0f;           // the vehicle's place at publication
+  float start_curvature_per_m = 0.0f;   // at path[0], which has no incoming chord any more ...
+  float start_turn_rad = 0.0f;          // ... and its turn
   FixedVector<float, kMaxPathPoints> room_m;  // [n] beside the footprint, see SpeedCaps::room_m
   int32_t slow_points = 0;                    // first points driven slowly, out of an obstacle
-  // Of these the first that lead out of a place without room to turn (core/autonomy/lead_out.h).
+  // The first of these, which lead out of a place without room to turn (core/autonomy/lead_out.h).
   int32_t lead_points = 0;
-  bool narrow = false;        // somewhere with little room, driven at min_speed_mps there
-  bool is_stop = false;       // cut short to come to rest: it leads nowhere
+  bool narrow = false;        // has a place with little room, driven at min_speed_mps there
+  bool is_stop = false;       // cut short to come to rest: it has no goal
   bool reaches_goal = false;  // its end is the goal itself
-  PlanGoal goal;              // that it was planned to
-  uint64_t checked_ns = 0;    // when the plan began on whose map it was checked
+  PlanGoal goal;              // that it was planned for
+  uint64_t checked_ns = 0;    // when the plan began whose map was used for the check
 };
 static_assert(std::is_trivially_copyable_v<CommittedPlan>);
 
-// Whether the chord behind a point has no length: a turn on the spot. False for the last point.
+// Whether the chord after a point has no length: a turn on the spot. False for the last point.
 bool TurnsOnTheSpotAt(const WorldPath& path, int point);
 
-// The first point from `point` on where the vehicle has to stand: a turn on the spot or the end.
+// The first point from `point` on where the vehicle must stand: a turn on the spot or the end.
 // Precondition: 0 <= point < size. Cost: one pass.
 int StandingPoint(const WorldPath& path, int point);
 
-// The first point behind `point`, else `last`, that the plan reaches at rest; where the vehicle was
-// when it was published, and before, is none. Precondition: 0 <= point < last < size. Cost: one
-// pass.
+// The first point after `point` that the plan reaches at rest, otherwise `last`; the vehicle's
+// position at publication and points before it do not count. Precondition: 0 <= point < last <
+// size. Cost: one pass.
 int RestPoint(const CommittedPlan& plan, int point, int last);
 
-// The first point that is still needed by a vehicle on the chord behind `point`: one more, as a
-// pose may be found a little further back the next time, but none before a turn on the spot.
+// The first point still needed by a vehicle on the chord after `point`: one point earlier, because
+// the next projection may be slightly further back, but none before a turn on the spot.
 int FirstKept(const WorldPath& path, int point);
 
-// Way along the path from its first point to a point [m]. Cost: one pass.
+// Distance along the path from its first point to a point [m]. Cost: one pass.
 float WayTo(const WorldPath& path, int point);
 
-// Turn from the chord before a point to the one behind it; `at_start` for the first point, 0 for
-// the last and where a chord has no length. Constant cost.
+// Turn from the chord before a point to the one after it; `at_start` for the first point, 0 for the
+// last and where a chord has no length. Constant cost.
 float TurnAt(const WorldPath& path, int point, float at_start_rad);
 
-// Curvature where the chords before and behind a point meet; `at_start` for the first, 0 for the
+// Curvature where the chords before and after a point meet; `at_start` for the first, 0 for the
 // last. Constant cost.
 float CurvatureAt(const WorldPath& path, int point, float at_start_per_m);
 
-// The nearest place of the path within search_m of way from its first point, and not beyond a turn
-// on the spot that is still to be made: that the vehicle stands where it is and has the heading
-// behind it (to kTurnDone_rad) says that it was made. A path that begins with a turn not made yet
-// gives its first point. Precondition: at least two points. Cost: one pass.
+// The nearest place of the path within search_m along it from its first point, and not beyond a
+// turn on the spot that is still to be made. Such a turn counts as made if the vehicle stands at
+// its place and has the heading that follows it (to kTurnDone_rad). A path that begins with a turn
+// not made yet gives its first point. Precondition: at least two points. Cost: one pass.
 inline constexpr float kTurnDone_rad = 0.1f;
 inline constexpr float kAtPoint_m = 0.3f;
 PathPlace Project(const WorldPath& path, const Pose2& pose, bool stands, float search_m);
 
-// Position on the chords; the heading turns evenly from the middle of one chord to the middle of
-// the next, the curvature changes evenly between points, the speed as at even acceleration. So all
-// four are continuous along the path but at turns on the spot, where the chord behind is meant.
-// along_m is clamped to the path. All zero without a plan. Cost: one pass.
+// Position on the chords. The heading turns evenly from the middle of one chord to the middle of
+// the next, the curvature changes linearly between points, and the speed follows constant
+// acceleration. So all four are continuous along the path, except at turns on the spot, where the
+// following chord applies. along_m is clamped to the path. All zero without a plan. Cost: one pass.
 PathState StateAt(const CommittedPlan& plan, float along_m);
 
-// Curvature along the path from along_m of way on, each step_m: 0 behind its end, at a turn on the
-// spot and without a plan. Precondition: step_m > 0. Cost: one pass over the path, and the results.
+// Curvature along the path from along_m on, every step_m: 0 beyond its end, at a turn on the spot
+// and without a plan. Precondition: step_m > 0. Cost: one pass over the path and the results.
 void CurvaturesFrom(const CommittedPlan& plan, float along_m, float step_m,
                     std::span<float> curvature_per_m);
 
-// Adds what was decided: every field but the goal, the steps (which follow from the path), the room
+// Adds the decisions: every field except the goal, the steps (which follow from the path), the room
 // and checked_ns.
 void AddToHash(const CommittedPlan& plan, DecisionHash& hash);
 

@@ -7,18 +7,18 @@
 #include "core/base/math.h"
 #include "core/base/saturate.h"
 
-// The way of a straight line through the cells of the plane: for sight lines and for ground between
-// two returns (docs/algorithm.md section 1).
+// Walks a straight line through the cells of the plane: for sight lines and for ground between two
+// returns (docs/algorithm.md section 1).
 
 namespace hardpack {
 
-// Where in its cell a coordinate lies: 0 .. 1.
+// Position of a coordinate within its cell: 0 .. 1.
 inline float PlaceInCell(float coordinate_m, int32_t cell) {
   return Clamp(coordinate_m * kCellsPerMeter - static_cast<float>(cell), 0.0f, 1.0f);
 }
 
-// The cells that a straight line crosses, one after the other, each with a side in common with the
-// next. The line runs along its major axis, column by column, in one or two cells of each.
+// The cells crossed by a straight line, in order, each sharing a side with the next. The line runs
+// along its major axis, column by column, through one or two cells of each.
 class CellWalk {
  public:
   CellWalk(Vec2 start_odom, Vec2 direction)
@@ -40,7 +40,7 @@ class CellWalk {
   // Precondition: called at most kMapSize_cells times along either axis, which keeps edge_q20_ an
   // int32.
   void Next() {
-    // Branches would not be foreseen: which way it goes changes all the time.
+    // Branches would be mispredicted: the direction changes all the time.
     const int32_t across = (edge_q20_ >> 20) - minor_;  // -1 .. 1
     const int32_t along = across == 0 ? step_ : 0;
     edge_q20_ += across == 0 ? ratio_q20_ : 0;
@@ -55,7 +55,7 @@ class CellWalk {
   bool along_x_;
   int32_t step_;       // along the major axis
   int32_t minor_ = 0;  // across it, from the first cell
-  int32_t edge_q20_;   // across it, where the line leaves the present column
+  int32_t edge_q20_;   // across it, where the line exits the present column
   int32_t ratio_q20_;  // how far it goes across in one column
 };
 

@@ -12,36 +12,35 @@
 #include "core/costmap/height_grid.h"
 #include "core/costmap/padded_row.h"
 
-// From heights to costs ([OS] Cost Map Creation; docs/algorithm.md section 1): obstacle rule, then
-// for the hard and for the soft layer alike dilation by the planning radius, a cost that grows with
-// the depth inside the dilated region and a convex halo outside it, and the sum of both. Lethal is
-// a flag beside the cost. Distances are exact Euclidean between cell centres, up to a saturation.
+// From heights to costs ([OS] Cost Map Creation; docs/algorithm.md section 1): obstacle rule; then,
+// for the hard and the soft layer alike, dilation by the planning radius, a cost that grows with
+// the depth inside the dilated region and a convex halo outside it; and the sum of both. Lethal is
+// a flag next to the cost. Distances are exact Euclidean between cell centres, up to a saturation.
 // Only cells of the map count: beyond its border there is neither an obstacle nor a way out.
 //
-// The obstacle rule kLocalGround (ours). Of a cell the lowest and the highest hard return are
-// known. `near ground`: the cell's own lowest return where its ground's height is known, else the
-// lowest in those of the 5 x 5 cells around it that a ground return came from. `far ground`: the
-// lowest return of any class in the square of ground_window_cells around the cell. `ground` is the
-// near one where there is one, else the far one.
+// The obstacle rule kLocalGround (ours). The lowest and the highest hard return of a cell are
+// known. `near ground`: the cell's own lowest return if its ground height is known, otherwise the
+// lowest in those of the 5 x 5 cells around it that have a ground return. `far ground`: the lowest
+// return of any class in the square of ground_window_cells around the cell. `ground` is the near
+// ground if it exists, otherwise the far ground.
 //   no hard return                                          not hard
-//   near ground known and the own one not guessed,
+//   near ground known and the cell's own not guessed,
 //   lowest hard - near ground > clearance_height            not hard: overhead only
-//   highest hard - ground > growth_height                   hard; a trunk under its crown too, and
-//                                                           whatever may lie between low and high
-//   what is low here is firm (HeightGrid)                   hard: a rock, a log, a kerb, a wire
+//   highest hard - ground > growth_height                   hard; includes a trunk under its crown,
+//                                                           and anything between low and high
+//   the low returns here are firm (HeightGrid)              hard: a rock, a log, a kerb, a wire
 //   a person among the hard returns                         hard, standing or lying
-//   no observed ground in the square                        hard: nothing tells how high it is
-//   else                                                    not hard: grass, a root
-// What is low was held against the ground line of its own direction, so that a slope is none. A
-// cell that is not hard is soft where highest soft - ground > growth_height, and free otherwise;
-// free or soft it is growth where most of what is low is not firm. On a slope the ground of the
-// square lies below the ground under the cell by up to slope x half the square, so what is held
-// against it is rather seen than missed; near ground is off by two cells at most. A cell is
-// observed where its ground was, or where it is hard or soft; any other cell is unknown, and
-// unknown_cost is added to its cost.
+//   no observed ground in the square                        hard: its height is unknown
+//   otherwise                                               not hard: grass, a root
+// Low returns were compared with the ground line of their own direction, so a slope is not low. A
+// cell that is not hard is soft if highest soft - ground > growth_height, and free otherwise; free
+// or soft, it is growth if most of its low returns are not firm. On a slope the ground of the
+// square lies below the ground under the cell by up to slope x half the square, so errors are on
+// the safe side; near ground is off by two cells at most. A cell is observed if its ground was, or
+// if it is hard or soft; any other cell is unknown, and unknown_cost is added to its cost.
 //
 // The rule kInCell ([OS]): `ground` is the lowest return of the same cell, and nothing is overhead;
-// a person is hard there too (ours).
+// a person is hard in this rule too (ours).
 
 namespace hardpack {
 
@@ -52,21 +51,21 @@ inline constexpr int kMaxCost_q8 = 39 * kCostOne_q8;
 // Distances saturate at the square root of this many squared cells (15.97 cells, 3.19 m).
 inline constexpr int kMaxDistance2_cells2 = 255;
 
-// What CostmapParams may ask for, so that every distance that matters lies below the saturation.
+// Limits on CostmapParams, so that every relevant distance is below the saturation.
 inline constexpr float kMaxPlanningRadius_m = 3.0f;
 inline constexpr float kMaxHalo_m = 3.0f;
 inline constexpr int kMaxGroundWindow_cells = 31;
 
-// One map, as the search, the optimizer and the check read it. Plain data, row-major along y.
+// One map, as read by the search, the optimizer and the check. Plain data, row-major along y.
 struct Costmap {
   enum Flag : uint8_t {
     kHard = 1,         // holds a hard obstacle
     kSoft = 2,         // holds a soft obstacle and no hard one
     kPerson = 4,       // the hard obstacle is a person
-    kObserved = 8,     // the ground was observed, or it holds an obstacle; else it is unknown
+    kObserved = 8,     // the ground was observed, or it holds an obstacle; otherwise unknown
     kLethal = 16,      // inside the dilated hard region: never driven through
     kSoftRegion = 32,  // inside the dilated soft region
-    kGrowth = 64,      // low growth, not hard: what is lower than it may lie in it unseen
+    kGrowth = 64,      // low growth, not hard: lower objects may hide in it
   };
 
   GridWindow window;
@@ -79,17 +78,16 @@ struct Costmap {
   bool Lethal(int index) const { return (flags[index] & kLethal) != 0; }
 
   // Bilinear between the centres of the four nearest cells, as a plain number (not q8). Points off
-  // the window, and points of it beyond the outermost centres, take the cost at the nearest place
-  // between centres. NaN gives the cost of a corner or of a border: callers validate. Odom frame.
+  // the window, and points beyond its outermost centres, take the cost at the nearest place between
+  // centres. NaN gives the cost of a corner or of a border: callers validate. Odom frame.
   float CostAt(float x_m, float y_m) const;
 };
 static_assert(std::is_trivially_copyable_v<Costmap>);
 
-// Checks parameters that depend on one another, beyond the table's ranges, and all that the build
-// relies on: every number finite and none negative; hard + soft + unknown cost cannot exceed
-// kMaxCost_q8; planning radius and halo at most 3 m, which the saturation still tells apart;
-// clearance above obstacle height; the ground window odd, 1 to 31 cells. kOk or
-// kParameterOutOfRange.
+// Checks parameters that depend on each other, beyond the table's ranges, and everything that the
+// build relies on: every number finite and none negative; hard + soft + unknown cost at most
+// kMaxCost_q8; planning radius and halo at most 3 m, which is below the saturation; clearance above
+// obstacle height; the ground window odd, 1 to 31 cells. kOk or kParameterOutOfRange.
 Status CheckCostmapParams(const CostmapParams& params);
 
 // How much more of a disc's half chord is left at dx than at dx + 1, in cells.
@@ -99,13 +97,13 @@ struct ChordSteps {
 };
 
 // Builds a Costmap from a HeightGrid or from occupancy, resumable. A unit is one row of one pass;
-// kUnits units build a map from heights, kCellUnits from cells, whatever it holds. The time of a
-// unit is bounded by the work on a row; it is less where blocks of the row have no return that
-// could be an obstacle, or lie far from every obstacle, or all near to one. Step with any split of
-// the units gives the same map.
+// kUnits units build a map from heights, kCellUnits from cells, for any content. The time of a unit
+// is bounded by the work on a row; it is less where blocks of the row have no return that could be
+// an obstacle, are far from every obstacle, or are entirely close to one. Any split of the units
+// gives the same map.
 class CostmapBuilder {
  public:
-  // From heights, a row is classed when the rows that its ground may come from have been loaded.
+  // From heights, a row is classed once the rows that its ground may come from have been loaded.
   static constexpr int kLag_cells = kMaxGroundWindow_cells / 2;
   static constexpr int kHeightUnits = kMapSize_cells + kLag_cells;
   // Then three sweeps: upwards, back, and upwards again.
@@ -113,21 +111,21 @@ class CostmapBuilder {
   static constexpr int kCellUnits = kSweeps * kMapSize_cells;
   static constexpr int kUnits = kHeightUnits + kCellUnits;
 
-  // So many rows around the one that is classed are kept.
+  // Rows kept around the one being classed.
   static constexpr int kRingRows = 32;
   static_assert(kRingRows > 2 * kLag_cells);
 
-  // From heights. The window is the grid's at this moment; the grid may be written to and may roll
-  // while the build goes on (a cell that has rolled out reads as empty).
-  // kParameterOutOfRange: nothing changes.
+  // From heights. Uses the grid's window at this moment; the grid may be written to and may roll
+  // during the build (a cell that has rolled out reads as empty). kParameterOutOfRange: nothing
+  // changes.
   Status Begin(const HeightGrid& heights, const CostmapParams& params);
 
-  // Does at most `units` units; none when units <= 0. kDone at once when nothing was begun.
+  // Does at most `units` units; none if units <= 0. Returns kDone at once if nothing was begun.
   // Precondition: the build was not begun by BeginCells.
   Progress Step(const HeightGrid& heights, int units);
 
-  // The first part of the same alone: until the cells are classed, and no further. Then Mark may be
-  // called, and StepCells does the rest.
+  // Only the first part: until the cells are classed. Then Mark may be called, and StepCells does
+  // the rest.
   Progress StepHeights(const HeightGrid& heights, int units);
 
   // Adds an obstacle to a classed cell, for returns that are not in the heights yet: kHard, kSoft,
@@ -156,7 +154,7 @@ class CostmapBuilder {
   static_assert(kReach_cells <= PaddedRow<uint8_t>::kMargin);
   static constexpr int kBlock_cells = 64;  // of a row, classed together
   static constexpr int kBlocks = kMapSize_cells / kBlock_cells;
-  static constexpr int kGroup_rows = 4;  // of which it is known in which blocks obstacles are
+  static constexpr int kGroup_rows = 4;  // for which the blocks with obstacles are known
   static constexpr int kLayers = 2;
   static constexpr int kPaddedRows = 3;
   static constexpr int kDistances2 = kMaxDistance2_cells2 + 1;
@@ -168,7 +166,7 @@ class CostmapBuilder {
   };
   static Cover CoverOf(int half);
 
-  // Of a row's blocks, those near an obstacle of either layer, a bit each.
+  // Those of a row's blocks that are near an obstacle of either layer, one bit each.
   struct Blocks {
     uint16_t hard;
     uint16_t soft;
@@ -207,14 +205,14 @@ class CostmapBuilder {
   void FillChord();
 
   // Scratch while classing, in planes that are free until the first sweep: kRingRows rows each.
-  // Heights as unsigned numbers of the same bits. Of the far ground the smallest along x, of one
-  // row, of 4 and of 16 from this one on; the lowest measured ground in five cells along x; 1 where
-  // the ground's height is known, else 0.
+  // Heights as unsigned numbers with the same bits. For the far ground the smallest along x, over
+  // one row, over 4 and over 16 from this one on; the lowest measured ground in five cells along x;
+  // 1 where the ground's height is known, otherwise 0.
   static constexpr int kRing = kRingRows * kMapSize_cells;
   uint16_t* ring(int level) { return map_.cost_q8 + level * kRing; }
   uint16_t* near_ring() { return map_.cost_q8 + 3 * kRing; }
   uint8_t* known_ring() { return plane_; }
-  // Of one row, 1 where no cell of the far ground's square is known, else 0.
+  // Of one row, 1 where no cell of the far ground's square is known, otherwise 0.
   uint8_t* no_ground_row() { return padded_[2].cells(); }
 
   Costmap map_ = {};
@@ -240,8 +238,8 @@ class CostmapBuilder {
   alignas(16) int16_t highest_soft_[kMapSize_cells] = {};
   alignas(16) uint8_t low_[kMapSize_cells] = {};
 
-  // Scratch of one row, of the sweeps: vertical distances by layer, and rows that are looked at to
-  // both sides.
+  // Scratch of one row for the sweeps: vertical distances by layer, and rows that are read to both
+  // sides.
   alignas(16) uint8_t hard_row_[kMapSize_cells] = {};
   PaddedRow<uint8_t> soft_row_;
   PaddedRow<uint8_t> padded_[kPaddedRows];
@@ -249,23 +247,23 @@ class CostmapBuilder {
   Blocks group_blocks_[kMapSize_cells / kGroup_rows] = {};  // those that hold an obstacle
   bool any_returns_[kBlocks] = {};                          // of a row's blocks, while classing
   ChordSteps chord_steps_;                                  // see FillChord
-  // The layers' costs by squared distance, outside the region and behind these inside. Of the hard
-  // layer first where the ground is unknown, with what that costs, and then where it is not.
+  // The layers' costs by squared distance: outside the region, then inside. For the hard layer,
+  // first for unknown ground, including its cost, then for observed ground.
   uint16_t hard_cost_q8_[4 * kDistances2] = {};
   uint16_t soft_cost_q8_[2 * kDistances2] = {};
-  int32_t soft_reach_cells_ = 0;  // from how many cells on its costs do not change any more
+  int32_t soft_reach_cells_ = 0;  // its costs are constant from this distance on
 };
 static_assert(sizeof(CostmapBuilder) <= 6 * kMapCells + 16384);
 static_assert(std::is_trivially_copyable_v<CostmapBuilder>);
 
-// Inline: the optimizer asks for it millions of times a second.
+// Inline: the optimizer calls it millions of times per second.
 inline float Costmap::CostAt(float x_m, float y_m) const {
   constexpr float kLast = kMapSize_cells - 1;
-  // In cells, from the centre of the window's first cell. The first difference is of numbers close
-  // to each other, so it is exact where the map is.
+  // In cells, from the centre of the window's first cell. The first difference is between close
+  // numbers, so it is exact where the map is.
   const float u = x_m * kCellsPerMeter - static_cast<float>(window.origin.x) - 0.5f;
   const float v = y_m * kCellsPerMeter - static_cast<float>(window.origin.y) - 0.5f;
-  // A comparison with NaN is false, which takes it to 0 here.
+  // Comparisons with NaN are false, so NaN becomes 0 here.
   const float column = u > 0.0f ? (u < kLast ? u : kLast) : 0.0f;
   const float row = v > 0.0f ? (v < kLast ? v : kLast) : 0.0f;
   const int32_t column_floor = FloorToInt(column);

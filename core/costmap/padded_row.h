@@ -10,21 +10,21 @@
 
 namespace hardpack {
 
-// The sweeps leave out parts of a row in blocks of so many cells.
+// The sweeps skip parts of a row in blocks of this many cells.
 inline constexpr int kRowBlock_cells = 32;
 inline constexpr int kRowBlocks = kMapSize_cells / kRowBlock_cells;
 
-// A part of a row, of whole blocks.
+// Part of a row, in whole blocks.
 struct Columns {
   int begin = 0;
   int end = 0;
 };
 
-// Runs of blocks that follow one another, at most; and a bit for each block.
+// The most runs of consecutive blocks; and one bit per block.
 inline constexpr int kRuns = kRowBlocks / 2;
 inline constexpr unsigned kAllBlocks = 0xffff;
 
-// Takes the first blocks that follow one another out of a row's `blocks`, of which there are some.
+// Takes the first run of consecutive blocks out of a row's `blocks`, which must not be empty.
 inline Columns TakeRun(unsigned& blocks) {
   const int first = std::countr_zero(blocks);
   const int last = first + std::countr_one(blocks >> first);
@@ -32,19 +32,18 @@ inline Columns TakeRun(unsigned& blocks) {
   return {first * kRowBlock_cells, last * kRowBlock_cells};
 }
 
-// A row that is looked at to both sides. Beyond either end a margin stands for what lies beyond the
-// map.
+// A row that is read to both sides. A margin beyond either end stands for cells off the map.
 template <typename T>
 class PaddedRow {
  public:
-  // Not less than the largest reach. Row and margins together are whole vectors.
+  // At least the largest reach. Row and margins together are whole vectors.
   static constexpr int kMargin = 16;
 
   // The first cell. Elements -kMargin .. kMapSize_cells + 2 * kMargin - 1 exist.
   T* cells() { return elements_ + kMargin; }
   const T* cells() const { return elements_ + kMargin; }
 
-  // The type's largest number, which is no minimum.
+  // With the type's largest number, which never is the minimum.
   void FillMargins() { FillMargins(std::numeric_limits<T>::max(), std::numeric_limits<T>::max()); }
 
   void FillMargins(T before, T behind) {

@@ -6,8 +6,8 @@
 #include "core/base/grid.h"
 #include "core/base/loop_bound.h"
 
-// Rows of the map as arrays, written so that the compiler can use vectors: fixed length, no
-// branches, nothing that overlaps without saying so. Private to core/costmap.
+// Rows of the map as arrays, written so that the compiler can vectorise: fixed length, no branches,
+// no undeclared overlap. Private to core/costmap.
 
 namespace hardpack {
 

@@ -8,8 +8,8 @@
 #include "core/costmap/padded_row.h"
 #include "core/costmap/rows.h"
 
-// The smallest sum of a row's element beside a cell and the square of its distance, for all cells:
-// the second half of an exact distance transform. Private to core/costmap.
+// For every cell, the smallest sum of a neighbouring element in its row and the squared distance to
+// it: the second half of an exact distance transform. Private to core/costmap.
 
 namespace hardpack {
 
@@ -27,7 +27,7 @@ constexpr int Square(int x) {
   return x * x;
 }
 
-// Of 0 .. 16. 16 * 16 is 0 in a byte, and less one 255.
+// For 0 .. 16. 16 * 16 is 0 in a byte; minus one it is 255.
 inline uint8_t Squared(uint8_t distance) {
   return static_cast<uint8_t>(distance * distance - (distance >> 4));
 }

@@ -3,8 +3,8 @@
 
 #include <type_traits>
 
-// The covariance of the odometry's filter, kept as P = U D U^T: U unit upper triangular, D diagonal
-// and positive. Single precision is enough for that form, and neither symmetry nor definiteness can
+// The covariance of the odometry filter, kept as P = U D U^T: U unit upper triangular, D diagonal
+// and positive. Single precision is enough for this form, and neither symmetry nor definiteness can
 // be lost: P is not stored (docs/decisions/0018). Time update: Thornton's modified weighted
 // Gram-Schmidt; measurement update: Bierman's, one number at a time (REFERENCES.md).
 
@@ -25,7 +25,8 @@ enum OdometryState {
 
 using OdometryVector = float[kOdometryStates];
 
-// How the pose's errors come of those of the state a step before; all else stays as it was:
+// How the errors of the pose follow from those of the previous state; everything else stays as it
+// was:
 //   x' = x + x_by_yaw yaw + x_by_speed v + x_by_rate w, y' alike, yaw' = yaw + yaw_by_rate w
 struct OdometryTransition {
   float x_by_yaw = 0.0f;
@@ -39,12 +40,12 @@ struct OdometryTransition {
 
 class Covariance {
  public:
-  // Variances within these are kept; larger ones are brought down, smaller noise is raised. Between
-  // them no operation leaves the range of a float.
+  // Variances within these are kept; larger ones are reduced, smaller noise is raised. In between,
+  // no operation leaves the range of a float.
   static constexpr float kMinVariance = 1.0e-14f;
   static constexpr float kMaxVariance = 1.0e6f;
 
-  // Independent errors of these standard deviations.
+  // Initialises independent errors with these standard deviations.
   void Reset(const OdometryVector& sigma);
 
   // P' = F P F^T + diag(noise). Precondition: finite, noise not negative. Constant cost: about 3000
@@ -58,8 +59,8 @@ class Covariance {
   // variance > 0. Constant cost: about 200 multiplications.
   void Update(const OdometryVector& h, float variance, OdometryVector& gain);
 
-  // Adds spread spread^T times `variance`: the error that the part of an optimal gain leaves which
-  // was not applied, with the innovation's variance. Precondition: variance >= 0. Constant cost.
+  // Adds spread spread^T times `variance`, with the innovation's variance: the error left by the
+  // part of an optimal gain that was not applied. Precondition: variance >= 0. Constant cost.
   void Add(const OdometryVector& spread, float variance);
 
   // P(row, column).
@@ -71,7 +72,7 @@ class Covariance {
 
   float u_[kOdometryStates * kOdometryStates] = {};  // column-major; the diagonal is 1
   float d_[kOdometryStates] = {};
-  // Of Predict: [F U | I], row-major, and D beside the noise. Too large for a stack frame.
+  // For Predict: [F U | I], row-major, and D next to the noise. Too large for a stack frame.
   float rows_[kOdometryStates * 2 * kOdometryStates] = {};
   float weights_[2 * kOdometryStates] = {};
 };

@@ -9,17 +9,17 @@
 namespace hardpack {
 
 // The rotation INS -> body, [3 x 3], row-major. The INS's own frame has z down: half a turn about x
-// comes before the mounting's.
+// precedes the mounting rotation.
 void BodyFromIns(const InsParams& ins, float (&body_from_ins)[9]);
 
-// How the body lies.
+// The attitude of the body.
 struct BodyAttitude {
   float roll_rad = 0.0f;
   float pitch_rad = 0.0f;
   float heading_rad = 0.0f;  // (-pi, pi], of its x axis from true east, anticlockwise
 };
 
-// Precondition: the sample has an attitude, of angles within kSinCosMaxAngle_rad. Constant cost.
+// Precondition: the sample has an attitude with angles within kSinCosMaxAngle_rad. Constant cost.
 BodyAttitude BodyAttitudeOf(const InsSample& sample, const float (&body_from_ins)[9]);
 
 }  // namespace hardpack

@@ -11,45 +11,45 @@
 #include "core/odometry/local_plane.h"
 
 // Where odom lies on earth: the slowly changing transform odom -> map of REP-105, from the INS's
-// poses. map has x east and y north, and its origin where the INS first had a pose that it stands
-// by (LocalPlane). odom itself is never moved: what drives in it does not see satellites come and
-// go. A goal in latitude and longitude is kept on earth and moves in odom as the transform does.
+// poses. map has x east and y north, and its origin where the INS first reported a valid pose
+// (LocalPlane). odom itself never moves: driving in it is not affected by GNSS coming and going. A
+// goal in latitude and longitude stays fixed on earth and moves in odom as the transform does.
 //
-// An estimate of the vehicle's place and odom's heading in map is corrected by each pose of the INS
-// (a Kalman filter of the place as one number and of the heading), and widened by what odom drifts.
-// A pose that is too far off by its Mahalanobis distance is rejected; where such poses agree with
-// each other for persist_s they are right, and the estimate begins anew from them. The transform
-// that is told follows the estimate by no more than slew_mps at the vehicle and slew_radps.
+// Each pose of the INS corrects an estimate of the vehicle's position and odom's heading in map (a
+// Kalman filter with one variance for the position and one for the heading), and odometry drift
+// widens it. A pose that is too far off by its Mahalanobis distance is rejected. If such poses
+// agree with each other for persist_s they are right, and the estimate restarts from them. The
+// published transform follows the estimate by no more than slew_mps at the vehicle and slew_radps.
 
 namespace hardpack {
 
 enum class MapStatus : uint8_t {
-  kNone = 0,       // the INS has not had a pose since the start, or since odom lost its place
+  kNone = 0,       // no pose of the INS since the start, or since odom lost its position
   kTracking = 1,   // follows the INS
   kRejecting = 2,  // the INS's poses are rejected: the transform is kept
-  kHeld = 3,       // no pose of the INS that it stands by: the transform is kept
+  kHeld = 3,       // no valid pose of the INS: the transform is kept
 };
 
 struct MapCounters {
   uint32_t taken = 0;
   uint32_t rejected = 0;
-  uint32_t relocations = 0;  // what was rejected persisted
+  uint32_t relocations = 0;  // rejected poses persisted
 };
 
 class MapFromOdom {
  public:
-  // Of the INS's poses more often nothing new is to be learned: their errors last.
+  // More frequent INS poses add no information: their errors are correlated.
   static constexpr uint64_t kPeriod_ns = 100'000'000;
 
   // kParameterOutOfRange.
   Status Configure(const MapFromOdomParams& params, const InsParams& ins);
 
-  // odom has lost its place: the next good pose sets the transform. The anchor stays.
+  // odom has lost its position: the next good pose sets the transform. The anchor stays.
   void Restart();
 
-  // A message of the INS, that came at now_ns, with the vehicle's pose in odom then and the way
-  // that it has driven. kOk: used, or not needed (kPeriod_ns); kStale: it holds no pose that the
-  // INS stands by; kLimitExceeded: rejected; kNotFinite, kInvalidArgument: a number. Constant cost.
+  // An INS message received at now_ns, with the vehicle's pose in odom then and the distance driven
+  // so far. kOk: used, or not needed (kPeriod_ns); kStale: it holds no valid pose; kLimitExceeded:
+  // rejected; kNotFinite, kInvalidArgument: a number. Constant cost.
   Status TakeIns(const InsSample& sample, const Pose2& pose_odom, float driven_m, uint64_t now_ns);
 
   // Moves the transform towards the estimate. Once a tick. Constant cost.
@@ -57,7 +57,7 @@ class MapFromOdom {
 
   MapStatus status() const { return status_; }
   bool has_transform() const { return status_ != MapStatus::kNone; }
-  // Where odom's origin and x axis lie in map. Precondition: has_transform().
+  // Position of odom's origin and x axis in map. Precondition: has_transform().
   const Pose2& map_from_odom() const { return told_; }
   const LocalPlane& plane() const { return plane_; }
   // kNotStarted: no transform; the statuses of LocalPlane.
@@ -90,12 +90,12 @@ class MapFromOdom {
   Pose2 told_;
   float position_m2_ = 0.0f;  // variances of the estimate at the vehicle
   float yaw_rad2_ = 0.0f;
-  float driven_m_ = 0.0f;  // until the newest pose that was taken or rejected
-  uint64_t seen_ns_ = 0;   // when that was
-  uint64_t good_ns_ = 0;   // of the newest pose that the INS stands by
+  float driven_m_ = 0.0f;  // until the newest pose accepted or rejected
+  uint64_t seen_ns_ = 0;   // time of that pose
+  uint64_t good_ns_ = 0;   // of the newest valid pose of the INS
   uint64_t told_ns_ = 0;
-  Pose2 candidate_;            // the transform by the poses that are rejected
-  uint64_t candidate_ns_ = 0;  // since when; 0: there is none
+  Pose2 candidate_;            // the transform according to the rejected poses
+  uint64_t candidate_ns_ = 0;  // since when; 0: none
   MapCounters counters_;
 };
 static_assert(std::is_trivially_copyable_v<MapFromOdom>);

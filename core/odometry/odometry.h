@@ -10,67 +10,67 @@
 #include "core/measurements/measurements.h"
 #include "core/odometry/covariance.h"
 
-// The pose body -> odom by an extended Kalman filter of gyroscope, wheel speeds and the INS's speed
-// over ground. odom is where the vehicle has been since its start: smooth, never corrected towards
-// a position on earth (REP-105, REFERENCES.md; core/odometry/map_from_odom.h has that). Roll and
-// pitch are those of the INS, the height stays 0.
+// The pose body -> odom by an extended Kalman filter of gyroscope, wheel speeds and the INS's
+// ground speed. odom is the local frame since the start: smooth, never corrected towards a position
+// on earth (REP-105, REFERENCES.md; core/odometry/map_from_odom.h does that). Roll and pitch come
+// from the INS; the height stays 0.
 //
 //   x' = x + v cos(pitch) dt cos(yaw + w dt / 2), y' alike with the sine, yaw' = yaw + w dt
-//     and besides sideways by -w t v / sqrt(v^2 + v_t^2) dt: a vehicle that drives turns about a
-//     point ahead of its middle, by up to t
+//     plus sideways motion of -w t v / sqrt(v^2 + v_t^2) dt: a moving vehicle turns about a
+//     point ahead of its centre, by up to t
 //   v, w, gyro bias b, wheel scale k, baseline B: random walks
 //   gyro:   z = w + b                    about the vertical, by roll and pitch
 //   wheels: r (w_r + w_l) / 2 = v / k    and  r (w_r - w_l) = w B
 //   INS:    ground speed along the heading = v cos(pitch)
 //
-// What tells what: the wheels' difference is used only where the vehicle turns, which learns B, or
-// where no gyro is fresh: wheels of unequal size would be taken for a bias of the gyro otherwise.
-// The bias is learned at rest, when the wheels stand and the gyro is quiet; then the pose is held.
-// Measurements correct the speeds and what is learned, and the pose only goes by the speeds: it
-// never jumps, however much is learned of the way behind it (a Schmidt filter: the gain that the
-// pose is not given is in the covariance). The accelerometer is not used: on rough ground its tilt
-// is larger than what it would tell.
+// Use of the measurements: the wheels' difference is used only while the vehicle turns, which
+// learns B, or if no gyro is fresh; otherwise wheels of unequal size would be taken for a gyro
+// bias. The bias is learned at rest, when the wheels stand and the gyro is quiet; the pose is held
+// then. Measurements correct the speeds and the learned states, and the pose is integrated from the
+// speeds only: it never jumps, however much is learned about the distance already driven (a Schmidt
+// filter: the gain withheld from the pose is accounted for in the covariance). The accelerometer is
+// not used: on rough ground its tilt error exceeds its information.
 
 namespace hardpack {
 
 // Each counts since Configure.
 struct OdometryCounters {
-  uint32_t gyro_rejected = 0;  // by the gate: as unlikely as its parameter says
+  uint32_t gyro_rejected = 0;  // by the gate: too unlikely, as its parameter says
   uint32_t wheel_speed_rejected = 0;
   uint32_t wheel_turn_rejected = 0;
   uint32_t ground_speed_rejected = 0;
-  uint32_t reopened = 0;       // gates that were opened as what they kept out persisted
-  uint32_t late = 0;           // measurements that came after later ones, and were used
-  uint32_t too_late = 0;       // and that were not
-  uint32_t repeated = 0;       // messages of the INS with the stamp of the one before
-  uint32_t refused = 0;        // not finite, or beyond what a sensor can say
-  uint32_t gyro_frozen = 0;    // times that the gyro said the same while the wheels turned
-  uint32_t wheels_frozen = 0;  // and the wheels while the vehicle turned or changed its speed
-  uint32_t restarts = 0;       // the filter began anew as its numbers had become none: never seen
+  uint32_t reopened = 0;       // gates opened because the rejected values persisted
+  uint32_t late = 0;           // measurements that arrived after later ones, and were used
+  uint32_t too_late = 0;       // and were not used
+  uint32_t repeated = 0;       // INS messages with the stamp of the previous one
+  uint32_t refused = 0;        // not finite, or beyond a sensor's range
+  uint32_t gyro_frozen = 0;    // times the gyro repeated its value while the wheels turned
+  uint32_t wheels_frozen = 0;  // the wheels, while the vehicle turned or changed speed
+  uint32_t restarts = 0;       // filter restarts after non-finite numbers: never seen
 };
 
 class Odometry {
  public:
-  // A pause of the ticks or of the wheel speeds that is longer than this is not bridged: the pose
-  // stays where it was then, and it counts as a gap.
+  // A gap in the ticks or in the wheel speeds longer than this is not bridged: the pose stays where
+  // it was, and it counts as a gap.
   static constexpr int64_t kMaxStep_ns = 200'000'000;
 
   // At the origin, at rest. kParameterOutOfRange: odometry or ins; `vehicle` was checked before.
   Status Configure(const VehicleParams& vehicle, const OdometryParams& odometry,
                    const InsParams& ins);
 
-  // A message of the INS, measured at time_ns of our clock. Uses its angular rate, attitude and
-  // speed over ground where it has them. kNotFinite, and kInvalidArgument for an angular rate that
-  // no gyro tells: nothing changes but a counter; kDuplicate: the stamp is that of the one before
-  // (of messages without a time since the device's start: the GPS time), the same; kLate: before
-  // what was used already by more than max_lateness_s, the same. Constant
-  // cost: at most one Predict and three Update of Covariance.
+  // An INS message, measured at time_ns of our clock. Uses its angular rate, attitude and ground
+  // speed where present. kNotFinite, and kInvalidArgument for an angular rate that no gyro reports:
+  // only a counter changes; kDuplicate: the stamp equals the previous one (the GPS time for
+  // messages without a time since the device's start), likewise; kLate: older than what was already
+  // used by more than max_lateness_s, likewise. Constant cost: at most one Predict and three Update
+  // of Covariance.
   Status TakeIns(const InsSample& sample, uint64_t time_ns);
 
-  // To now_ns, with the newest wheel speeds; those of a time that was used before are not used
-  // again. kOk; kStale: they are not valid, or frozen: the speed is taken to go on for kMaxStep_ns,
-  // and moved_ns() stays; kNotFinite: a wheel speed, or one that no wheel has, the same;
-  // kInvalidArgument: time does not grow. Constant cost: at most two Predict and five Update of
+  // Advances to now_ns with the newest wheel speeds; speeds whose time was already used are not
+  // used again. kOk; kStale: they are invalid or frozen: the speed is extrapolated for kMaxStep_ns,
+  // and moved_ns() stays; kNotFinite: a wheel speed, or an impossible one, likewise;
+  // kInvalidArgument: time does not increase. Constant cost: at most two Predict and five Update of
   // Covariance.
   Status Advance(uint64_t now_ns, const WheelFeedback& wheels);
 
@@ -79,7 +79,7 @@ class Odometry {
   float yaw_rate_radps() const { return state_[kStateYawRate]; }
   float gyro_bias_radps() const { return state_[kStateGyroBias]; }
   float wheel_scale() const { return state_[kStateWheelScale]; }
-  // Effective distance of the left from the right wheels: w = k r (w_r - w_l) / skid_baseline.
+  // Effective distance between the left and right wheels: w = k r (w_r - w_l) / skid_baseline.
   float skid_baseline_m() const { return state_[kStateBaseline] * state_[kStateWheelScale]; }
   // One standard deviation of a state; of the pose since the start.
   float Sigma(OdometryState state) const;
@@ -87,9 +87,9 @@ class Odometry {
 
   // When wheel speeds last moved it; 0: never.
   uint64_t moved_ns() const { return moved_ns_; }
-  // The way, forward or backward, since Configure.
+  // The distance driven, forward or backward, since Configure.
   float driven_m() const { return driven_m_; }
-  // Whether the gyro is fresh: otherwise the wheels tell the turn.
+  // Whether the gyro is fresh; otherwise the wheels give the yaw rate.
   bool uses_ins_rate() const { return uses_gyro_; }
   bool at_rest() const { return at_rest_; }
   uint32_t gaps() const { return gaps_; }
@@ -100,8 +100,8 @@ class Odometry {
     float a = 0.0f;
     float b = 0.0f;
   };
-  // What another sensor measures while one says the same: how far it ranges, and by how much it
-  // gets away from what that one says, from where it was nearest.
+  // What another sensor measures while one repeats its value: its range, and how far it moves away
+  // from that value, starting where it was closest.
   struct Wandering {
     float low = 0.0f;
     float high = 0.0f;
@@ -111,7 +111,7 @@ class Odometry {
     void Begin(float measured, float said);
     void Add(float measured, float said);
   };
-  // What says the same again and again, and what others have measured meanwhile.
+  // A sensor that repeats its value, and what others have measured meanwhile.
   struct Sameness {
     bool started = false;
     bool frozen = false;
@@ -120,21 +120,21 @@ class Odometry {
     Wandering radps;
     Wandering mps;
   };
-  // How the vehicle moves.
+  // The vehicle's motion.
   struct Moves {
     float yaw_rate_radps = 0.0f;
     float speed_mps = 0.0f;
   };
-  // One number that was measured: h x, less what was expected.
+  // One measured number: h x minus the expected value.
   struct Innovation {
     OdometryVector h = {};
     float value = 0.0f;
     float variance = 0.0f;
-    OdometryState learns = kOdometryStates;  // beside the speeds; kOdometryStates: nothing
+    OdometryState learns = kOdometryStates;  // in addition to the speeds; kOdometryStates: nothing
   };
   // One number's gate.
   struct Gate {
-    uint64_t closed_ns = 0;  // since when it rejects; 0: it does not
+    uint64_t closed_ns = 0;  // rejecting since; 0: not rejecting
   };
 
   // The filter (odometry.cpp).
@@ -147,8 +147,8 @@ class Odometry {
   float TurningPoint_m() const;
   void Propagate(float dt_s);
   void Correct(const Innovation& innovation);
-  // Whether it was let in. `opened`: the state that is doubted where it persists; kOdometryStates:
-  // none is.
+  // Whether it was accepted. `opened`: the state that is doubted if it persists; kOdometryStates:
+  // none.
   bool CorrectGated(const Innovation& innovation, uint64_t time_ns, OdometryState opened,
                     Gate& gate, uint32_t& rejected);
   void Reopen(OdometryState state);
@@ -156,7 +156,7 @@ class Odometry {
   void KeepInRange();
   void HoldStill();
 
-  // What is said to it (measurements.cpp).
+  // Its inputs (measurements.cpp).
   void TakeAttitude(const InsSample& sample);
   void TakeRate(const AngularRate& rate, uint64_t time_ns);
   void TakeGroundSpeed(const InsSample& sample, uint64_t time_ns);
@@ -176,7 +176,7 @@ class Odometry {
   bool configured_ = false;
   OdometryVector state_ = {};
   Covariance covariance_;
-  uint64_t filter_ns_ = 0;  // the time of state_; 0: nothing has come yet
+  uint64_t filter_ns_ = 0;  // the time of state_; 0: no input yet
   StampedPose pose_;
   float driven_m_ = 0.0f;
 
@@ -185,20 +185,20 @@ class Odometry {
     bool known = false;
     uint64_t time_ns = 0;
   };
-  Stamp stamp_;                   // of the newest message that had one, its clock
-  Stamp gps_stamp_;               // of the newest that had only GPS time
-  uint64_t rate_ns_ = 0;          // of the newest rate that was used, our clock; 0: none was
-  float rate_radps_ = 0.0f;       // that one, about the vertical, with its bias
+  Stamp stamp_;                   // of the newest message that had one, device clock
+  Stamp gps_stamp_;               // of the newest with GPS time only
+  uint64_t rate_ns_ = 0;          // of the newest rate used, our clock; 0: none
+  float rate_radps_ = 0.0f;       // that rate, about the vertical, including its bias
   uint64_t ground_speed_ns_ = 0;  // of the newest that was used
   float ground_speed_mps_ = 0.0f;
   uint64_t wheels_ns_ = 0;
-  uint64_t rims_ns_ = 0;       // of the four below; 0: none have come
+  uint64_t rims_ns_ = 0;       // of the four below; 0: none yet
   float rim_mps_ = 0.0f;       // r (w_r + w_l) / 2
   float rim_turn_mps_ = 0.0f;  // r (w_r - w_l)
   float past_rim_mps_ = 0.0f;  // the same, a while ago
   float past_turn_mps_ = 0.0f;
   uint64_t moved_ns_ = 0;
-  uint64_t still_ns_ = 0;  // since when the wheels stand; 0: they do not
+  uint64_t still_ns_ = 0;  // wheels standing since; 0: they turn
   bool at_rest_ = false;
   bool uses_gyro_ = false;
   Gate gyro_gate_;

@@ -4,24 +4,25 @@
 #include <bit>
 #include <cstdint>
 
-// Selections on a number's bits. A compiler may make a branch of `condition ? a : b` together with
-// what is computed from it, and then it does not vectorise the loop around; of these it cannot.
+// Selections on the bits of a number. A compiler may turn `condition ? a : b` and the computation
+// of a and b into a branch, and then it does not vectorise the surrounding loop; it cannot do so
+// with these.
 
 namespace hardpack::branch_free {
 
-// value, or 0 where the condition does not hold.
+// value, or 0 if the condition is false.
 inline float KeptIf(bool condition, float value) {
   return std::bit_cast<float>(std::bit_cast<int32_t>(value) & -static_cast<int32_t>(condition));
 }
 
-// The larger of value and 0; what has its sign bit set gives 0.
+// The larger of value and 0; a value with its sign bit set gives 0.
 inline float NotBelowZero(float value) {
   const int32_t bits = std::bit_cast<int32_t>(value);
   return std::bit_cast<float>(bits & ~(bits >> 31));
 }
 
-// The smaller of two numbers that are not below 0: they are in the order of their bits. NaN is
-// beyond all.
+// The smaller of two numbers that are not negative: their bits have the same order. NaN is larger
+// than all.
 inline float Smaller(float a, float b) {
   const int32_t bits_a = std::bit_cast<int32_t>(a);
   const int32_t bits_b = std::bit_cast<int32_t>(b);

@@ -8,11 +8,11 @@
 
 // One function for each term of F ([OS] Cost Function Formulation; docs/algorithm.md section 4),
 // and the walk along a path that adds them up point by point. CostOf and the optimizer's windows
-// both walk with it, so what a window says is what the whole path's cost says, bit for bit.
+// both use this walk, so a window's cost matches the whole path's cost bit for bit.
 
 namespace hardpack::cost_terms {
 
-// A chord shorter than this has no direction to speak of: no curvature is taken there.
+// A chord shorter than this has no meaningful direction: no curvature is computed there.
 inline constexpr float kShortestChord_m = 1.0e-4f;
 
 inline Vec2 Minus(Vec2 a, Vec2 b) {
@@ -43,7 +43,7 @@ inline float CurvatureRateTerm(const OptimizerParams& params, float rate_per_m2,
                             params.max_curvature_rate_per_m2);
 }
 
-// Where the walk along a path stands: before a point.
+// The state of the walk along a path: before a point.
 struct Walk {
   Vec2 chord;                    // the one that ends at the point; (0, 0) at the path's start
   float length_m = 0.0f;         // of that chord
@@ -56,7 +56,7 @@ struct PointCost {
   float path = 0.0f;
 };
 
-// The costs at an inner point, and the walk moved on to the next. ds is the mean length of the two
+// The costs at an inner point; advances the walk to the next. ds is the mean length of the two
 // chords that meet.
 template <typename Model>
 inline PointCost WalkPoint(const Costmap& map, const OptimizerParams& params, Vec2 point_odom,

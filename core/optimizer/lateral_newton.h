@@ -11,23 +11,23 @@
 #include "core/optimizer/path_cost.h"
 #include "core/path/path.h"
 
-// Another way to the minimum of the paper's F (ours; docs/algorithm.md section 5): all points at
-// once, each moved along its normal, by a damped Newton method.
+// Another method for the minimum of the paper's F (ours; docs/algorithm.md section 5): all points
+// at once, each moved along its normal, by a damped Newton method.
 //
-// - A point's terms in F see no more than four points in a row, so the second derivatives form a
-//   band of three to either side, and a step costs one pass that factors it (L D L^T).
+// - A point's terms in F depend on at most four consecutive points, so the second derivatives form
+//   a band of three to either side, and a step costs one pass of factoring (L D L^T).
 // - F has kinks: |u| at 0, f at u_max, where a step limit stays put. Each is rounded off within a
-//   width that is wide at first, so that far changes are seen, and narrower with each step. F
-//   itself, as it is, decides what is kept: a step that does not lower it is tried shorter, then
-//   with more damping. So F never rises, and the result is never worse than the seed.
+//   width that starts wide, so that far changes are seen, and narrows with each step. F itself,
+//   unrounded, decides what is kept: a step that does not lower it is retried shorter, then with
+//   more damping. So F never rises, and the result is never worse than the seed.
 // - Curvature terms are linearised in the points' offsets, and the map is sampled to both sides of
-//   each point; where it is concave it gives no second derivative. So the matrix stays positive
-//   definite but for rounding, and where rounding breaks it, damping mends it.
-// - Where their distances have become uneven, a step's points are spread along its path again, if F
-//   is lowered so too. Very uneven ones are spread in any case; until F is as low again, path() is
-//   what it was before.
+//   each point; where it is concave it contributes no second derivative. So the matrix stays
+//   positive definite except for rounding, and damping repairs that.
+// - If the spacing has become uneven, a step's points are respaced along its path, provided F is
+//   still lowered. Very uneven points are respaced in any case; until F is as low again, path()
+//   stays at its previous result.
 //
-// It finds a local minimum near its seed, does not judge it, and stays on the seed's side of an
+// It finds a local minimum near its seed, does not evaluate it, and stays on the seed's side of an
 // obstacle. It is made for PlanarModel: it knows how chords turn.
 
 namespace hardpack {
@@ -36,7 +36,7 @@ class LateralNewton {
  public:
   static constexpr int kMaxSteps = 200;
   // A step: at most kMaxSolves times its derivatives, a solution and kMaxShares lengths of it, and
-  // once with its points spread.
+  // once with its points respaced.
   static constexpr int kMaxSolves = 4;
   static constexpr int kMaxShares = 3;
   static constexpr int kMaxUnits = kMaxSteps * (kMaxSolves * (2 + kMaxShares) + 2) + 1;
@@ -51,18 +51,18 @@ class LateralNewton {
   // Valid once Step has returned kDone (before: once Begin has returned kOk).
   const OptimizerResult& result() const { return result_; }
 
-  // The best path so far; after every Step a complete path from start to end, headings included,
-  // whose cost is not above the seed's (meanwhile to the rounding of a sum; at the end exactly).
+  // The best path so far; after every Step a complete path from start to end, including headings,
+  // with a cost not above the seed's (meanwhile to the rounding of a sum; at the end exactly).
   const WorldPath& path() const { return path_; }
 
  private:
   // Derive: derivatives of line_. Solve: the step. Try: line_ moved, into the other line.
   enum class Phase : uint8_t { kIdle, kDerive, kSolve, kTry, kSpread, kFinish };
 
-  static constexpr int kRoom = kMaxPathPoints + 8;  // what lies behind the last point is read
+  static constexpr int kRoom = kMaxPathPoints + 8;  // reads go beyond the last point
 
-  // A path, and what F sees of it. Chord k goes from point k to point k + 1; at point k the chord
-  // before it turns into the one behind it.
+  // A path and its terms in F. Chord k goes from point k to point k + 1; at point k the chord
+  // before it turns into the one after it.
   struct Line {
     int32_t points = 0;
     float x_m[kRoom] = {};
@@ -81,7 +81,7 @@ class LateralNewton {
     float path_cost[kRoom] = {};
   };
 
-  // A kind of term of F: a |u| up to u_max, b more beyond it, and how it is rounded off.
+  // A kind of term of F: a |u| up to u_max, b more beyond it, and its rounding.
   struct Kink {
     float alpha;
     float steeper;  // beta - alpha
@@ -133,41 +133,41 @@ class LateralNewton {
   bool moved_ = false;  // line() has changed since it was last published to path_
   float wanted_step_m_ = 0.0f;
   float start_curvature_per_m_ = 0.0f;
-  int32_t end_points_ = 0;  // that stay where they are: the last, or the last two
+  int32_t end_points_ = 0;  // fixed points: the last, or the last two
 
-  int32_t at_ = 0;  // which of the lines is the path; the other is tried
+  int32_t at_ = 0;  // index of the path's line; the other is the trial
   Line lines_[2];
-  float cost_ = 0.0f;       // of line(), F but for the rounding
-  float best_cost_ = 0.0f;  // of the path that is published, or is to be
+  float cost_ = 0.0f;       // of line(): F up to rounding
+  float best_cost_ = 0.0f;  // of the path published or to be published
   int32_t forced_spreads_ = 0;
   float cost_before_ = 0.0f;  // the same before this step
-  float width_share_ = 0.0f;  // of the kinks, of their limits
+  float width_share_ = 0.0f;  // of the kinks, relative to their limits
   float damping_ = 0.0f;
   float caution_ = 0.0f;
-  float share_ = 0.0f;    // of the step that is tried
+  float share_ = 0.0f;    // of the step being tried
   int32_t shares_ = 0;    // tried of this solution
   int32_t solves_ = 0;    // of this step
-  bool spreads_ = false;  // the points are spread when the step is tried
+  bool spreads_ = false;  // the points are respaced when the step is tried
   bool settled_ = false;  // the last step gained next to nothing
 
-  // Of the map's term along the normals: first and second derivative.
+  // For the map term along the normals: first and second derivative.
   float map_slope_[kRoom] = {};
   float map_bend_[kRoom] = {};
   // Derivatives of curvature k by the offsets of points k - 1 .. k + 1, and of its rate by those of
   // k - 2 .. k + 1.
   float by_offset_[3][kRoom] = {};
   float rate_by_offset_[4][kRoom] = {};
-  // Of their terms: first and second derivative, times ds.
+  // For their terms: first and second derivative, times ds.
   float slope_[kRoom] = {};
   float bend_[kRoom] = {};
   float rate_slope_[kRoom] = {};
   float rate_bend_[kRoom] = {};
-  // Of F: the band of second derivatives [distance from the diagonal].
+  // For F: the band of second derivatives [distance from the diagonal].
   float band_[4][kRoom] = {};
   // L's rows (by distance from the diagonal) and 1 / D.
   float lower_[3][kRoom] = {};
   float inverse_pivot_[kRoom] = {};
-  // F's gradient by the offsets, and what becomes of it in solving for the step.
+  // F's gradient by the offsets; solving turns it into the step.
   float step_m_[kRoom] = {};
   float spread_x_m_[kRoom] = {};
   float spread_y_m_[kRoom] = {};

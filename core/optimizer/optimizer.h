@@ -16,64 +16,63 @@
 // The path optimizer of the paper ([OS] Cost Function Formulation and Path Solver, Algorithm 1;
 // docs/algorithm.md sections 4 and 5): gradient descent over single heading changes, each
 // perturbation damped back into the unperturbed path by an S-curve over the next N steps. It finds
-// a local optimum near its seed; it does not judge the result (core/safety does), and it does not
-// look for a way on another side of an obstacle.
+// a local optimum near its seed; it does not evaluate the result (core/safety does), and it does
+// not look for a path on another side of an obstacle.
 
 namespace hardpack {
 
 // Perturb(i, delta) of the paper: adds delta_rad to the heading change at point i, integrates the
 // next `window` steps forward and blends them back into the unperturbed ones with a quintic
-// S-curve. Points 0 .. i and i + window .. n - 1 stay where they are. The window shrinks near the
-// end. damped = false leaves the blend out (the paper's figure): everything behind point i turns.
-// Headings by SetHeadingsFromChords. `perturbed` may be `path` itself.
-// kInvalidArgument: no point behind i could move (i < 0 or i > n - 3; undamped i > n - 2), or
-// window < 2; kNotFinite. On a failure `perturbed` is empty.
+// S-curve. Points 0 .. i and i + window .. n - 1 do not move. The window shrinks near the end.
+// damped = false omits the blend (the paper's figure): everything after point i turns. Headings by
+// SetHeadingsFromChords. `perturbed` may be `path` itself. kInvalidArgument: no point after i could
+// move (i < 0 or i > n - 3; undamped i > n - 2), or window < 2; kNotFinite. On failure `perturbed`
+// is empty.
 Status Perturb(const WorldPath& path, int point, float delta_rad, int window, bool damped,
                WorldPath& perturbed);
 
-// Algorithm 1 over a vehicle model (see PlanarModel). What we add, each bounded:
+// Algorithm 1 over a vehicle model (see PlanarModel). Our additions, each bounded:
 // - the better of the left and the right perturbation is taken; the step scaled by its decrease is
-//   tried where it is larger than the unit step, and kept only where it beats it, so that every
-//   kept change lowers F;
-// - after each sweep the points are spread evenly along the path again, where that does not raise
-// F;
+//   tried if it is larger than the unit step, and kept only if it is better, so that every kept
+//   change lowers F;
+// - after each sweep the points are respaced evenly along the path, unless that raises F;
 // - a sweep that gains less than min_relative_decrease halves the unit step, and ends the descent
 //   when it has been halved kMaxHalvings times;
-// - a point tried in vain is not tried again before something in its window has changed, which
-//   gives the same path sooner.
+// - a point tried in vain is not retried before something in its window has changed, which gives
+//   the same path sooner.
 template <typename Model>
 class BasicOptimizer {
  public:
   static constexpr int kMinPoints = kMinSeedPoints;
   static constexpr int kMaxHalvings = 3;
   static constexpr int kMaxSweeps = 1000;
-  // A whole run, whatever the seed: each sweep's points, spreading them and the cost of that.
+  // A whole run for any seed: each sweep's points, respacing them and the cost of that.
   static constexpr int kMaxUnits = 3 * kMaxPathPoints * kMaxSweeps;
 
-  // seed: forward steps only; its first chord is kept as it is (join it first, see JoinStart), and
-  // so are both end points; the last chord too when keep_end_heading (see JoinEnd).
-  // kPathTooShort: fewer than kMinPoints points; kNotFinite (the seed's cost too);
-  // kInvalidArgument: a chord is shorter than 0.1 mm; kParameterOutOfRange. On a failure path() is
-  // empty. Cost: the seed's, one pass over its points.
+  // seed: forward steps only; its first chord is kept (join it first, see JoinStart), as are both
+  // end points, and the last chord if keep_end_heading (see JoinEnd). kPathTooShort: fewer than
+  // kMinPoints points; kNotFinite (the seed's cost too); kInvalidArgument: a chord is shorter than
+  // 0.1 mm; kParameterOutOfRange. On failure path() is empty. Cost: the seed's, one pass over its
+  // points.
   Status Begin(const Costmap& map, const OptimizerParams& params, const PathParams& path_params,
                const WorldPath& seed, float start_curvature_per_m, bool keep_end_heading);
 
-  // A unit is one point: its left and its right perturbation, tried and perhaps kept (at most three
-  // windows evaluated). Spreading the points between sweeps, and the cost of that, are cut into
-  // units of one point too.
+  // A unit is one point: its left and its right perturbation, tried and possibly kept (at most
+  // three windows evaluated). Respacing the points between sweeps, and its cost, are also divided
+  // into units of one point.
   Progress Step(const Costmap& map, int units);
 
   // Valid once Step has returned kDone (before: once Begin has returned kOk).
   const OptimizerResult& result() const { return result_; }
 
-  // The best path so far; after every Step a complete path from start to end, headings included,
-  // whose cost is not above the seed's (meanwhile to the rounding of a sum; at the end exactly).
+  // The best path so far; after every Step a complete path from start to end, including headings,
+  // with a cost not above the seed's (meanwhile to the rounding of a sum; at the end exactly).
   const WorldPath& path() const { return path_; }
 
  private:
   enum class Phase : uint8_t { kIdle, kSweep, kSpread, kSpreadCost };
 
-  // A path and what each of its points costs.
+  // A path and the cost of each of its points.
   struct Line {
     Vec2 point[kMaxPathPoints];
     float curvature_per_m[kMaxPathPoints] = {};
@@ -82,7 +81,7 @@ class BasicOptimizer {
   };
 
   // A perturbation at `pivot` moves the points between pivot and end, both exclusive, and changes
-  // the costs of pivot .. last, which add up to `cost` as they are.
+  // the costs of pivot .. last, which now add up to `cost`.
   struct Window {
     int32_t pivot;
     int32_t end;
@@ -120,7 +119,7 @@ class BasicOptimizer {
   bool moved_ = false;  // line_ has changed since it was last published to path_
   float wanted_step_m_ = 0.0f;
   float start_curvature_per_m_ = 0.0f;
-  int32_t end_points_ = 0;  // that stay where they are: the last, or the last two
+  int32_t end_points_ = 0;  // fixed points: the last, or the last two
   int32_t points_ = 0;      // of line_
   int32_t at_ = 0;          // the phase's next point
   float unit_step_rad_ = 0.0f;
@@ -133,7 +132,7 @@ class BasicOptimizer {
   Line sweep_start_;  // line_ when the sweep began ...
   PathCost cost_;     // ... and its cost
 
-  // Spreading: line_'s points cut anew into candidate_[0].
+  // Respacing: line_'s points redistributed into candidate_[0].
   int32_t spread_points_ = 0;
   float spread_step_m_ = 0.0f;
   int32_t spread_chord_ = 0;     // of line_: the next new point lies on it ...
@@ -143,7 +142,7 @@ class BasicOptimizer {
 extern template class BasicOptimizer<PlanarModel>;
 static_assert(sizeof(BasicOptimizer<PlanarModel>) <= 32 * 1024);
 
-// The one that params.method names. Begin, Step and the results are as above.
+// The optimizer selected by params.method. Begin, Step and the results are as above.
 class Optimizer {
  public:
   static constexpr int kMinPoints = kMinSeedPoints;
@@ -166,14 +165,14 @@ class Optimizer {
 static_assert(std::is_trivially_copyable_v<Optimizer>);
 static_assert(sizeof(Optimizer) <= 96 * 1024);
 
-// The seed whose first chord points along the vehicle's heading: over a window at its start the
+// Makes the seed's first chord point along the vehicle's heading: over a window at its start the
 // base path is blended, by the same S-curve, out of the straight line ahead. The window is long
 // enough for the curvature limit (on a straight base path 4.62 error / kappa_max, the largest
-// second derivative of the blend) where the path is long enough. `error` is the larger of those to
-// the base path's first chord and to BaseHeading(base). Points behind the window stay as they are,
-// point 0 does, and each keeps its index. `seed` may be `base` itself. kPathTooShort: fewer than 4
-// points; kNotFinite; kInvalidArgument: BaseHeading is more than params.max_join_heading_rad off
-// (pivot first). On a failure `seed` is empty.
+// second derivative of the blend) if the path is long enough. `error` is the larger of those to the
+// base path's first chord and to BaseHeading(base). Points beyond the window and point 0 do not
+// move, and each keeps its index. `seed` may be `base` itself. kPathTooShort: fewer than 4 points;
+// kNotFinite; kInvalidArgument: BaseHeading is more than params.max_join_heading_rad off (pivot
+// first). On failure `seed` is empty.
 Status JoinStart(const WorldPath& base, const PathParams& params, const OptimizerParams& optimizer,
                  float start_heading_rad, WorldPath& seed);
 

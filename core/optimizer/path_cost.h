@@ -9,7 +9,7 @@
 #include "core/path/path.h"
 
 // What an optimizer minimises, F of a whole path ([OS] Cost Function Formulation; docs/algorithm.md
-// section 4), and what each of them takes and gives.
+// section 4), and the common inputs and results of the optimizers.
 
 namespace hardpack {
 
@@ -20,13 +20,13 @@ struct PathCost {
   float total() const { return map + path; }
 };
 
-// Whether the preferred limit of the change of curvature is one of its own.
+// Whether the preferred limit of the curvature rate differs from the final one.
 inline bool HasPreferredRate(const OptimizerParams& params) {
   return params.preferred_curvature_rate_per_m2 < params.max_curvature_rate_per_m2;
 }
 
-// `params` with the preferred limit of the change of curvature and its weight in the place of the
-// last ones, where there is one.
+// `params` with the preferred limit of the curvature rate and its weight in place of the final
+// ones, if there is one.
 inline OptimizerParams AtPreferredRate(OptimizerParams params) {
   if (!HasPreferredRate(params)) return params;
   params.max_curvature_rate_per_m2 = params.preferred_curvature_rate_per_m2;
@@ -35,7 +35,7 @@ inline OptimizerParams AtPreferredRate(OptimizerParams params) {
 }
 
 // Cost of a whole path of n points. start_curvature_per_m: the vehicle's present curvature, against
-// which the first change of curvature is taken.
+// which the first change of curvature is computed.
 //   F_map  = sum_{k=0}^{n-1} ds_k cost(p_k)
 //   F_path = sum_{k=1}^{n-2} ds_k [ f(kappa_k; alpha, beta, kappa_max)
 //                                 + f(kappa'_k; alpha', beta', kappa'_max) ]
@@ -43,13 +43,13 @@ inline OptimizerParams AtPreferredRate(OptimizerParams params) {
 //   kappa_k = phi_{k-1} / ds_k, the turn between those chords, kappa_0 = start_curvature_per_m,
 //   kappa'_k = (kappa_k - kappa_{k-1}) / ds_k,
 //   f(u) = alpha |u| below u_max, alpha u_max + beta (|u| - u_max) above.
-// Chords count, headings do not: forward steps only. Where ds_k is below 0.1 mm no turn
-// is counted. Fewer than two points cost nothing. Points must be finite. Cost: one pass over the
+// Chords count, headings do not: forward steps only. No turn is counted where ds_k is below
+// 0.1 mm. Fewer than two points cost nothing. Points must be finite. Cost: one pass over the
 // path.
 PathCost CostOf(const Costmap& map, const OptimizerParams& params, const WorldPath& path,
                 float start_curvature_per_m);
 
-// Fewer points than this leave nothing to bend.
+// With fewer points there is nothing to bend.
 inline constexpr int kMinSeedPoints = 4;
 
 // Whether a path can be optimized: kPathTooShort: fewer than kMinSeedPoints points; kNotFinite;

@@ -9,11 +9,11 @@
 
 namespace hardpack {
 
-// Takes the staircase out of a resampled cell path (docs/algorithm.md section 3, ours): repeated
+// Removes the staircase from a resampled cell path (docs/algorithm.md section 3, ours): repeated
 // binomial averaging of neighbouring points, which spreads each corner of 45 degrees over about
-// sqrt(2 x passes) points to either side (at the defaults, it moves none by more than about half a
-// metre). It knows
-// no map and no limit: the planner takes the result only where it costs less. End points stay.
+// sqrt(2 x passes) points to either side (with the defaults, no point moves by more than about half
+// a metre). It uses no map and no limits: the planner takes the result only if it costs less. End
+// points stay.
 class PathSmoother {
  public:
   static constexpr int kMaxPasses = 200;

@@ -7,38 +7,38 @@
 #include "core/base/status.h"
 #include "core/measurements/measurements.h"
 
-// The last place that a wheel command goes through, and the only way to the drives: whatever was
-// computed before, what leaves is finite, within the wheels' limits, and zero where the vehicle may
-// not move (docs/safety.md). It computes no command and does not choose whether to move. Ours.
+// The last stage that a wheel command passes, and the only way to the drives: whatever was computed
+// before, its output is finite, within the wheels' limits, and zero where the vehicle may not move
+// (docs/safety.md). It computes no command and does not decide whether to move. Ours.
 
 namespace hardpack {
 
 struct GateLimits {
   float max_speed_radps = 0.0f;          // of a wheel, either way
-  float max_acceleration_radps2 = 0.0f;  // change of a wheel's command over the time between two
+  float max_acceleration_radps2 = 0.0f;  // change of a wheel's command over time
 };
 
 struct GateCounters {
-  uint32_t not_finite = 0;     // commands that were no number: zero went out
+  uint32_t not_finite = 0;     // commands that were not numbers: zero was sent
   uint32_t above_speed = 0;    // commands clamped for a wheel's speed ...
-  uint32_t above_change = 0;   // ... and for the change since the one before
-  uint32_t not_permitted = 0;  // commands to move that came where nothing may
+  uint32_t above_change = 0;   // ... and for the change since the previous one
+  uint32_t not_permitted = 0;  // commands to move that came without permission
 };
 
 class CommandGate {
  public:
-  // The command before is zero and there is no fault. kParameterOutOfRange: a limit that is not
-  // finite or not positive: then all that passes is zero.
+  // The previous command is zero and there is no fault. kParameterOutOfRange: a limit that is not
+  // finite or not positive: then only zero passes.
   Status Configure(const GateLimits& limits);
 
-  // What may go out instead of `wanted`, dt_s after the last one. Zero for both wheels goes out at
-  // once, however fast they turn: that is a stop. Anything else changes each wheel's command by at
-  // most max_acceleration_radps2 dt_s. A wheel that is not finite makes both zero, and a fault
-  // that stays until ClearFault. Zero as well where may_move is false, with a dt_s that is not
-  // finite or not positive, and while there is a fault. Constant cost.
+  // The command to send instead of `wanted`, dt_s after the last one. Zero for both wheels passes
+  // at once, however fast they turn: that is a stop. Anything else changes each wheel's command by
+  // at most max_acceleration_radps2 dt_s. A wheel that is not finite makes both zero, and raises a
+  // fault that stays until ClearFault. Also zero if may_move is false, if dt_s is not finite or not
+  // positive, and while there is a fault. Constant cost.
   WheelCommand Pass(const WheelCommand& wanted, bool may_move, float dt_s);
 
-  // A command was no number.
+  // A command was not a number.
   bool has_fault() const { return has_fault_; }
   void ClearFault() { has_fault_ = false; }
 

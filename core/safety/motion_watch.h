@@ -7,10 +7,10 @@
 #include "config/onboard_parameters.h"
 #include "core/base/status.h"
 
-// Whether the vehicle moves as it was told to, within a wide margin: one that runs away, turns
-// against its command, does not move at all, or whose wheels do not hold the ground
-// (docs/safety.md). Not a judge of how well a path is followed. Wheels that spin are told by the
-// INS's ground speed; without one they count as moving. Ours.
+// Whether the vehicle moves as commanded, within a wide margin: detects one that runs away, turns
+// against its command, does not move at all, or whose wheels slip (docs/safety.md). It does not
+// measure tracking quality. Spinning wheels are detected by the INS's ground speed; without one
+// they count as moving. Ours.
 //
 //     speed
 //       |      ____ + margin            what was commanded lately: it rises at once, and falls by
@@ -23,22 +23,22 @@ namespace hardpack {
 
 enum class MotionFault : uint8_t {
   kNone,
-  kRunaway,    // faster than it was told to, or moving when it was told to stand
+  kRunaway,    // faster than commanded, or moving when told to stand
   kWrongTurn,  // turning against its command, or much faster
-  kStuck,      // told to move, and nothing moves
-  kSpin,       // the wheels turn at another speed than the vehicle goes, or stands
+  kStuck,      // told to move, and does not
+  kSpin,       // wheel speed differs from the vehicle's speed, or it stands
 };
 
-// Of one tick. Forward and anticlockwise positive.
+// Data of one tick. Forward and anticlockwise positive.
 struct MotionSample {
   float commanded_mps = 0.0f;
   float commanded_radps = 0.0f;  // yaw rate
   bool has_wheels = false;       // fresh speeds of both
   float wheels_mps = 0.0f;       // mean of both sides
-  float wheels_radps = 0.0f;     // yaw rate that their difference would be
-  bool has_yaw_rate = false;     // a fresh one of the INS
+  float wheels_radps = 0.0f;     // yaw rate corresponding to their difference
+  bool has_yaw_rate = false;     // a fresh one from the INS
   float yaw_rate_radps = 0.0f;
-  bool has_ground = false;  // a fresh speed over ground of the INS that it vouches for
+  bool has_ground = false;  // a fresh, valid ground speed from the INS
   float ground_mps = 0.0f;  // not negative: its magnitude
 };
 
@@ -46,7 +46,7 @@ class MotionWatch {
  public:
   static constexpr float kFall_mps2 = 1.0f;  // half of what a stop is planned with
   static constexpr float kFall_radps2 = 1.0f;
-  // Commands below count as standing for kStuck, speeds below as not moving.
+  // Commands below these count as standing for kStuck, speeds below as not moving.
   static constexpr float kGoes_mps = 0.3f;
   static constexpr float kGoes_radps = 0.3f;
   static constexpr float kStill_mps = 0.05f;
@@ -55,19 +55,19 @@ class MotionWatch {
   // kParameterOutOfRange.
   Status Configure(const SafetyParams& params);
 
-  // As if it had stood, and no fault: while the drives have no torque, anybody may push it.
+  // As if it had been standing, without a fault: while the drives have no torque, anybody may push
+  // it.
   void Reset();
 
-  // Once a tick. What is found has lasted for motion_time_s without a break (kStuck:
-  // stuck_time_s; kSpin: spin_time_s, in a turn on the spot stuck_time_s); the first fault stays
-  // until Reset. A measured number that is not finite is
-  // outside of every range, a command that is not is zero. Constant cost.
+  // Once a tick. A fault must last for motion_time_s without a break (kStuck: stuck_time_s; kSpin:
+  // spin_time_s, in a turn on the spot stuck_time_s); the first fault stays until Reset. A measured
+  // number that is not finite is out of every range; such a command is zero. Constant cost.
   MotionFault Judge(const MotionSample& sample, float dt_s);
 
   MotionFault fault() const { return fault_; }
 
  private:
-  // What was commanded lately.
+  // What was recently commanded.
   struct Range {
     float low = 0.0f;
     float high = 0.0f;

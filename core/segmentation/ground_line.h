@@ -7,23 +7,23 @@
 #include "config/parameters.h"
 #include "core/measurements/measurements.h"
 
-// The ground of one direction: a line of ground returns from the vehicle outward, and how high it
-// is at any level distance. Knows nothing of classes and of neighbouring directions; returns that
-// stand alone are not to be given to it (docs/algorithm.md section 1; ours).
+// The ground of one direction: a line of ground returns from the vehicle outward, and the ground
+// height at any level distance. It knows nothing of classes and of neighbouring directions; do not
+// pass it isolated returns (docs/algorithm.md section 1; ours).
 //
 // A return joins the line when
 //   it can be reached:   its rise over level distance from the line's end, from a point of the line
 //                        further back, and from the last obstacle on the way is within the slope,
-//   and it lies on a surface that could be driven: the returns of the beams above and below it
+//   and it lies on a drivable surface: the returns of the beams above and below it
 //                        advance outward as they would on ground; on a face they do not,
 //   and it is open:      no return of the next beams above stands up in front of it, none of the
 //                        next below lies behind and shows that it stands up itself, and neither do
 //                        the next above that lie behind: a low rock far away has one beam on it,
 //                        and the next one meets the ground behind it.
-// One that is no higher than the line carried on may be the edge of a surface and need not be open:
+// A return no higher than the extrapolated line may be the edge of a surface and need not be open:
 // the line keeps to the lower side.
-// A return that is nearer than the line's end but passes the same tests from further back takes the
-// line back: what it hides cannot have been ground (multipath below the ground).
+// A return that is closer than the line's end but passes the same tests from further back takes the
+// line back: what it occludes cannot have been ground (multipath below the ground).
 
 namespace hardpack {
 
@@ -36,29 +36,29 @@ struct GroundCandidates {
   uint8_t beam[kMaxBeams] = {};
 };
 
-// How high the ground is at a place.
+// Ground height at a place.
 struct GroundHeight {
-  float height_m = 0.0f;  // the best guess, even where it is not known
+  float height_m = 0.0f;  // the best estimate, even if not known
   bool known = false;
 };
 
 class GroundLine {
  public:
   // Finds the line. Cost: at most kMaxBeams candidates, each of which looks at 40 others at most
-  // and takes back at most what was added.
+  // and removes at most what was added.
   void Find(const GroundCandidates& candidates, float max_slope);
 
-  // The ground at a level distance: between two points of the line the straight line, but not above
-  // the nearer point carried on with the slope that the line had there, so that the foot of a step
-  // counts and not its top; beyond the last point carried on for carry_m.
-  // point: as LastPointBefore(level_m). Cost: constant.
+  // The ground at a level distance. Between two points of the line: the straight line, but not
+  // above the nearer point extrapolated with the slope that the line had there, so that the foot of
+  // a step counts and not its top. Beyond the last point it is extrapolated for carry_m. point: as
+  // LastPointBefore(level_m). Cost: constant.
   GroundHeight At(int point, float level_m, float carry_m) const;
 
-  // The last point of the line nearer than a level distance, 0 if there is none. hint: any point;
-  // the answer is the same, and comes at once if it is the one or the next. Cost: a binary search.
+  // The last point of the line closer than a level distance, 0 if there is none. hint: any point;
+  // the answer is the same, but immediate if it is that point or the next. Cost: a binary search.
   int LastPointBefore(float level_m, int hint) const;
 
-  // Points of the line: 0 is the vehicle's own standing place, which no beam saw (beam -1).
+  // Points of the line: 0 is the vehicle's own position, which no beam saw (beam -1).
   int size() const { return size_; }
   float level_m(int index) const { return level_m_[index]; }
   float height_m(int index) const { return height_m_[index]; }
@@ -77,11 +77,11 @@ class GroundLine {
 
   int32_t size_ = 1;
   float max_slope_ = 0.0f;
-  float obstacle_level_m_ = 0.0f;  // where the last one stands beyond the line's end; 0: none
+  float obstacle_level_m_ = 0.0f;  // position of the last one beyond the line's end; 0: none
   float level_m_[kMaxBeams + 1] = {};
   float height_m_[kMaxBeams + 1] = {};
   float slope_[kMaxBeams + 1] = {};   // of the line up to this point
-  int16_t base_[kMaxBeams + 1] = {};  // the point back from which it is measured
+  int16_t base_[kMaxBeams + 1] = {};  // the earlier point from which it is measured
   int16_t beam_[kMaxBeams + 1] = {};
 };
 static_assert(std::is_trivially_copyable_v<GroundLine>);

@@ -7,8 +7,8 @@
 #include "core/base/status.h"
 #include "core/measurements/measurements.h"
 
-// What the codes of a segmentation mean for driving ([OS] Cost Map Creation; docs/algorithm.md
-// section 1). The ontology is RELLIS-3D's by default; the split into hard, soft, person, ground and
+// The meaning of a segmentation's codes for driving ([OS] Cost Map Creation; docs/algorithm.md
+// section 1). The default ontology is RELLIS-3D's; the split into hard, soft, person, ground and
 // ignored is ours. A code that the table does not name is hard: when in doubt, hard.
 
 namespace hardpack {
@@ -39,20 +39,20 @@ constexpr LabelTable RellisLabelTable() {
   return table;
 }
 
-// kInvalidArgument: an entry that is no ReturnClass. Cost: kLabelCodes.
+// kInvalidArgument: an entry that is not a ReturnClass. Cost: kLabelCodes.
 Status CheckLabelTable(const LabelTable& table);
 
-// A return as geometry sees it.
+// A return as classed by geometry.
 struct SeenReturn {
   ReturnClass what = ReturnClass::kIgnored;
   float height_m = 0.0f;  // above the local ground, where it is known
   bool ground_known = false;
 };
 
-// The class that a labelled return is filed with: what its label says, but no label lowers what
-// geometry saw. What is said to be ground although it stands more than obstacle_height_m above the
-// local ground is hard, unless geometry takes it for rain or dust; where the ground is not known
-// such a label stands. What is said to be nothing (void, sky) stays what geometry took it for.
+// The class with which a labelled return is filed: its label, but no label lowers what geometry
+// saw. A return labelled as ground that stands more than obstacle_height_m above the local ground
+// is hard, unless geometry takes it for rain or dust; where the ground is not known, the label
+// stands. A return labelled as nothing (void, sky) keeps its geometric class.
 ReturnClass CheckedLabel(ReturnClass said, const SeenReturn& seen, float obstacle_height_m);
 
 }  // namespace hardpack

@@ -7,12 +7,12 @@
 
 #include "core/measurements/measurements.h"
 
-// Wires by the line that their returns lie on (docs/algorithm.md section 1; ours). Seen slantwise,
-// a wire has a return here and there: one or two columns of one beam, then none until the next beam
-// comes down to it; seen along its length, one of each beam in a single column. None of them looks
-// firm and some stand alone, as rain does. What tells them is that several are thin, seen past on
-// both sides (Segmenter::IsThin), lie on one straight line in space, and have little else about
-// them. Tips of grass are thin now and then and lie on a line by chance, but among others.
+// Finds wires by the line that their returns lie on (docs/algorithm.md section 1; ours). Seen at an
+// angle, a wire leaves scattered returns: one or two columns of one beam, then none until the next
+// beam meets it; seen along its length, one return per beam in a single column. None of them looks
+// firm and some stand alone, as rain does. The evidence is that several are thin, seen past on both
+// sides (Segmenter::IsThin), lie on one straight line in space, and have little else around them.
+// Tips of grass are sometimes thin and lie on a line by chance, but among others.
 
 namespace hardpack {
 
@@ -20,38 +20,37 @@ class WireFinder {
  public:
   WireFinder() { Restart(); }
 
-  // So many thin returns are remembered, and so many others, for so many directions after they came
-  // and while all others since are.
+  // Numbers of thin returns and of others that are kept, for how many directions after they
+  // arrived, together with all others since.
   static constexpr int kMost = 32;
   static constexpr int kMostOthers = 64;
   static constexpr int kDirections = 64;
-  // A wire is at least so many of them on a line of at most kLongest_m, each no further from the
+  // A wire is at least this many of them on a line of at most kLongest_m, each no farther from the
   // next than that allows.
   static constexpr int kLeast = 4;
   static constexpr float kShortest_m = 0.3f;
   static constexpr float kLongest_m = 2.5f;
-  // Off the line at most, as seen from above and in height: a lidar's noise in range.
+  // Largest distance from the line, seen from above and in height: a lidar's range noise.
   static constexpr float kAside_m = 0.05f;
   static constexpr float kHeight_m = 0.04f;
-  // As seen from above, at most a third as many as on it lie no further beside it than this.
+  // Seen from above, at most a third as many others as on the line lie within this distance of it.
   static constexpr float kAbout_m = 0.2f;
-  // And half as many of the directions across it as those that have a beam on a wire so thick: the
-  // even edge of a strip of growth has fewer.
+  // And returns in half as many of the directions across it as have a beam on a wire of this
+  // thickness: the even edge of a strip of growth has fewer.
   static constexpr float kThickness_m = 0.02f;
 
-  // Forgets all.
+  // Clears everything.
   void Restart();
 
-  // Takes a return of a direction (a sequence number that grows; several of one are fine) that
-  // stands low and is thin, or is not. What is not finite is not taken. The oldest go. Cost:
-  // constant.
+  // Takes a low return of a direction (an increasing sequence number; several per direction are
+  // fine) that is thin, or is not. A return that is not finite is ignored. The oldest are dropped.
+  // Cost: constant.
   void AddThin(const Vec3& point_odom, int64_t direction);
   void AddOther(const Vec3& point_odom, int64_t direction);
 
-  // The returns on the best line that ends in the thin one that was added last; none where there is
-  // no wire. direction: whose turn it is; spacing_m: how far one beam is above the next, there.
-  // Valid until the next call. Cost: kMost^2 + kMostOthers
-  // tests.
+  // The returns on the best line that ends in the last added thin one; none if there is no wire.
+  // direction: the present one; spacing_m: the distance from one beam to the next above, there.
+  // Valid until the next call. Cost: kMost^2 + kMostOthers tests.
   std::span<const Vec3> Find(int64_t direction, float spacing_m);
 
  private:
@@ -63,15 +62,15 @@ class WireFinder {
   };
 
   Line LineTo(int point) const;
-  // 1 where the point lies on the line, between its ends.
+  // 1 if the point lies on the line, between its ends.
   uint32_t IsOn(const Line& line, int point) const;
   int CountOn(const Line& line) const;
-  // 1 where a place lies about the line.
+  // 1 if a place is near the line.
   uint32_t IsAbout(const Line& line, float x_m, float y_m) const;
   int CountAbout(const Line& line, int64_t since) const;
   bool IsDense(const Line& line, int count, int64_t direction, float spacing_m) const;
 
-  int32_t newest_ = -1;  // where the last one is; -1: none came since Restart
+  int32_t newest_ = -1;  // index of the last one; -1: none since Restart
   float x_m_[kMost] = {};
   float y_m_[kMost] = {};
   float z_m_[kMost] = {};

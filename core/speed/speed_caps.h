@@ -12,40 +12,40 @@
 #include "core/path/path.h"
 #include "core/speed/speed.h"
 
-// What the surroundings allow along a path that has been checked (docs/algorithm.md sections 6 and
-// 8): at each point the speed from which the vehicle can still stop within the rest of the path,
-// since nothing beyond its end was checked, and before the end of the observed ground; the lowest
-// speed where there is little room; and the caps for the people beside it. It does not look for
-// obstacles on the path: the check has.
+// Speed limits from the surroundings along a checked path (docs/algorithm.md sections 6 and 8): at
+// each point the speed from which the vehicle can still stop within the rest of the path, since
+// nothing beyond its end was checked, and before the end of the observed ground; the lowest speed
+// where there is little room; and the caps for people beside it. It does not look for obstacles on
+// the path: the check has.
 //
 //        |<- free ->|<- the front, unseen_margin_m ------->|
 //   o====o==========+=====================================#? ? ? ?o   # end of the observed ground
 //
-// The observed ground ends where on one of five tracks, the path's own and kAside of the width to
-// either side, under the wheels and where they are if the vehicle is beside its path, no cell has
-// been observed (Costmap::kObserved) for more than max_unseen_m. Shorter stretches are what the
-// lidar's ring spacing and the directions' spacing leave open. It is looked for as far beyond the
-// path's end as is kept free before it: what lies before the axle and unseen_margin_m. A path
-// begins where the vehicle is, so that its first point counts as observed.
+// The observed ground ends where, on one of five tracks, no cell has been observed
+// (Costmap::kObserved) for more than max_unseen_m. The tracks are the path's own and kAside of the
+// width to either side, under the wheels and where they are if the vehicle is beside its path.
+// Shorter stretches are gaps left by the lidar's ring spacing and the spacing of directions. The
+// search extends beyond the path's end by what is kept free before it: the length ahead of the axle
+// plus unseen_margin_m. A path begins at the vehicle, so its first point counts as observed.
 //
-// Growth on one of the tracks (Costmap::kGrowth) may hide what is lower than itself:
-// growth_speed_mps at most along the chord that it lies under.
+// Growth on one of the tracks (Costmap::kGrowth) may hide lower objects: growth_speed_mps at most
+// along the chord over it.
 //
-// There is little room where a hard cell's centre is nearer to the centre of one of the discs
-// that cover the outline (core/base/footprint.h) than its radius, half a cell's diagonal and
+// There is little room where a hard cell's centre is closer to the centre of one of the discs that
+// cover the outline (core/base/footprint.h) than its radius plus half a cell's diagonal plus
 // narrow_room_m: min_speed_mps at most there.
 //
-// A plan's room is its clearance less what the tracker and the odometry may be off by there. So the
-// speed is at most that at which
+// A plan's room must cover the possible errors of tracker and odometry there. So the speed is at
+// most that at which
 //   track_error_m + track_error_s v + track_error_s2 v^2 kappa
-// fits into the distance from the discs to the nearest hard cell, half a cell off, with kappa the
+// fits into the distance from the discs to the nearest hard cell, less half a cell, with kappa the
 // largest curvature of the last kBendBehind_m and the next kBendAhead_m of the path.
 
 namespace hardpack {
 
-// What it is that holds the vehicle back at a point.
+// What limits the vehicle at a point.
 enum class CapCause : uint8_t {
-  kPathEnd,       // nothing but the end of what was checked
+  kPathEnd,       // only the end of the checked path
   kUnseenGround,  // the observed ground ends before it
   kPerson,
   kLittleRoom,
@@ -54,48 +54,47 @@ enum class CapCause : uint8_t {
 
 class SpeedCaps {
  public:
-  // path: as the check has passed it, at least one point. speed_mps: that the vehicle drives at
-  // now; what it takes to pass somebody is judged by it at every point. Cost: one pass over its
-  // points.
+  // path: as passed by the check, at least one point. speed_mps: the vehicle's present speed; the
+  // time to pass somebody is computed from it at every point. Cost: one pass over its points.
   void Begin(const GridWindow& window, const SpeedParams& params, const VehicleParams& vehicle,
              const WorldPath& path, float speed_mps);
 
-  // A unit is one chord looked along for ground that was not observed, one row of the map searched
-  // for people (each cell of theirs goes to every point where the path passes it), or
-  // kMaxPersonCells cells of theirs in it, or one point whose nearest person caps the points before
-  // it. At most kMaxUnits units.
+  // A unit is one chord searched for unobserved ground, one row of the map searched for people
+  // (each of their cells goes to every point where the path passes it), or kMaxPersonCells of their
+  // cells in it, or one point whose nearest person caps the points before it. At most kMaxUnits
+  // units.
   static constexpr int kMaxPersonCells = 32;
   static constexpr int kMaxUnits =
       kMapSize_cells * (kMapSize_cells / kMaxPersonCells + 1) + 2 * kMaxPathPoints;
   Progress Step(const Costmap& map, const SpeedParams& params, const VehicleParams& vehicle,
                 const WorldPath& path, int units);
 
-  // Once it is done: behind the first place from `point` on where the vehicle has to stand it is
-  // not driven any further, whatever is allowed there. Before the vehicle has come to rest, nobody
-  // can know when it will go on. Cost: one pass.
+  // Once done: beyond the first place from `point` on where the vehicle must stand, it does not
+  // drive any farther, whatever is allowed there. Before the vehicle has come to rest, nobody can
+  // know when it will continue. Cost: one pass.
   void StandFrom(int point);
 
   // [n] m/s, valid once Step has returned kDone.
   std::span<const float> cap_mps() const { return {cap_mps_, static_cast<size_t>(points_)}; }
-  // Of the cap at a point, 0 .. n - 1; valid with it.
+  // For the cap at a point, 0 .. n - 1; valid with it.
   CapCause cause(int point) const { return cause_[point]; }
   // Whether there is little room anywhere.
   bool narrow() const { return narrow_; }
-  // From the discs at a point to the nearest hard cell, half a cell off [m]; at most kFarRoom_m,
+  // From the discs at a point to the nearest hard cell, less half a cell [m]; at most kFarRoom_m,
   // not below 0. Valid with cap_mps().
   float room_m(int point) const { return room_m_[point]; }
   static constexpr float kFarRoom_m = 10.0f;
   static constexpr float kBendBehind_m = 1.5f;
   static constexpr float kBendAhead_m = 0.5f;
-  // Way along the path to the end of the observed ground; kFar_m if that is not on it.
+  // Distance along the path to the end of the observed ground; kFar_m if that is not on it.
   float observed_m() const { return observed_m_; }
-  static constexpr float kFar_m = 1.0e3f;        // further than any two points of a map
-  static constexpr float kStanding_mps = 0.05f;  // a lower cap is one to stand
+  static constexpr float kFar_m = 1.0e3f;        // farther than any two points of a map
+  static constexpr float kStanding_mps = 0.05f;  // a lower cap means to stand
 
  private:
   static constexpr float kAside[] = {-0.6f, -0.4f, 0.0f, 0.4f, 0.6f};  // of the width
   static constexpr int kTracks = sizeof(kAside) / sizeof(kAside[0]);
-  // Between two points of a path; those of a longer chord lie further apart than half a cell.
+  // Between two points of a path; samples on a longer chord are farther apart than half a cell.
   static constexpr int kMaxSamples = 32;
 
   void LookAlong(const Costmap& map, const VehicleParams& vehicle, const WorldPath& path,
@@ -113,27 +112,27 @@ class SpeedCaps {
 
   float x_m_[kMaxPathPoints] = {};  // the path's points, odom frame
   float y_m_[kMaxPathPoints] = {};
-  float along_m_[kMaxPathPoints] = {};  // way from the start
+  float along_m_[kMaxPathPoints] = {};  // distance from the start
   float cap_mps_[kMaxPathPoints] = {};
   float person2_m2_[kMaxPathPoints] = {};  // squared, to the nearest person filed with the point
-  // Of one person, to the points; before the first and behind the last those again.
+  // For one person, to the points; padded at both ends with the first and the last.
   float distance2_m2_[kMaxPathPoints + 2] = {};
   Footprint footprint_;
-  float reach_m_ = 0.0f;                   // people further from the path cap nothing
+  float reach_m_ = 0.0f;                   // people farther from the path are ignored
   float bend_per_m_[kMaxPathPoints] = {};  // magnitude of the curvature
   float room_m_[kMaxPathPoints] = {};
   CapCause cause_[kMaxPathPoints] = {};
   float speed_mps_ = 0.0f;
   int32_t points_ = 0;
-  int32_t chord_ = 0;        // next to be looked along; the one behind the last is beyond
-  float observed_m_ = 0.0f;  // way to the end of the observed ground
+  int32_t chord_ = 0;        // next to be searched; the one after the last is beyond the path
+  float observed_m_ = 0.0f;  // distance to the end of the observed ground
   float max_unseen_m_ = 0.0f;
   float growth_speed_mps_ = 0.0f;
-  float ahead_m_ = 0.0f;       // of the vehicle's middle, that must be observed
+  float ahead_m_ = 0.0f;       // ahead of the vehicle's centre, must be observed
   float room2_cells2_ = 0.0f;  // squared distance of a hard cell that leaves little room
   bool narrow_ = false;
-  float seen_m_[kTracks] = {};  // of each track, the way to the last observed cell
-  Cell low_;                    // the part of the map that is searched
+  float seen_m_[kTracks] = {};  // for each track, distance to the last observed cell
+  Cell low_;                    // the part of the map to be searched
   Cell high_;
   int32_t row_ = 0;     // next, up to high_.y
   int32_t column_ = 0;  // next in it

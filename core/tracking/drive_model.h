@@ -10,30 +10,30 @@
 #include "core/base/status.h"
 #include "core/measurements/measurements.h"
 
-// How the wheels follow their commands and the body its wheels, and where that takes the vehicle
-// until a command that is given now takes effect. It is told every command, every measured wheel
-// speed and how the body moves, and steps in kStep_ns whatever the ticks are. It controls nothing
-// (core/tracking/tracking.h does).
+// Models how the wheels follow their commands and the body its wheels, and where this takes the
+// vehicle until a command given now takes effect. It is given every command, every measured wheel
+// speed and the body's motion, and runs in steps of kStep_ns, independent of the ticks. It controls
+// nothing (core/tracking/tracking.h does).
 //
 //   common c = (w_r + w_l) / 2, differential d = (w_r - w_l) / 2, commands u(t - dead) of both
 //   c' = clamp((u_c + b_c - c) / lag_c, -slew_c, slew_c)
 //   d' = clamp(q (s - F(d) + i - d) / lag_d, -q slew_d, q slew_d)
 //   s  = u_d / (1 + (u_d / a)^8)^(1/8), a = limit - slope |c|
-//   F  = scrub d / sqrt(d^2 + width^2)                      what the tyres' scrubbing takes
-//   i' = (s - d) / integral_time                            what the drives make up for of it
+//   F  = scrub d / sqrt(d^2 + width^2)                      loss by tyre scrub
+//   i' = (s - d) / integral_time                            the drives' compensation of it
 //   v' = (k_v r ground_per_wheel c - v) / speed_lag,  w' = (k_w d / per_turn - w) / yaw_rate_lag
 //   v_y = -w t v / sqrt(v^2 + v_t^2)                        it turns about a point ahead
 //
-// The form and its numbers are a fit to recordings of a Warthog (docs/simulation.md, "The
-// vehicle"). What the fit does not know is learned: b_c, i by an observer of the wheel speed with a
-// bias, within kMaxBias_radps and kMaxIntegral_radps; q, how much quicker a turn follows than the
-// fit says, and k_v and k_w, what a wheel's turn does on this ground, by normalised least mean
-// squares of what is measured over what the model said, within their limits below. Without
-// measurements the model goes on by itself.
+// The form and its numbers are fitted to recordings of a Warthog (docs/simulation.md, "The
+// vehicle"). What the fit does not cover is learned: b_c and i by an observer of the wheel speed
+// with a bias, within kMaxBias_radps and kMaxIntegral_radps; q, how much quicker a turn follows
+// than in the fit, and k_v and k_w, the effect of wheel rotation on this ground, by normalised
+// least mean squares of measurement against model, within their limits below. Without measurements
+// the model runs open loop.
 
 namespace hardpack {
 
-// Wheel speeds, or commands of them, of both sides by what they do.
+// Wheel speeds or wheel commands of both sides, split into their common and differential parts.
 struct WheelParts {
   float common_radps = 0.0f;
   float differential_radps = 0.0f;  // positive turns to the left
@@ -43,23 +43,23 @@ constexpr WheelParts PartsOf(float left_radps, float right_radps) {
   return {0.5f * (right_radps + left_radps), 0.5f * (right_radps - left_radps)};
 }
 
-// What the drives make of a differential command while the common part is common_radps, and the
-// command that such a one needs. The latter beyond kMaxLimitShare of the limit: that of
-// kMaxLimitShare, 1.09 times the limit. Odd in the differential part.
+// The differential that the drives reach for a command while the common part is common_radps, and
+// the command that a differential needs. The latter, beyond kMaxLimitShare of the limit, is that
+// for kMaxLimitShare, 1.09 times the limit. Odd in the differential part.
 inline constexpr float kMaxLimitShare = 0.95f;
 float ReachableDifferential(const DynamicsParams& params, float command_radps, float common_radps);
 float DifferentialCommand(const DynamicsParams& params, float reachable_radps, float common_radps);
 // F above.
 float ScrubOf(const DynamicsParams& params, float differential_radps);
 
-// How the body moves, as odometry has it.
+// The body's motion, from odometry.
 struct BodyMotion {
   bool valid = false;
   float speed_mps = 0.0f;
   float yaw_rate_radps = 0.0f;
 };
 
-// Where the vehicle will be, and how fast, when a command that is given now takes effect.
+// The predicted position and speed when a command given now takes effect.
 struct DriveState {
   Pose2 pose;
   WheelParts wheels;
@@ -75,7 +75,7 @@ class DriveModel {
   static constexpr int kMaxDeadSteps = 50;  // the longest dead time of the table
   static constexpr int kMaxFeedbackSteps = 20;
   static constexpr int kHistory = 128;  // covers both, and is a power of two
-  // A longer pause is a gap: the drives have stopped by themselves, or nobody knows.
+  // A longer pause is a gap: the drives have stopped on their own, or their state is unknown.
   static constexpr int kMaxCatchUpSteps = 20;
   static constexpr float kMaxBias_radps = 2.5f;
   static constexpr float kMaxIntegral_radps = 4.0f;
@@ -83,7 +83,7 @@ class DriveModel {
   static constexpr float kMaxQuickness = 2.5f;
   static constexpr float kMinGround = 0.7f;  // of k_v and k_w
   static constexpr float kMaxGround = 1.3f;
-  static constexpr float kMaxWheel_radps = 100.0f;  // a report beyond is none
+  static constexpr float kMaxWheel_radps = 100.0f;  // reports beyond are ignored
   static constexpr float kMaxBody_mps = 50.0f;      // the same
   static constexpr float kMaxBody_radps = 20.0f;
 
@@ -91,32 +91,31 @@ class DriveModel {
   Status Configure(const VehicleParams& vehicle, const OdometryParams& odometry,
                    const DynamicsParams& dynamics);
 
-  // To now_ns: the command that was told last was in force since. kOk; kStale: after a gap, the
-  // commands of before are forgotten and the wheels taken as measured; kNotStarted;
-  // kInvalidArgument: time does not grow, then nothing changes. Wheel speeds are taken once each,
-  // by their time; invalid ones, and those that are no number or too old, not at all; the body's
-  // motion is that of now_ns. Cost: at most kMaxCatchUpSteps steps, and kMaxFeedbackSteps
-  // corrections.
+  // Advances to now_ns, with the last given command in force. kOk; kStale: after a gap, earlier
+  // commands are dropped and the wheels set as measured; kNotStarted; kInvalidArgument: time does
+  // not increase, and nothing changes. Wheel speeds are used once each, by their time; invalid
+  // ones, and those that are not finite or too old, not at all; the body's motion is that of
+  // now_ns. Cost: at most kMaxCatchUpSteps steps and kMaxFeedbackSteps corrections.
   Status Advance(uint64_t now_ns, const WheelFeedback& feedback, const BodyMotion& body);
 
-  // Of this tick, until the next.
+  // The command of this tick, until the next.
   void SetCommand(const WheelParts& command);
 
-  // One step from any state, with a command in force at the drives: for whoever rolls a motion out.
+  // One step from any state, with a command in force at the drives: for rolling out a motion.
   // Preconditions: finite, 0 < step_s <= 0.05. Constant cost.
   void Roll(const WheelParts& command, float step_s, DriveState& state) const;
-  // Now, of a vehicle at `pose`.
+  // The present state of a vehicle at `pose`.
   DriveState StateAt(const Pose2& pose) const;
-  // The command that is in force at the drives in the step that ends so many steps after now, where
-  // the one told last stays in force. Precondition: steps_ahead >= 1.
+  // The command in force at the drives in the step that ends this many steps from now, if the last
+  // command stays in force. Precondition: steps_ahead >= 1.
   WheelParts CommandIn(int steps_ahead) const;
   int dead_steps() const { return dead_steps_; }
 
-  // The state of a vehicle that is at `pose` now after the dead time. A pose that is not finite
-  // comes back as it is. Cost: kMaxDeadSteps steps with a sine and a cosine at most.
+  // The state after the dead time of a vehicle that is at `pose` now. A pose that is not finite is
+  // returned unchanged. Cost: at most kMaxDeadSteps steps with a sine and a cosine each.
   DriveState Predict(const Pose2& pose) const;
 
-  // How far that lies ahead of now, in whole steps.
+  // How far this lies ahead of now, in whole steps.
   uint64_t Ahead_ns() const { return static_cast<uint64_t>(AheadSteps()) * kStep_ns; }
 
   const WheelParts& wheels() const { return at_[Place(0)]; }  // now
@@ -133,7 +132,7 @@ class DriveModel {
     return differential_per_turn_ / turn_ground_;
   }  // differential speed
      // per yaw rate
-  // How far ahead of the vehicle's middle lies the point about which it turns; negative in reverse.
+  // How far ahead of the vehicle's centre it turns; negative in reverse.
   float TurningPoint_m(float speed_mps) const;
   float TurningPointChange_s(float speed_mps) const;  // its derivative by the speed
 
@@ -154,11 +153,11 @@ class DriveModel {
   float differential_per_turn_ = 0.0f;
   float turning_point_m_ = 0.0f;
   float turning_point_speed_mps_ = 1.0f;
-  int32_t dead_steps_ = 0;   // whole ones ...
-  float dead_share_ = 0.0f;  // ... and what is left, of a step
+  int32_t dead_steps_ = 0;   // whole steps ...
+  float dead_share_ = 0.0f;  // ... and the remaining fraction of a step
   bool configured_ = false;
   uint64_t at_ns_ = 0;        // of the newest step; 0: none yet
-  uint64_t feedback_ns_ = 0;  // taken last
+  uint64_t feedback_ns_ = 0;  // last used
   int32_t newest_ = 0;        // place in both rings
   WheelParts command_;        // in force
   float bias_radps_ = 0.0f;   // of the common part

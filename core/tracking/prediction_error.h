@@ -6,11 +6,11 @@
 
 #include "core/tracking/drive_model.h"
 
-// How far the drive model was off lately: what it said of the body's speed and yaw rate one dead
-// time ahead, when no command that was given later could change them, against what was measured
-// when that time had come. Dead times, lags and slips that differ from the parameters show in it,
-// whatever their cause. It corrects nothing (DriveModel learns); who relies on a motion that is
-// rolled out keeps away by what it says (StopWay, core/tracking/stop_motion.h). Ours.
+// Recent error of the drive model: its prediction of the body's speed and yaw rate one dead time
+// ahead, when no later command could change them, against the measurement at that time. It shows
+// dead times, lags and slip that differ from the parameters, whatever their cause. It corrects
+// nothing (DriveModel learns); users of a rolled-out motion widen their margins by it (StopWay,
+// core/tracking/stop_motion.h). Ours.
 
 namespace hardpack {
 
@@ -22,15 +22,15 @@ struct MotionError {
 
 class PredictionError {
  public:
-  // The largest difference counts in full, and falls to 1/e of itself in this time.
+  // The largest difference counts in full, and decays to 1/e in this time.
   static constexpr float kFade_s = 10.0f;
-  static constexpr int kHistory = 64;  // of ticks; a dead time beyond is compared too early
+  static constexpr int kHistory = 64;  // in ticks; a longer dead time is compared too early
 
   void Reset();
 
-  // Once a tick, after the model's step. ahead_ns: how far `predicted` lies ahead of now.
-  // Motion that is not valid, and a tick that comes before the one before, are left out. Cost: at
-  // most kHistory comparisons.
+  // Once a tick, after the model's step. ahead_ns: how far `predicted` lies ahead of now. Invalid
+  // motion, and a tick earlier than the previous one, are skipped. Cost: at most kHistory
+  // comparisons.
   void Advance(uint64_t now_ns, uint64_t ahead_ns, const DriveState& predicted,
                const BodyMotion& body);
 
@@ -45,7 +45,7 @@ class PredictionError {
 
   MotionError lately_;
   uint64_t at_ns_ = 0;
-  int32_t first_ = 0;  // the oldest that is not due yet
+  int32_t first_ = 0;  // the oldest not due yet
   int32_t size_ = 0;
   Said said_[kHistory];
 };

@@ -12,45 +12,45 @@
 #include "core/tracking/drive_model.h"
 #include "core/tracking/prediction_error.h"
 
-// From what a path says to wheel speeds, once a tick, forwards and in reverse, and turns on the
-// spot. It does not choose the path, the place on it or whether to move (core/safety/supervisor.h);
-// what a path says is collected by core/committed_plan/path_target.h. The paper hands its path to a
-// tracker of its own ([OS] System Overview); this is docs/algorithm.md section 7 (ours).
+// From path targets to wheel speeds, once a tick, forwards and in reverse, and turns on the spot.
+// It does not choose the path, the place on it or whether to move (core/safety/supervisor.h);
+// core/committed_plan/path_target.h collects the targets from the path. The paper hands its path to
+// a tracker of its own ([OS] System Overview); this is docs/algorithm.md section 7 (ours).
 //
 // Everything is computed at the state after the dead time (drive_model.h), where a command acts
-// through lags only: that of the wheels and, behind it, that of the body. The equations stand in
-// docs/tracking.md ("The law"); the names in the comments below are theirs.
+// through lags only: that of the wheels and, after it, that of the body. The equations are in
+// docs/tracking.md ("The law"); the comments below use its names.
 //
-// The turn keeps the vehicle on its path: where a wheel would be too fast, the common part is cut.
+// The turn keeps the vehicle on its path: if a wheel would be too fast, the common part is reduced.
 
 namespace hardpack {
 
-// What the path says at a place. Curvature and its rate are those of the heading over the way in
-// the direction of the heading, so that they stay what they are when a path is driven in reverse.
+// The path at one place. Curvature and its rate are those of the heading over the distance in the
+// direction of the heading, so they do not change when a path is driven in reverse.
 struct TrackingPoint {
   Pose2 pose;  // odom; the heading is the vehicle's, in reverse too
   float speed_mps = 0.0f;
 };
 
 struct TrackingInput {
-  Pose2 pose;                    // odom, where the vehicle will be when this command takes effect
+  Pose2 pose;                    // odom, predicted for when this command takes effect
   bool turn = false;             // on the spot, to aim.pose.theta_rad; the vehicle stands
   bool reverse = false;          // the path is driven backwards
-  float speed_limit_mps = 0.0f;  // of the path where the vehicle will be: a magnitude
-  TrackingPoint aim;             // pure pursuit: the point that is aimed at; turn: its heading
-  // The rest is the lag-aware method's.
-  Pose2 path;  // odom, the place of the path nearest to `pose`; its heading is the vehicle's
+  float speed_limit_mps = 0.0f;  // of the path at the predicted place: a magnitude
+  TrackingPoint aim;             // pure pursuit: the target point; turn: its heading
+  // The rest is for the lag-aware method.
+  Pose2 path;  // odom, the path's place nearest to `pose`; its heading is the vehicle's
   float acceleration_mps2 = 0.0f;      // of that speed, in the direction of driving
   float turn_curvature_per_m = 0.0f;   // kappa_t
   float wheel_curvature_per_m = 0.0f;  // kappa_z ...
   float curvature_rate_per_m2 = 0.0f;  // ... and its change there
-  float left_m = 0.0f;                 // way to where it has to stand; never negative
+  float left_m = 0.0f;                 // distance to the next stop; never negative
 };
 
 struct TrackingOutput {
-  float speed_mps = 0.0f;  // that it is told to have by now; in reverse: negative
+  float speed_mps = 0.0f;  // commanded by now; in reverse: negative
   float yaw_rate_radps = 0.0f;
-  float curvature_per_m = 0.0f;  // 0 where it stands or turns on the spot
+  float curvature_per_m = 0.0f;  // 0 when standing or turning on the spot
   WheelCommand wheels;
 };
 
@@ -60,7 +60,7 @@ class Tracker {
   static constexpr float kMaxReturn_rad = 0.35f;
   static constexpr float kMaxIntegral_radps = 0.4f;
   static constexpr float kMaxLead_mps = 0.5f;               // of the reference before the vehicle
-  static constexpr float kMaxCommandChange_radps2 = 60.0f;  // so a command begins over some ticks
+  static constexpr float kMaxCommandChange_radps2 = 60.0f;  // so a command ramps over several ticks
   static constexpr float kEndLags = 2.2f;         // time constant of the last stretch, in lags
   static constexpr float kEndBrakeShare = 0.85f;  // of the deceleration; the rest corrects
   static constexpr float kEndSpeed_mps = 0.03f;   // slower is standing
@@ -70,43 +70,43 @@ class Tracker {
                    const OdometryParams& odometry, const DynamicsParams& dynamics,
                    const TrackingParams& tracking);
 
-  // Once every tick, before the command: the pose and the motion of now, and the newest wheel
-  // speeds. Statuses and cost: DriveModel::Advance and Predict.
+  // Once every tick, before the command: the present pose and motion, and the newest wheel speeds.
+  // Statuses and cost: DriveModel::Advance and Predict.
   Status Predict(uint64_t now_ns, const Pose2& pose, const WheelFeedback& wheels,
                  const BodyMotion& body);
 
-  // Where and how fast the vehicle will be when this tick's command takes effect.
+  // The predicted position and speed of the vehicle when this tick's command takes effect.
   const DriveState& predicted() const { return predicted_; }
 
-  // The commands of one tick of dt_s. The reference speed goes towards the path's by at most the
-  // plan's acceleration and deceleration limits. kOffPath: further from the path than
+  // The commands of one tick of dt_s. The reference speed approaches the path's by at most the
+  // plan's acceleration and deceleration limits. kOffPath: farther from the path than
   // max_cross_track_m: it steers back while it comes to rest. kNeedsManoeuvre: a turn on the spot,
-  // of a vehicle that cannot; then zero is commanded. kNotFinite: a number, then zero is commanded.
+  // for a vehicle that cannot make one; zero is commanded. kNotFinite: a number; zero is commanded.
   // kNotStarted. Constant cost.
   Status Follow(const TrackingInput& input, float dt_s, TrackingOutput& output);
 
-  // The same with the speed going to 0 by the deceleration limit, along the path. A turn on the
+  // The same, with the speed going to 0 by the deceleration limit along the path. A turn on the
   // spot ends at once.
   Status StopAlong(const TrackingInput& input, float dt_s, TrackingOutput& output);
 
   // Zero at once.
   void Zero(TrackingOutput& output);
 
-  // The reference: what it has been told to do by now. Never negative.
+  // The reference: the speed commanded by now. Never negative.
   float speed_mps() const { return speed_mps_; }
   float curvature_per_m() const { return curvature_per_m_; }
   const DriveModel& model() const { return model_; }
   const MotionError& prediction_error() const { return error_.lately(); }
 
   // The speed from which the vehicle comes to rest within left_m by braking, and then, in the last
-  // stretch, by rolling out: no faster than its lag lets it without being told to drive backwards.
-  // Zero for what is not positive.
+  // stretch, by coasting: no faster than its lag allows without being told to drive backwards. Zero
+  // for values that are not positive.
   //   v = left / T below a T^2, else sqrt(2 a (left - a T^2 / 2)),
   //   a = kEndBrakeShare max_deceleration, T = kEndLags (common_lag + speed_lag)
   float EndSpeed(float left_m) const;
 
-  // Where PathTarget is to look for the curvatures of the input, in ways ahead of the predicted
-  // place, in the direction of driving.
+  // Where PathTarget takes the curvatures of the input, as distances ahead of the predicted place
+  // in the direction of driving.
   float TurnAhead_m() const;   // kappa_t
   float WheelAhead_m() const;  // kappa_z
 
@@ -154,7 +154,7 @@ class Tracker {
   DriveState predicted_;
   PredictionError error_;
   bool configured_ = false;
-  bool saturated_ = false;  // the command before this one was cut
+  bool saturated_ = false;  // the previous command was clipped
   float speed_mps_ = 0.0f;  // reference
   float curvature_per_m_ = 0.0f;
   float integral_radps_ = 0.0f;

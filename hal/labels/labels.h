@@ -8,11 +8,11 @@
 #include "core/base/status.h"
 #include "core/measurements/measurements.h"
 
-// The datagrams of an external segmentation computer: one byte a return, in the order in which the
-// lidar measured (docs/label_datagram.md). Decodes and encodes; keeps no state. What a code means
-// is core/segmentation's business, whether its column can still take it core/scan's. A datagram
-// names the lidar's frame, its first column and how many columns and beams follow, and ends in a
-// checksum.
+// The datagrams of an external segmentation computer: one byte per return, in the lidar's order of
+// measurement (docs/label_datagram.md). Decodes and encodes; keeps no state. core/segmentation
+// defines the meaning of a code, and core/scan decides whether its column can still take it. A
+// datagram names the lidar's frame, its first column and the number of columns and beams, and ends
+// with a checksum.
 
 namespace hardpack::labels {
 
@@ -36,29 +36,29 @@ struct Header {
 };
 static_assert(std::is_trivially_copyable_v<Header>);
 
-// CRC-32/ISO-HDLC (reflected polynomial 0xedb88320, start and final xor all ones), as of Ethernet
-// and zip. Precondition: no more than kMaxDatagramBytes. Cost: one pass.
+// CRC-32/ISO-HDLC (reflected polynomial 0xedb88320, start and final xor all ones), as used by
+// Ethernet and zip. Precondition: at most kMaxDatagramBytes. Cost: one pass.
 uint32_t Crc32(std::span<const uint8_t> bytes);
 
-// Checks a datagram as a whole and reads its header; of several things that are wrong the first of
-// this list is told. kTruncated: fewer bytes than a header and a footer (then `header` is that of
-// no datagram); kWrongPacketType: another magic number; kUnsupported: another version;
-// kInvalidArgument: no columns or beams, or too many; kTruncated, kOversized: not exactly the size
-// that its header asks for; kBadCrc; kWrongSensor: its beams are not the sensor's; kBadColumn: its
-// columns reach beyond columns_per_revolution. On every other failure `header` is what the bytes
-// say. Cost: one pass over the bytes, at most kMaxDatagramBytes.
+// Checks a datagram as a whole and reads its header; if several things are wrong, returns the first
+// in this list. kTruncated: fewer bytes than a header and a footer (`header` is then invalid);
+// kWrongPacketType: another magic number; kUnsupported: another version; kInvalidArgument: no
+// columns or beams, or too many; kTruncated, kOversized: not exactly the size that its header
+// requires; kBadCrc; kWrongSensor: its beams are not the sensor's; kBadColumn: its columns reach
+// beyond columns_per_revolution. On every other failure `header` holds the bytes' values. Cost: one
+// pass over the bytes, at most kMaxDatagramBytes.
 Status CheckDatagram(std::span<const uint8_t> datagram, int beams, int columns_per_revolution,
                      Header& header);
 
-// Column `index` (0 .. header.columns - 1) of a datagram that passed CheckDatagram: what names it,
-// and a code for each of its beams; the codes beyond are left as they were.
-// kInvalidArgument: no such index, or a header of no datagram; kTruncated: the datagram is not of
-// the header's size. Then `column` is untouched. Cost: one pass over the beams.
+// Column `index` (0 .. header.columns - 1) of a datagram that passed CheckDatagram: its
+// identification, and a code for each of its beams; codes beyond that are unchanged.
+// kInvalidArgument: no such index, or an invalid header; kTruncated: the datagram does not have the
+// header's size. Then `column` is unchanged. Cost: one pass over the beams.
 Status DecodeColumn(const Header& header, std::span<const uint8_t> datagram, int index,
                     ColumnLabels& column);
 
-// Writes a datagram (for the segmentation computer's side, the simulator and the tests) and sets
-// `size_bytes`; its version is always kVersion. codes: [columns x beams], column after column.
+// Writes a datagram (for the segmentation computer, the simulator and the tests) and sets
+// `size_bytes`; its version is always kVersion. codes: [columns x beams], column by column.
 // kInvalidArgument: counts out of range, columns beyond kMaxColumnsPerRevolution, or codes of
 // another size; kCapacityExceeded: `datagram` is too small. Then nothing is written, and
 // `size_bytes` is 0. Cost: as above.

@@ -10,11 +10,11 @@
 #include "core/base/loop_bound.h"
 
 // The CRC-64 of the footer of Ouster lidar packets: polynomial of ECMA-182 in reflected form,
-// 0xC96C5795D7870F42, started from all ones and inverted at the end (known as CRC-64/XZ).
-// Does not know where in a packet it stands (hal/ouster/ouster.h).
+// 0xC96C5795D7870F42, started from all ones and inverted at the end (known as CRC-64/XZ). Its
+// position in a packet is in hal/ouster/ouster.h.
 //
-// Eight bytes a step: the CRC of eight bytes is the exclusive or of the CRCs of each of them with
-// zeros behind it, and table k holds those of a byte with k zero bytes behind it [Sarwate 1988;
+// Eight bytes per step: the CRC of eight bytes is the exclusive or of the CRCs of each of them
+// followed by zeros, and table k holds those of a byte followed by k zero bytes [Sarwate 1988;
 // Kounavis and Berry 2005, slicing-by-8]. The tables are 16 KiB of read-only data.
 
 namespace hardpack::ouster {
@@ -54,11 +54,11 @@ constexpr uint64_t Lookup(size_t slice, uint64_t word, int shift) {
 
 }  // namespace crc64
 
-// The most that Crc64 takes: a packet; a multiple of 8.
+// Largest input of Crc64: a packet; a multiple of 8.
 inline constexpr size_t kMaxCrcBytes = 33280;
 
-// Of the first kMaxCrcBytes of `bytes`; callers keep within that. Cost: a step of eight look-ups
-// for every eight bytes and one look-up for each of the at most seven that are left.
+// The CRC of the first kMaxCrcBytes of `bytes`; callers keep within that. Cost: a step of eight
+// look-ups for every eight bytes and one look-up for each of the at most seven remaining.
 constexpr uint64_t Crc64(std::span<const uint8_t> bytes) {
   if (bytes.size() > kMaxCrcBytes) bytes = bytes.first(kMaxCrcBytes);
   ByteReader reader(bytes);

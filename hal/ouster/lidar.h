@@ -19,7 +19,8 @@ class Lidar {
   static constexpr int kMaxColumns = kMaxColumnsPerPacket;
 
   static LidarLayout LayoutOf(const Metadata& metadata);
-  // The metadata do not say how fast it turns: 20 times a second, or with 2048 columns 10 times.
+  // The metadata do not give the rotation rate: assumes 20 revolutions per second, or 10 with 2048
+  // columns.
   static int32_t MostColumnsPerSecond(const Metadata& metadata);
 
   Status Configure(const Metadata& metadata) { return monitor_.Configure(metadata); }

@@ -8,8 +8,9 @@
 #include "core/measurements/measurements.h"
 
 // Ouster lidar packets to LidarColumns and IMU packets to ImuSamples. Layouts as documented by the
-// maker (REFERENCES.md). Decodes one column at a time into the caller's LidarColumn; keeps no state
-// (packet_monitor.h follows a sensor's stream), allocates nothing, knows nothing of revolutions.
+// manufacturer (REFERENCES.md). Decodes one column at a time into the caller's LidarColumn; keeps
+// no state (packet_monitor.h follows a sensor's stream), allocates nothing, knows nothing of
+// revolutions.
 //
 //                               header  column header  pixel  column footer  footer  [B]
 //   LEGACY                           0             16     12              4       0
@@ -17,15 +18,15 @@
 //   RNG15_RFL8_NIR8                 32             12      4              0      32
 //   RNG19_RFL8_SIG16_NIR16_DUAL     32             12     16              0      32
 //
-// What a pixel becomes in a LidarColumn:
+// Conversion of a pixel into a LidarColumn:
 //   range         LEGACY 20 bits, RNG19 19 bits of 1 mm; RNG15 15 bits of 8 mm: a multiple of 8 mm,
 //                 at most 262,136 mm. 0: no return.
 //   flags         LEGACY 4 bits, RNG19 5 bits, RNG15 1 bit.
-//   reflectivity  LEGACY 16 bits, else 8.
+//   reflectivity  LEGACY 16 bits, otherwise 8.
 //   signal        photons, 16 bits; RNG15 sends none: 0.
 //   near_ir       photons, 16 bits; RNG15 sends 8 bits of 16 photons: a multiple of 16.
-//   second_*      DUAL only: the second return of the beam (returns is 2). All others leave them as
-//                 they are and set returns to 1.
+//   second_*      DUAL only: the second return of the beam (returns is 2). All others leave them
+//                 unchanged and set returns to 1.
 
 namespace hardpack::ouster {
 
@@ -36,14 +37,14 @@ enum class Profile : uint8_t {
   kRng19Rfl8Sig16Nir16Dual = 3,
 };
 
-// As in v2.3.0. Pre-releases count as the release that they lead to.
+// As in v2.3.0. Pre-releases count as their release.
 struct FirmwareVersion {
   int32_t first = 0;
   int32_t second = 0;
   int32_t third = 0;
 };
 
-// What the sensor's metadata say, as far as decoding and geometry need it. Filled by the port
+// The sensor's metadata, as needed for decoding and geometry. Filled in by the port
 // (ouster_metadata.h) from the sensor's JSON.
 struct Metadata {
   Profile profile = Profile::kLegacy;
@@ -55,8 +56,8 @@ struct Metadata {
   uint32_t init_id = 0;            // 0: not stated
   uint64_t serial_number = 0;      // 0: not stated
   FirmwareVersion firmware;        // all 0: not stated
-  // The firmware fills in the CRC-64 of the packet's footer. Where it does not, or is not known to,
-  // the eight bytes mean nothing.
+  // The firmware fills in the CRC-64 of the packet's footer. If it does not, or is not known to,
+  // the eight bytes are meaningless.
   bool crc_in_footer = false;
   float beam_altitude_deg[kMaxBeams] = {};
   float beam_azimuth_deg[kMaxBeams] = {};
@@ -68,7 +69,7 @@ struct Metadata {
 // Sizes and offsets of one profile at a number of beams.
 struct PacketLayout {
   Profile profile = Profile::kLegacy;
-  bool crc_in_footer = false;  // packets are held to it
+  bool crc_in_footer = false;  // packets are checked with it
   int32_t beams = 0;
   int32_t columns_per_packet = 0;
   int32_t columns_per_frame = 0;
@@ -85,12 +86,12 @@ struct PacketLayout {
 inline constexpr int32_t kMaxPacketBytes = 33280;
 inline constexpr int32_t kMaxColumnsPerPacket = 64;
 
-// kUnsupported: no profile of the list; kInvalidArgument: a count out of range; kCapacityExceeded:
-// more columns a frame than kMaxColumnsPerRevolution, or packets beyond kMaxPacketBytes. On
-// failure the layout is empty, and the functions below refuse it with kInvalidArgument.
+// kUnsupported: an unknown profile; kInvalidArgument: a count out of range; kCapacityExceeded: more
+// columns per frame than kMaxColumnsPerRevolution, or packets beyond kMaxPacketBytes. On failure
+// the layout is empty, and the functions below refuse it with kInvalidArgument.
 Status MakeLayout(const Metadata& metadata, PacketLayout& layout);
 
-// What a packet's header says. LEGACY has none: everything 0.
+// Content of a packet's header. LEGACY has none: everything 0.
 struct PacketHeader {
   uint16_t packet_type = 0;
   uint16_t frame_id = 0;
@@ -98,21 +99,21 @@ struct PacketHeader {
   uint64_t serial_number = 0;
 };
 
-// Which sensor, and which of its starts: the init id changes with each boot and each new
-// configuration. 0: not known, any will do.
+// Which sensor, and which start of it: the init id changes with each boot and each new
+// configuration. 0: unknown, any will do.
 struct SensorIdentity {
   uint32_t init_id = 0;
   uint64_t serial_number = 0;
 };
 
 // Checks a datagram as a whole before any column is taken from it, and reads its header. In this
-// order, so that nothing is believed of a packet that is damaged:
-// kTruncated / kOversized: not exactly layout.packet_bytes; kWrongPacketType: header type is not a
-// lidar packet; kBadCrc: layout.crc_in_footer, and the CRC-64 differs; kWrongSensor: another serial
-// number than the expected; kSensorRestarted: the serial number is the expected one or none is
-// expected, but the init id is another than the expected: the metadata may no longer be true.
-// A LEGACY packet carries no identity: its size is all that can be checked.
-// Cost: constant; with a CRC one pass over the packet in steps of 8 bytes.
+// order, so that nothing in a damaged packet is believed: kTruncated / kOversized: not exactly
+// layout.packet_bytes; kWrongPacketType: header type is not a lidar packet; kBadCrc:
+// layout.crc_in_footer, and the CRC-64 differs; kWrongSensor: a serial number other than the
+// expected one; kSensorRestarted: the serial number is the expected one or none is expected, but
+// the init id differs from the expected one: the metadata may be out of date. A LEGACY packet
+// carries no identity: only its size can be checked. Cost: constant; with a CRC one pass over the
+// packet in steps of 8 bytes.
 Status CheckPacket(const PacketLayout& layout, const SensorIdentity& expected,
                    std::span<const uint8_t> packet, PacketHeader& header);
 
@@ -121,10 +122,10 @@ Status CheckPacket(const PacketLayout& layout, const Metadata& metadata,
                    std::span<const uint8_t> packet, PacketHeader& header);
 
 // Decodes column `index` (0 .. columns_per_packet - 1) of a packet that passed CheckPacket.
-// kColumnInvalid: the sensor marked it so, as it does outside its window; kBadColumn: measurement
-// id beyond the frame (both: the fields are decoded all the same); kTruncated; kInvalidArgument: no
-// such index (both: `column` is untouched). Rows beyond layout.beams are untouched.
-// Cost: one pass over the beams, at most kMaxBeams.
+// kColumnInvalid: marked by the sensor, as outside its window; kBadColumn: measurement id beyond
+// the frame (both: the fields are still decoded); kTruncated; kInvalidArgument: no such index
+// (both: `column` is unchanged). Rows beyond layout.beams are unchanged. Cost: one pass over the
+// beams, at most kMaxBeams.
 Status DecodeColumn(const PacketLayout& layout, std::span<const uint8_t> packet, int index,
                     LidarColumn& column);
 
@@ -132,8 +133,8 @@ inline constexpr int32_t kImuPacketBytes = 48;
 
 // Decodes an IMU packet (udp_profile_imu LEGACY) into SI units, in the IMU's own frame: g and deg/s
 // on the wire. The packet names no sensor and has no checksum. kTruncated / kOversized: not exactly
-// kImuPacketBytes; kNotFinite: a reading is not, or is not any more in SI units; on failure
-// `sample` is untouched. Cost: constant.
+// kImuPacketBytes; kNotFinite: a reading is not, or no longer is in SI units; on failure `sample`
+// is unchanged. Cost: constant.
 Status DecodeImu(std::span<const uint8_t> packet, ImuSample& sample);
 
 }  // namespace hardpack::ouster

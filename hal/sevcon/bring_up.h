@@ -12,48 +12,48 @@
 
 namespace hardpack::sevcon {
 
-// Brings one drive from whatever state it is in to operational, by questions alone: no boot-up
-// message is needed, and a drive that is set up already gets no write at all.
+// Brings one drive from any state to operational, using requests only: no boot-up message is
+// needed, and a drive that is already set up gets no write at all.
 //
 //   identify -> survey the settings -> verify the process data -> start -> 6061h -> done
 //                    | one differs                ^
 //                    v                            |
 //       login -> wait for rest -> pre-operational -> write and read back each that differs
 //
-// A drive that somebody has stopped (NMT) answers no question: it is left alone until Wake, which
-// makes it pre-operational first (CiA 301: that needs no more than the NMT command).
+// A drive stopped by NMT answers no requests: it is left alone until Wake, which first makes it
+// pre-operational (CiA 301: this needs only the NMT command).
 //
 // No write before the identity is confirmed. A failure ends it (halted) until Restart; a drive that
-// falls silent meanwhile is waited for.
+// goes silent meanwhile is waited for.
 class BringUp {
  public:
-  // Begins anew, with a drive that may be silent.
+  // Starts over, with a drive that may be silent.
   void Restart();
-  // Something came from the drive.
+  // A frame arrived from the drive.
   void Hear() { heard_ = heard_since_asked_ = true; }
-  // The same of its heartbeat: whether that says that it is stopped.
+  // A heartbeat arrived, which says whether the drive is stopped.
   void HearState(bool stopped) { stopped_ = stopped; }
   bool stopped() const { return stopped_; }
-  // The operator wants it back: after Restart, does nothing unless it is stopped.
+  // The operator wants it back: after Restart, has no effect unless it is stopped.
   void Wake();
 
-  // Once a tick: takes what the client's question brought and asks the next. Gives the NMT command
-  // that is to be sent to the drive now. Cost: constant.
+  // Once a tick: takes the answer to the client's request and sends the next. Returns the NMT
+  // command to send to the drive now. Cost: constant.
   NmtCommand Advance(uint64_t now_ns, const DriveParams& params, int32_t node, SdoClient& client);
 
   bool done() const { return phase_ == Phase::kDone; }
   bool halted() const { return phase_ == Phase::kHalted; }
   bool silent() const { return phase_ == Phase::kIdentify && !heard_; }
-  // The process data are as they have to be: the drive may be commanded, and believed.
+  // The process data are as required: the drive may be commanded, and believed.
   bool verified() const { return phase_ >= Phase::kStart && phase_ <= Phase::kDone; }
   // Since the last Restart; kNone unless halted.
   DriveFault fault() const { return fault_; }
   // kSilent .. kVerifying; kReady when done.
   DriveState state() const;
-  // 6080h, or more than any command.
+  // 6080h, or a value above any command.
   int32_t speed_limit_rpm() const { return speed_limit_rpm_; }
   uint32_t settings_written() const { return settings_written_; }
-  // Its reports come by a timer of its own, not one to each SYNC.
+  // Its reports are sent on its own timer, not one per SYNC.
   bool reports_by_event() const { return by_event_; }
 
  private:
@@ -61,7 +61,7 @@ class BringUp {
     kWake = 0,  // NMT, until its heartbeat says that it is not stopped
     kIdentify,
     kSurvey,
-    kForced,  // is the drive held in pre-operational, by a configuration that was broken off?
+    kForced,  // is the drive held in pre-operational by an aborted configuration?
     kReadAccess,
     kLogin,     // part 0: user, 1: password, 2: read the access again
     kRest,      // the configuration is not touched while a wheel turns
@@ -96,11 +96,11 @@ class BringUp {
   uint8_t part_ = 0;
   bool heard_ = false;
   bool heard_since_asked_ = false;
-  bool stopped_ = false;        // as its last heartbeat said
-  bool asked_unheard_ = false;  // the present question, once, of a drive that may be silent
+  bool stopped_ = false;        // as its last heartbeat reported
+  bool asked_unheard_ = false;  // the present request, once, to a drive that may be silent
   bool has_force_ = true;
   bool forced_ = false;
-  bool by_event_ = false;  // 1800h:2 says that reports go by their own timer
+  bool by_event_ = false;  // 1800h:2 says that reports use their own timer
   uint8_t consumer_ = 1;   // subindex of 1016h
   uint32_t differs_ = 0;   // bit per row of kSettings
   int32_t polls_ = 0;

@@ -7,17 +7,17 @@
 
 namespace hardpack::sevcon {
 
-// Bits of a data frame with an 11-bit identifier on the bus, with as many stuff bits as there can
-// be and the space after it (ISO 11898-1: 34 of its 44 bits are stuffed, and its data).
+// Bits of a data frame with an 11-bit identifier on the bus, with the maximum number of stuff bits
+// and the interframe space (ISO 11898-1: 34 of its 44 bits are stuffed, plus its data).
 constexpr int32_t FrameBits(int32_t data_bytes) {
   const int32_t stuffed = 34 + 8 * data_bytes;
   return 44 + 8 * data_bytes + (stuffed - 1) / 4 + 3;
 }
 
-// Largest load in percent, rounded up, of what the pair sends and asks for while it drives:
-// commands, reports, SYNC, heartbeats, and one question and answer a drive every 250 ms. With
-// another node's SYNC, whose period is not known, reports are taken to be as frequent as commands.
-// The bring-up, when nothing drives, is not counted. Precondition: parameters in their ranges.
+// Largest load in percent, rounded up, of what the pair sends and requests while it drives:
+// commands, reports, SYNC, heartbeats, and one request and answer per drive every 250 ms. With
+// another node's SYNC, whose period is unknown, reports are assumed to be as frequent as commands.
+// The bring-up, when nothing drives, is not counted. Precondition: parameters in range.
 constexpr int32_t BusLoad_percent(const DriveParams& params) {
   const int32_t drives = 2;
   const int32_t report_period_ms =

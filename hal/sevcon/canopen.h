@@ -6,10 +6,10 @@
 #include "core/base/loop_bound.h"
 #include "hal/can_frame.h"
 
-// What of CANopen (CiA 301) the master of two drives needs: identifiers, network management,
-// heartbeat, SYNC, emergency messages, and the expedited transfer of service data objects (SDO).
-// Frames out are whole; frames in may be anything, and what is not whole is not decoded. All
-// numbers are little-endian.
+// The parts of CANopen (CiA 301) that the master of two drives needs: identifiers, network
+// management, heartbeat, SYNC, emergency messages, and the expedited transfer of service data
+// objects (SDO). Outgoing frames are complete; incoming frames may be anything, and incomplete ones
+// are not decoded. All numbers are little-endian.
 
 namespace hardpack::sevcon {
 
@@ -28,7 +28,7 @@ constexpr uint32_t IdOf(uint32_t base, int32_t node) {
 }
 
 enum class NmtCommand : uint8_t {
-  kNone = 0,  // not of the standard: nothing is sent
+  kNone = 0,  // not in the standard: nothing is sent
   kStart = 0x01,
   kEnterPreOperational = 0x80,
 };
@@ -38,7 +38,7 @@ enum class NmtState : uint8_t {
   kStopped = 0x04,
   kOperational = 0x05,
   kPreOperational = 0x7f,
-  kUnknown = 0xff,  // not of the standard: not heard
+  kUnknown = 0xff,  // not in the standard: not heard
 };
 
 constexpr uint32_t LittleEndian(const CanFrame& frame, int first, int bytes) {
@@ -62,7 +62,7 @@ constexpr CanFrame MakeFrame(uint32_t id, uint8_t size) {
   frame.size = size;
   return frame;
 }
-// To one node: never to all (0), which would start what is none of ours.
+// To one node: never to all (0), which would also start nodes that are not ours.
 constexpr CanFrame NmtFrame(NmtCommand command, int32_t node) {
   CanFrame frame = MakeFrame(kNmtId, 2);
   frame.data[0] = static_cast<uint8_t>(command);
@@ -78,9 +78,9 @@ constexpr CanFrame SyncFrame() {
   return MakeFrame(kSyncId, 0);
 }
 
-// Emergency message (CiA 301, 7.2.7); bytes 3 and 4 are the maker's fault id (Gen4).
+// Emergency message (CiA 301, 7.2.7); bytes 3 and 4 are the manufacturer's fault id (Gen4).
 struct Emergency {
-  uint16_t code = 0;  // 0: no error any more
+  uint16_t code = 0;  // 0: error cleared
   uint8_t error_register = 0;
   uint16_t fault_id = 0;
 };
@@ -95,16 +95,16 @@ inline constexpr uint32_t kAbortNoObject = 0x06020000;
 inline constexpr uint32_t kAbortNoSubindex = 0x06090011;
 inline constexpr uint32_t kAbortGeneral = 0x08000000;
 
-// A question to a node's object dictionary: to read an object, or to write it.
+// A request to a node's object dictionary: to read or to write an object.
 struct SdoQuestion {
   uint16_t index = 0;
   uint8_t subindex = 0;
   uint8_t size = 4;  // of the object: 1 .. 4 bytes
   bool write = false;
-  uint32_t value = 0;  // to be written; a signed one as its two's complement
+  uint32_t value = 0;  // to write; signed values as two's complement
 };
 
-// The bits of an object of so many bytes.
+// Bit mask of an object of this size.
 constexpr uint32_t BitsOf(uint32_t size) {
   return size >= 4 ? 0xffffffffu : (1u << (8u * size)) - 1u;
 }
@@ -121,7 +121,7 @@ constexpr CanFrame SdoQuestionFrame(int32_t node, const SdoQuestion& question) {
 }
 
 enum class SdoAnswerKind : uint8_t {
-  kOther = 0,  // no expedited answer: segmented, a block, or nothing of the standard
+  kOther = 0,  // not an expedited answer: segmented, a block, or not in the standard
   kValue,
   kWritten,
   kAbort,
@@ -130,7 +130,7 @@ struct SdoAnswer {
   SdoAnswerKind kind = SdoAnswerKind::kOther;
   uint16_t index = 0;
   uint8_t subindex = 0;
-  uint8_t size = 0;    // of the value; 0: not told
+  uint8_t size = 0;    // of the value; 0: not given
   uint32_t value = 0;  // or the abort code
 };
 // Precondition: size 8.

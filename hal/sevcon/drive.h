@@ -14,45 +14,45 @@
 
 namespace hardpack::sevcon {
 
-// One of the two drives, as DrivePair (sevcon.h) leads it: its bring-up, its power states, what it
-// reports, and the watch over it. It does not know of the other drive.
+// One of the two drives of DrivePair (sevcon.h): its bring-up, its power states, its reports, and
+// their monitoring. It does not know of the other drive.
 //
-// Two state machines run beside each other. The bring-up (bring_up.h) asks; it begins again when
-// the drive reboots or falls silent. The power sequence commands, once the process data have been
-// verified, and goes on commanding zero when the drive is not heard: maybe it still hears us.
+// Two state machines run side by side. The bring-up (bring_up.h) sends requests; it starts over
+// when the drive reboots or goes silent. The power sequence sends commands, once the process data
+// have been verified, and keeps commanding zero while the drive is not heard: it may still hear us.
 class Drive {
  public:
   void Configure(int32_t node, int32_t sign);
   int32_t node() const { return node_; }
 
-  // Frames of this drive. False: malformed, and nothing taken.
+  // Frames of this drive. False: malformed, and ignored.
   bool TakeHeartbeat(const CanFrame& frame, uint64_t came_ns);
   bool TakeEmergency(const CanFrame& frame);
   bool TakeFeedback(const CanFrame& frame, uint64_t came_ns, const DriveParams& params);
   bool TakeSdo(const CanFrame& frame);
 
-  // Another SYNC of ours goes out: there was to be one report to the one before.
+  // Our next SYNC is sent: one report was due for the previous one.
   void EndSyncPeriod();
 
-  // First in a tick: looks for what is missing, late or wrong. `carried`: the vehicle takes the
-  // wheel along in a turn, so that it may turn against its command for longer.
+  // First in a tick: checks for anything missing, late or wrong. `carried`: the vehicle drags the
+  // wheel along in a turn, so it may turn against its command for longer.
   void Watch(uint64_t now_ns, const DriveParams& params, bool carried);
-  // Then: towards operation enabled while `wish`, else to zero, and once `rests` has lasted,
-  // disabled.
+  // Then: towards operation enabled while `wish`, otherwise to zero, and disabled once `rests` has
+  // lasted.
   void Sequence(uint64_t now_ns, const DriveParams& params, bool wish, bool rests);
-  // At last: what goes to the drive. NMT first.
+  // Finally: the frames to the drive. NMT first.
   void Command(const DriveParams& params, int32_t speed_rpm, CanBatch& out);
   void Ask(uint64_t now_ns, const DriveParams& params, CanBatch& out);
 
   // The first since the last reset is kept.
   void SetFault(DriveFault fault);
-  // One attempt: forgets the fault, resets the drive's own, begins a bring-up that had failed anew.
+  // One attempt: clears the fault, resets the drive's own, restarts a failed bring-up.
   void ResetFault(uint64_t now_ns, const DriveParams& params);
-  // Since the last call, a fault came up.
+  // Whether a fault has occurred since the last call.
   bool TakeNewFault();
 
   bool has_fault() const { return report_.fault != DriveFault::kNone; }
-  // Its statusword has to be known: a fault may stand in it.
+  // Its statusword must be known, because it may contain a fault.
   bool ready() const { return bring_up_.done() && has_feedback_ && !has_fault() && !resetting_; }
   bool follows(uint64_t now_ns, const DriveParams& params) const;
   bool IsFresh(uint64_t now_ns, const DriveParams& params) const;
@@ -89,25 +89,25 @@ class Drive {
   uint64_t power_since_ns_ = 0;
   uint64_t rest_since_ns_ = 0;
   bool commandable_ = false;    // its process data have been verified since it started
-  bool drops_command_ = false;  // no more, after the next
+  bool drops_command_ = false;  // stop commanding after the next one
   bool reported_ = false;       // since it is commandable
   bool found_enabled_ = false;  // by that first report
   bool new_fault_ = false;
   bool was_done_ = false;
   bool resetting_ = false;
   uint64_t resetting_since_ns_ = 0;
-  bool has_feedback_ = false;  // since it is commandable, or done anew
+  bool has_feedback_ = false;  // since it is commandable, or done again
   int32_t speed_rpm_ = 0;      // reported, of the motor
-  uint64_t heartbeat_ns_ = 0;  // of the last, or since when one is waited for
+  uint64_t heartbeat_ns_ = 0;  // of the last, or start of the wait for one
   uint64_t feedback_ns_ = 0;   // the same
   int32_t sent_rpm_ = 0;
-  float opposite_radps_ = 0.0f;    // against its command, least of late; 0: it does not turn so
-  uint64_t opposite_ns_ = 0;       // for so long: carried by a turn once, else kCarriedTimes
-  uint64_t opposite_seen_ns_ = 0;  // until when that was counted
+  float opposite_radps_ = 0.0f;    // against its command, recent minimum; 0: it does not turn so
+  uint64_t opposite_ns_ = 0;       // weighted time: dragged by a turn once, otherwise kCarriedTimes
+  uint64_t opposite_seen_ns_ = 0;  // counted up to here
   uint8_t supply_row_ = 0;
   uint64_t supply_ns_ = 0;
   int32_t reports_ = 0;  // since the last SYNC
-  int32_t excess_ = 0;   // of reports over SYNCs, lately
+  int32_t excess_ = 0;   // of reports over SYNCs, recently
 };
 static_assert(std::is_trivially_copyable_v<Drive>);
 

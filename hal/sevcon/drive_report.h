@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-// What hal/sevcon says of one drive.
+// What hal/sevcon reports about one drive.
 
 namespace hardpack::sevcon {
 
@@ -11,39 +11,39 @@ enum class Side : uint8_t { kLeft = 0, kRight = 1 };
 inline constexpr int kSides = 2;
 
 enum class DriveState : uint8_t {
-  kSilent = 0,   // not heard of: nothing but questions is sent
+  kSilent = 0,   // not heard: only requests are sent
   kIdentifying,  // 1018h
-  kConfiguring,  // login, pre-operational, what differs is written and read back
+  kConfiguring,  // login, pre-operational, differences are written and read back
   kVerifying,    // type and mapping of the process data, started, 6061h
   kReady,        // operational on the bus, not enabled: no torque
-  kEnabling,     // on its way through the states of CiA 402
+  kEnabling,     // passing through the states of CiA 402
   kEnabled,      // operation enabled: follows commands
   kDisabling,    // zero until at rest, then disabled
-  kFault,        // see DriveReport::fault; left only by a reset, the bring-up goes on behind it
+  kFault,        // see DriveReport::fault; left only by a reset; the bring-up continues meanwhile
 };
 
 enum class DriveFault : uint8_t {
   kNone = 0,
   kSilent,          // heartbeat or process data missed
-  kRebooted,        // boot-up, or an NMT state that we did not ask for
+  kRebooted,        // boot-up, or an NMT state that we did not request
   kEmergency,       // EMCY
   kStatusFault,     // fault bit of the statusword
   kWrongIdentity,   // 1018h
-  kSdoAbort,        // refused a question or a setting
-  kSdoTimeout,      // no answer, retries included
+  kSdoAbort,        // refused a request or a setting
+  kSdoTimeout,      // no answer, including retries
   kReadBack,        // a setting does not read back as it was written
   kWrongMapping,    // process data of another type or mapping than ours
   kWrongMode,       // 6061h
   kOppositeMotion,  // the wheel turns against its command
-  kForeignSender,   // somebody else sends with one of our identifiers
-  kLostEnable,      // left operation enabled without our asking
+  kForeignSender,   // another node sends with one of our identifiers
+  kLostEnable,      // left operation enabled without our request
   kLoginRefused,    // 5000h: user and password do not give the access that settings need
-  kStateRefused,    // did not come into the NMT state, or to operation enabled, in time
-  kDoubleReports,   // more reports than SYNCs, for long: two nodes send them
+  kStateRefused,    // did not reach the NMT state, or operation enabled, in time
+  kDoubleReports,   // persistently more reports than SYNCs: two nodes send them
 };
 inline constexpr int kDriveFaults = 17;
 
-// What a drive says of itself.
+// A drive's report.
 struct DriveReport {
   DriveState state = DriveState::kSilent;
   DriveFault fault = DriveFault::kNone;  // the first since the last reset
@@ -51,11 +51,11 @@ struct DriveReport {
   uint16_t statusword = 0;
   uint16_t emergency_code = 0;  // last EMCY, error code ...
   uint8_t emergency_register = 0;
-  uint16_t sevcon_fault_id = 0;  // ... and the maker's
+  uint16_t sevcon_fault_id = 0;  // ... and the manufacturer's
   uint32_t sdo_abort_code = 0;   // last abort ...
-  uint16_t sdo_index = 0;        // ... and the object that it, or another failure, was about
+  uint16_t sdo_index = 0;        // ... and the object of it, or of another failure
   uint8_t sdo_subindex = 0;
-  uint16_t sdo_abort_reason = 0;  // 5310h, where it was read
+  uint16_t sdo_abort_reason = 0;  // 5310h, if it was read
   float wheel_radps = 0.0f;       // forward positive
   uint64_t wheel_time_ns = 0;     // our time of that report
   float torque_share = 0.0f;      // of the rating
@@ -66,9 +66,9 @@ struct DriveReport {
   int32_t heatsink_degC = 0;
   uint32_t emergencies = 0;  // counted
   uint32_t reboots = 0;
-  uint32_t sdo_timeouts = 0;  // answers that did not come in time
+  uint32_t sdo_timeouts = 0;  // answers that did not arrive in time
   uint32_t sdo_aborts = 0;
-  uint32_t sdo_ignored = 0;  // answers late, twice or of the wrong size
+  uint32_t sdo_ignored = 0;  // answers late, duplicate or of the wrong size
   uint32_t settings_written = 0;
   uint32_t heartbeats_missed = 0;
   uint32_t doubled_reports = 0;  // SYNC periods with more than one

@@ -5,7 +5,7 @@
 
 #include "core/base/saturate.h"
 
-// Times of parameters in nanoseconds.
+// Converts parameter times to nanoseconds.
 
 namespace hardpack::sevcon {
 

@@ -3,13 +3,13 @@
 
 #include <cstdint>
 
-// The power state machine of CiA 402 (8.2): what a statusword (6041h) says, and the controlwords
-// (6040h) that lead on.
+// The power state machine of CiA 402 (8.2): the meaning of a statusword (6041h), and the
+// controlwords (6040h) for the transitions.
 
 namespace hardpack::sevcon {
 
 enum class PowerState : uint8_t {
-  kUnknown = 0,  // bits of no state
+  kUnknown = 0,  // bits match no state
   kNotReadyToSwitchOn,
   kSwitchOnDisabled,
   kReadyToSwitchOn,
@@ -58,7 +58,7 @@ inline constexpr uint16_t kSwitchOn = 0x0007;
 inline constexpr uint16_t kEnableOperation = 0x000f;
 inline constexpr uint16_t kResetFault = 0x0080;  // on its rising edge
 
-// The controlword that leads from a state one step towards operation enabled.
+// The controlword for one step from a state towards operation enabled.
 constexpr uint16_t StepToEnabled(PowerState state) {
   switch (state) {
     case PowerState::kSwitchOnDisabled:

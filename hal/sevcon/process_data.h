@@ -8,7 +8,7 @@
 #include "hal/can_frame.h"
 #include "hal/sevcon/canopen.h"
 
-// The process data of one drive, as they are mapped (settings.h verifies it), and the way between
+// The process data of one drive, as mapped (settings.h verifies it), and the conversion between
 // motor rpm and wheel rad/s.
 //
 //   bytes        0-1               2-5                      6-7
@@ -38,7 +38,7 @@ struct MotorFeedback {
   int32_t speed_rpm = 0;
   int32_t torque_permille = 0;
 };
-// False: not 8 bytes, or a speed that 606Ch cannot have.
+// False: not 8 bytes, or a speed outside the range of 606Ch.
 constexpr bool Unpack(const CanFrame& frame, MotorFeedback& feedback) {
   if (frame.size != kProcessData_bytes) return false;
   const auto speed_rpm = static_cast<int32_t>(LittleEndian(frame, 2, 4));
@@ -49,8 +49,8 @@ constexpr bool Unpack(const CanFrame& frame, MotorFeedback& feedback) {
   return true;
 }
 
-// The turning of a wheel and of its motor. sign: 1 or -1, of the motor when the wheel drives
-// forward; gear_ratio: motor turns per wheel turn.
+// Rotation of a wheel and of its motor. sign: 1 or -1, of the motor when the wheel drives forward;
+// gear_ratio: motor turns per wheel turn.
 inline constexpr float kRadps_per_rpm = kTwoPi / 60.0f;
 constexpr float WheelSpeed_radps(int32_t motor_rpm, int32_t sign, float gear_ratio) {
   return static_cast<float>(motor_rpm * sign) * (kRadps_per_rpm / gear_ratio);

@@ -7,28 +7,28 @@
 #include "config/drive_parameters.h"
 #include "hal/sevcon/canopen.h"
 
-// The objects of a drive that the bring-up asks for (bring_up.h), and what they have to be. Indices
-// and sizes are those of the Gen4's published EDS.
+// The objects of a drive that the bring-up reads (bring_up.h), and their required values. Indices
+// and sizes are from the Gen4's published EDS.
 
 namespace hardpack::sevcon {
 
 enum class Wanted : uint8_t {
   kVendor,
   kProduct,
-  kSync,            // 1005h: SYNC is 080h, and the drive does not produce it where we do
-  kWatchUs,         // 1016h: our heartbeat is watched
+  kSync,            // 1005h: SYNC is 080h, and the drive does not produce it if we do
+  kWatchUs,         // 1016h: our heartbeat is monitored
   kHeartbeat,       // 1017h
-  kTimeoutScheme,   // 5902h: what the drive does when commands stay away
-  kCommandTimeout,  // 1400h:5, where a drive has it: how long a command stays away until then
+  kTimeoutScheme,   // 5902h: the drive's reaction to missing commands
+  kCommandTimeout,  // 1400h:5, if a drive has it: the time without commands until then
   kMode,
   kAcceleration,
   kCommandId,       // 1400h:1, in use and 200h + node
-  kCommandType,     // 1400h:2, at once, not at a SYNC
+  kCommandType,     // 1400h:2, immediate, not on SYNC
   kFeedbackId,      // 1800h:1, in use and 180h + node
   kFeedbackType,    // 1800h:2, often enough for feedback_timeout_ms
-  kFeedbackPeriod,  // 1800h:5, the same, where the type goes by it
+  kFeedbackPeriod,  // 1800h:5, the same, if the type uses it
   kCount,           // of mapped objects
-  kControlword,     // mapped objects, one after the other
+  kControlword,     // mapped objects, in order
   kTargetSpeed,
   kMaxTorque,
   kStatusword,
@@ -42,7 +42,7 @@ struct ObjectRow {
   uint8_t subindex;
   uint8_t size;  // bytes
   Wanted wanted;
-  bool optional;  // a drive that has no such object passes
+  bool optional;  // a drive without this object passes
 };
 
 inline constexpr std::array kIdentity = {
@@ -50,7 +50,7 @@ inline constexpr std::array kIdentity = {
     ObjectRow{0x1018, 2, 4, Wanted::kProduct, false},
 };
 
-// Written where they differ. The subindex of 1016h is the first that is ours or free.
+// Written if they differ. The subindex of 1016h is the first that is ours or free.
 inline constexpr std::array kSettings = {
     ObjectRow{0x1005, 0, 4, Wanted::kSync, true},
     ObjectRow{0x1016, 1, 4, Wanted::kWatchUs, false},
@@ -62,7 +62,7 @@ inline constexpr std::array kSettings = {
 };
 inline constexpr uint8_t kMaxConsumers = 7;  // entries of 1016h
 
-// Verified, never written: whoever set the vehicle up mapped its process data.
+// Verified, never written: whoever set up the vehicle mapped its process data.
 inline constexpr std::array kMapping = {
     ObjectRow{0x1400, 1, 4, Wanted::kCommandId, false},
     ObjectRow{0x1400, 2, 1, Wanted::kCommandType, false},

@@ -10,18 +10,18 @@
 #include "core/base/loop_bound.h"
 
 // The CRC-16 of VectorNav's messages: polynomial x^16 + x^12 + x^5 + 1 (CCITT), highest bit first,
-// started from zero, nothing inverted (known as CRC-16/XMODEM). Sent with the high byte first, so
+// started from zero, nothing inverted (known as CRC-16/XMODEM). The high byte is sent first, so
 // that the CRC over a message and its CRC is zero.
 //
-// A CRC started from zero is the remainder of a polynomial, and so that of a part of a stream
-// follows from those at its two ends: with C(i) the CRC of the stream's first i bytes,
+// A CRC started from zero is the remainder of a polynomial, so that of a part of a stream follows
+// from those at its two ends: with C(i) the CRC of the stream's first i bytes,
 //   CRC of bytes i .. i + n - 1 = C(i + n) - C(i) x^(8 n)   (mod the polynomial)
-// [Sarwate 1988]. A parser that keeps C so judges a message of any length in a fixed number of
-// steps, however many false beginnings of long messages the stream is full of.
+// [Sarwate 1988]. So a parser that keeps C checks a message of any length in a fixed number of
+// steps, however many false starts of long messages the stream contains.
 
 namespace hardpack::vectornav {
 
-// The most that the functions below take: no message is longer.
+// Largest input of the functions below: no message is longer.
 inline constexpr size_t kMaxCrcBytes = 1280;
 
 namespace crc16 {
@@ -45,13 +45,13 @@ inline constexpr std::array<uint16_t, 256> kTable = MakeTable();
 
 }  // namespace crc16
 
-// Of a message that goes on with `byte`. Cost: one look-up.
+// The CRC of a message extended by `byte`. Cost: one look-up.
 constexpr uint16_t Crc16Step(uint16_t crc, uint8_t byte) {
   const uint32_t shifted = uint32_t{crc} << 8u & 0xffffu;
   return static_cast<uint16_t>(shifted ^ crc16::kTable[uint32_t{crc} >> 8u ^ byte]);
 }
 
-// Precondition: no more than kMaxCrcBytes. Cost: one look-up a byte.
+// Precondition: at most kMaxCrcBytes. Cost: one look-up per byte.
 constexpr uint16_t Crc16(std::span<const uint8_t> bytes) {
   HP_ASSERT(bytes.size() <= kMaxCrcBytes);
   uint16_t crc = 0;
@@ -87,8 +87,8 @@ constexpr uint16_t Multiply(uint16_t a, uint16_t b) {
 
 }  // namespace crc16
 
-// The CRC of `size` bytes of a stream: `before` and `behind` are those of all of it before them and
-// up to their end. Precondition: size <= kMaxCrcBytes. Cost: 16 steps.
+// The CRC of `size` bytes of a stream: `before` and `behind` are the CRCs of everything before them
+// and of everything up to their end. Precondition: size <= kMaxCrcBytes. Cost: 16 steps.
 constexpr uint16_t Crc16Between(uint16_t before, uint16_t behind, size_t size) {
   HP_ASSERT(size <= kMaxCrcBytes);
   return behind ^ crc16::Multiply(before, crc16::kPowers[size]);

@@ -14,18 +14,18 @@
 namespace hardpack::vectornav {
 
 // A binary message of the Common group with those of its fields that the sample has: TimeStartup,
-// TimeGps, YawPitchRoll, AngularRate, PosLla, VelNed, Accel, InsStatus. All but the acceleration
-// make the header FA 01 EB 10 and 84 bytes. The status word is made of the status's names and, in
-// the bits that have none, of its word. Numbers that are not finite are written as such.
+// TimeGps, YawPitchRoll, AngularRate, PosLla, VelNed, Accel, InsStatus. All except the acceleration
+// give the header FA 01 EB 10 and 84 bytes. The status word is built from the named status bits
+// and, for the other bits, from the sample's word. Numbers that are not finite are written as such.
 // kInvalidArgument: the sample has none of them; kCapacityExceeded: `message` is too small
-// (kMaxBinaryBytes always do). Then `message_bytes` is untouched. Cost: constant.
+// (kMaxBinaryBytes are always enough). Then `message_bytes` is unchanged. Cost: constant.
 Status EncodeBinary(const InsSample& sample, std::span<uint8_t> message, size_t& message_bytes);
 
-// A $VNINS line with an exclusive or as its checksum. What the sample does not have is written as
-// zero; without GPS time week 0 and the seconds since the sensor's start stand there. Numbers are
-// rounded to the decimals that the sensor writes.
-// kInvalidArgument: a number that does not fit the places of its field; kCapacityExceeded: `line`
-// is too small (kMaxAsciiBytes always do). Then `line_bytes` is untouched. Cost: constant.
+// A $VNINS line with an exclusive or as its checksum. Missing values are written as zero; without
+// GPS time, week 0 and the seconds since the sensor's start are written. Numbers are rounded to the
+// decimals that the sensor writes. kInvalidArgument: a number does not fit its field;
+// kCapacityExceeded: `line` is too small (kMaxAsciiBytes are always enough). Then `line_bytes` is
+// unchanged. Cost: constant.
 Status EncodeAscii(const InsSample& sample, std::span<uint8_t> line, size_t& line_bytes);
 
 }  // namespace hardpack::vectornav

@@ -6,9 +6,9 @@
 #include "core/base/status.h"
 #include "core/measurements/measurements.h"
 
-// From the units of the wire to an InsSample: what the binary and the ASCII messages have in
-// common. Each function fills one group of the sample, or refuses the values and leaves it:
-// kNotFinite; kInvalidArgument: out of the range that hal/vectornav/vectornav.h states.
+// From wire units to an InsSample: shared by the binary and the ASCII messages. Each function fills
+// one group of the sample, or refuses the values and leaves it unchanged: kNotFinite;
+// kInvalidArgument: out of the range stated in hal/vectornav/vectornav.h.
 
 namespace hardpack::vectornav {
 
@@ -26,7 +26,7 @@ inline constexpr uint32_t kStatusGnssError = 0x0040u;
 inline constexpr uint32_t kStatusGnssHeading = 0x0100u;
 inline constexpr uint32_t kStatusGnssCompass = 0x0200u;
 
-// Less than a week is no GPS time: the sample then has none.
+// Less than a week is not GPS time: the sample then has none.
 void SetGpsTime(uint64_t gps_time_ns, InsSample& sample);
 Status SetAttitude(float yaw_deg, float pitch_deg, float roll_deg, InsSample& sample);
 Status SetPosition(int64_t latitude_ndeg, int64_t longitude_ndeg, float altitude_m,

@@ -10,40 +10,40 @@
 #include "core/measurements/measurements.h"
 #include "hal/vectornav/vectornav.h"
 
-// Finds the messages of a VectorNav sensor in a stream of bytes that comes in pieces, as from a
-// bridge that puts a serial line into datagrams: messages do not align with them. What the messages
-// say is decided in hal/vectornav/vectornav.h; here is decided what is a message:
+// Finds the messages of a VectorNav sensor in a byte stream that arrives in pieces, as from a
+// bridge that puts a serial line into datagrams: messages do not align with them.
+// hal/vectornav/vectornav.h decodes the messages; this class decides what is a message:
 //
-//   A message begins at the first byte from which on one is whole and has the right checksum. Where
-//   0xFA or $ stands but no such message, only that byte is passed over: a message that begins
-//   inside what looked like one is found.
+//   A message begins at the first byte from which a complete one with the right checksum follows.
+//   If 0xFA or $ is not followed by such a message, only that byte is skipped: a message that
+//   begins inside what looked like one is found.
 //
-// So what is found depends on the bytes alone and not on how they are cut. What looks like the
-// beginning of a message is waited for: after a false beginning the next message may be told up to
-// kMaxMessageBytes of stream later than it came. Whether a pause is so long that the rest of a
-// message cannot come any more is for the caller to know (Reset).
+// So the result depends on the bytes alone and not on how they are cut. Anything that looks like
+// the beginning of a message is waited for: after a false start the next message may be reported up
+// to kMaxMessageBytes of stream later than it arrived. The caller must know when a pause is so long
+// that the rest of a message cannot arrive any more (Reset).
 
 namespace hardpack::vectornav {
 
 inline constexpr size_t kMaxMessageBytes = kMaxBinaryBytes;
 static_assert(kMaxAsciiBytes <= kMaxMessageBytes);
 
-// Since the parser was made; Reset keeps them.
+// Since the parser was created; Reset keeps them.
 //   samples + unused + not_finite + out_of_range = binary_messages + ascii_messages
 struct StreamCounters {
   uint64_t bytes = 0;            // taken by Feed
-  uint64_t skipped_bytes = 0;    // no part of a message: noise, line ends between messages, cut off
-  uint64_t binary_messages = 0;  // whole and with the right checksum
+  uint64_t skipped_bytes = 0;    // not in a message: noise, line ends between messages, truncated
+  uint64_t binary_messages = 0;  // complete and with the right checksum
   uint64_t ascii_messages = 0;
 
-  uint64_t samples = 0;       // told
-  uint64_t unused = 0;        // messages with nothing that an InsSample says
-  uint64_t not_finite = 0;    // messages refused because a number in them is not finite,
-  uint64_t out_of_range = 0;  // because an angle or a position cannot be, or a text is no number
+  uint64_t samples = 0;       // returned
+  uint64_t unused = 0;        // messages without data for an InsSample
+  uint64_t not_finite = 0;    // messages refused because a number is not finite,
+  uint64_t out_of_range = 0;  // because a value is out of range, or a text is not a number
 
-  // Beginnings at which there was no message; noise has them by chance.
-  uint64_t bad_checksum = 0;  // damaged on the way
-  uint64_t unsupported = 0;   // 0xFA or $ without a header or text that is known
+  // Starts without a message; they occur by chance in noise.
+  uint64_t bad_checksum = 0;  // damaged in transit
+  uint64_t unsupported = 0;   // 0xFA or $ without a known header or text
 };
 
 // Trivially copyable, no pointers; the caller's. About 8 KiB.
@@ -54,29 +54,29 @@ struct StreamCounters {
 //   }
 class StreamParser {
  public:
-  // What Feed takes at least once Next has said that there is nothing more: any datagram of an
-  // Ethernet goes in at once.
+  // What Feed accepts at least once Next has returned kTruncated: any Ethernet datagram fits at
+  // once.
   static constexpr size_t kFeedBytes = 1536;
-  // Bytes that wait at most.
+  // Most bytes that can wait.
   static constexpr size_t kCapacity = kMaxMessageBytes + kFeedBytes;
 
-  // Takes as many bytes as there is room for, from the front, and says how many. The others are to
-  // be given again after Next has said kTruncated. Cost: one step a byte taken, and once in
-  // kFeedBytes a move of what waits.
+  // Takes as many bytes from the front as there is room for, and returns their number. Pass the
+  // others again after Next has returned kTruncated. Cost: one step per byte taken, and once in
+  // kFeedBytes a move of the waiting bytes.
   size_t Feed(std::span<const uint8_t> bytes);
 
-  // The next sample in the order of the stream. Messages without one are counted and passed over.
-  // kTruncated: there is no whole message left, feed more, or BeginTick's looks are used up;
-  // `sample` is untouched.
-  // Cost, all calls of a datagram together: for each byte at most a look at each field of a header,
-  // 16 steps of CRC, and for a $ a pass over up to kMaxAsciiBytes; besides, decoding the messages.
+  // The next sample in stream order. Messages without one are counted and skipped. kTruncated:
+  // there is no complete message left, feed more, or BeginTick's looks are used up; `sample` is
+  // unchanged. Cost, for all calls of a datagram together: for each byte at most a look at each
+  // field of a header, 16 steps of CRC, and for a $ a pass over up to kMaxAsciiBytes; plus decoding
+  // the messages.
   Status Next(InsSample& sample);
 
-  // From now on Next looks at no more than so many beginnings of messages, true or false ones,
-  // until the next call; without it there is no limit. What was not looked at waits.
+  // Limits the message starts, true or false, that Next examines until the next call; no limit
+  // without it. The rest waits.
   void BeginTick(int looks) { looks_left_ = looks; }
 
-  // Forgets what has been fed and not told.
+  // Drops everything fed and not yet returned.
   void Reset();
 
   const StreamCounters& counters() const { return counters_; }

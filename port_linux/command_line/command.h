@@ -7,7 +7,7 @@
 #include "port_linux/files/read_outcome.h"
 
 // How a subcommand of `hardpack` ends. Each has a function Add<Name>Command(app) that declares its
-// options; what it does when chosen may throw a CommandFailure, which main prints on one line.
+// options; its action may throw a CommandFailure, which main prints on one line.
 
 namespace hardpack::command {
 
@@ -27,7 +27,7 @@ class CommandFailure : public std::runtime_error {
   ExitCode exit_code_;
 };
 
-// kBadInput with the outcome's own line when a file could not be read or written.
+// kBadInput with the outcome's own line if a file could not be read or written.
 inline void Require(const ReadOutcome& outcome) {
   if (!outcome.ok()) throw CommandFailure(kBadInput, outcome.message);
 }

@@ -5,8 +5,8 @@
 
 namespace hardpack::command {
 
-// Parses the arguments and runs the command that they choose. Returns the program's exit code
-// (ExitCode); says in one line on stderr why it is not kDone, after the name of the command.
+// Parses the arguments and runs the selected command. Returns the program's exit code (ExitCode);
+// if it is not kDone, prints one line on stderr, after the command's name, that says why.
 int RunProgram(CLI::App& app, int argc, char** argv);
 
 }  // namespace hardpack::command

@@ -12,15 +12,15 @@
 #include "port_linux/files/read_outcome.h"
 
 // The onboard program's configuration: one TOML file (config/warthog.toml is the example). A key is
-// "[group] name = value"; what keys there are, with type, range, default and description, is in the
-// tables of config/ (what the vehicle computes with) and in port_linux/files/configuration_keys.cpp
-// (what only this port needs). docs/configuration.md is for those who write such a file.
+// "[group] name = value". The keys, with type, range, default and description, are in the tables of
+// config/ (used by the vehicle) and in port_linux/files/configuration_keys.cpp (used by this port
+// only). docs/configuration.md is for those who write such a file.
 //
-// Nothing is guessed: an unknown key or table, a value of another type, out of its range, or with a
-// fraction where whole things are counted, a key without a default that is not set, and parameters
-// that do not go together are errors. All of them are told at once, one a line.
+// Nothing is guessed: an unknown key or table, a value of the wrong type, out of range, or with a
+// fraction where an integer is expected, a missing key without a default, and inconsistent
+// parameters are errors. All of them are reported at once, one per line.
 //
-// Allocates; for start-up only. No exception leaves it.
+// Allocates; for start-up only. Throws nothing.
 
 namespace hardpack {
 
@@ -31,18 +31,18 @@ struct Ipv4Address {
   friend bool operator==(const Ipv4Address&, const Ipv4Address&) = default;
 };
 
-// "10.0.0.5"; empty text: none. False, and the address untouched, when it is no such address
+// "10.0.0.5"; empty text: none. False, with the address unchanged, if it is not such an address
 // (numbers only, no names, no leading zeros).
 bool ParseIpv4(std::string_view text, Ipv4Address& address);
 std::string ToText(Ipv4Address address);
 
-// Where a sensor's datagrams come in.
+// The source of a sensor's datagrams.
 struct DatagramSource {
-  Ipv4Address address;       // of the sender: no other's datagrams are taken
+  Ipv4Address address;       // of the sender: others' datagrams are dropped
   int32_t port = 0;          // ours, where they arrive
   Ipv4Address bind_address;  // ours; 0.0.0.0: every one
   int32_t receive_buffer_bytes = 0;
-  bool require_receive_buffer = true;  // the program does not start when the kernel grants less
+  bool require_receive_buffer = true;  // the program does not start if the kernel grants less
 
   friend bool operator==(const DatagramSource&, const DatagramSource&) = default;
 };
@@ -55,8 +55,8 @@ struct LidarSource : DatagramSource {
 
 struct CanConfiguration {
   std::string interface = "can0";
-  bool restart = true;            // it may be taken down and up again, after bus-off for one
-  int32_t frame_max_age_ms = 20;  // a frame that could not be sent for so long is dropped
+  bool restart = true;            // it may be taken down and up again, e.g. after bus-off
+  int32_t frame_max_age_ms = 20;  // a frame that could not be sent for this long is dropped
 
   friend bool operator==(const CanConfiguration&, const CanConfiguration&) = default;
 };
@@ -65,25 +65,25 @@ struct LogConfiguration {
   bool enabled = true;
   std::string directory = "/var/log/hardpack";
   int32_t file_size_mb = 256;    // a file that reaches it is followed by the next
-  int32_t max_total_mb = 20000;  // the oldest files go when all together are larger
-  int32_t min_free_mb = 1000;    // of the medium, left to others
-  int32_t buffer_mb = 64;        // of memory, while the medium is busy
+  int32_t max_total_mb = 20000;  // the oldest files are deleted beyond this total
+  int32_t min_free_mb = 1000;    // of the disk, left free
+  int32_t buffer_mb = 64;        // of memory, while the disk is busy
 
   friend bool operator==(const LogConfiguration&, const LogConfiguration&) = default;
 };
 
 struct ControlConfiguration {
   std::string socket = "/run/hardpack/control.sock";
-  std::string group;  // that may command besides the owner; empty: none
+  std::string group;  // may command in addition to the owner; empty: none
 
   friend bool operator==(const ControlConfiguration&, const ControlConfiguration&) = default;
 };
 
 struct ProcessConfiguration {
-  int32_t realtime_priority = 50;  // SCHED_FIFO; 0: not asked for
+  int32_t realtime_priority = 50;  // SCHED_FIFO; 0: not requested
   bool lock_memory = true;
   int32_t cpu = -1;                  // the tick's; -1: any
-  bool abort_on_allocation = false;  // from the first tick on; else it is counted
+  bool abort_on_allocation = false;  // from the first tick on; otherwise it is counted
 
   friend bool operator==(const ProcessConfiguration&, const ProcessConfiguration&) = default;
 };
@@ -104,25 +104,24 @@ struct Configuration {
   ProcessConfiguration process;
 };
 
-// Far more than any configuration; a larger file is refused unread.
+// Far larger than any configuration; larger files are refused unread.
 inline constexpr size_t kMaxConfigurationBytes = 256 * 1024;
 
-// Reads the text of a file; `name` is what messages call it, as a rule its path. On failure
-// `configuration` is untouched and the message has one line for each problem, at most
-// kMaxConfigurationProblems, "warthog.toml:12: costmap.halo_m: ...", and the status is the first
-// one's: kInvalidArgument (no TOML, unknown, of another type, missing, twice, not going together),
+// Parses the text of a file; `name` is its name in messages, usually its path. On failure
+// `configuration` is unchanged and the message has one line for each problem, at most
+// kMaxConfigurationProblems, "warthog.toml:12: costmap.halo_m: ...", and the status is that of the
+// first: kInvalidArgument (not TOML, unknown, wrong type, missing, duplicate, inconsistent),
 // kNotFinite, kParameterOutOfRange, kOversized.
 inline constexpr int kMaxConfigurationProblems = 40;
 ReadOutcome ParseConfiguration(std::string_view toml, std::string_view name,
                                Configuration& configuration);
 
-// Reads and parses a file. Besides: kInvalidArgument when it cannot be read.
+// Reads and parses a file. Also kInvalidArgument if it cannot be read.
 ReadOutcome ReadConfiguration(const std::string& path, Configuration& configuration);
 
-// A file that sets every key to its value in `configuration`, so that parsing it gives the same
-// again, exactly, whatever the defaults of the version that parses it.
-// kHidden: but for the drives' password, which then is 0 with kHiddenSecret behind it where there
-// is one.
+// A file that sets every key to its value in `configuration`, so that parsing it gives exactly the
+// same again, whatever the defaults of the parsing version. kHidden: without the drives' password,
+// which is then 0 with kHiddenSecret after it if there is one.
 enum class Secrets : uint8_t { kShown, kHidden };
 inline constexpr std::string_view kHiddenSecret = "# not shown";
 std::string ToToml(const Configuration& configuration, Secrets secrets = Secrets::kShown);

@@ -7,9 +7,9 @@
 
 namespace hardpack {
 
-// The name nearest to a mistyped one by edit distance, the first of several; empty when none is
-// near: more than half of the letters typed would have to change. Cost: letters typed times letters
-// of all names.
+// The name closest to a mistyped one by edit distance, the first of several; empty if none is
+// close: more than half of the typed letters would have to change. Cost: letters typed times
+// letters of all names.
 std::string NearestName(std::string_view typed, const std::vector<std::string>& names);
 
 }  // namespace hardpack

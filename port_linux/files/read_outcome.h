@@ -7,8 +7,8 @@
 
 namespace hardpack {
 
-// How reading a file ended: the status, and, when it failed, one line for the operator that names
-// the file and the field ("scan.json: beam_altitude_angles: 63 numbers, expected 64").
+// The result of reading a file: the status, and on failure one line for the operator that names the
+// file and the field ("scan.json: beam_altitude_angles: 63 numbers, expected 64").
 struct [[nodiscard]] ReadOutcome {
   Status status = Status::kOk;
   std::string message;

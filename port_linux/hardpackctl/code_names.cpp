@@ -29,29 +29,29 @@ constexpr CodeName kStopReasonNames[] = {
     {"lidar_old", "no lidar column lately", true},
     {"odometry_old", "no wheel speeds lately", true},
     {"ins_old", "no message of the INS lately", true},
-    {"plan_old", "the plan has not been checked lately", true},
-    {"no_plan", "there is no way, or none yet", true},
-    {"operator_silent", "the operator's program was to speak, and does not", true},
-    {"stop_too_long", "a safe stop took longer than it may", true},
+    {"plan_old", "the plan has not been checked recently", true},
+    {"no_plan", "there is no plan, or none yet", true},
+    {"operator_silent", "no command or key press from the operator", true},
+    {"stop_too_long", "a safe stop took longer than allowed", true},
     {"drives", "a drive has a fault, is silent or not ready", true},
     {"foreign_sender", "another node sends with our CAN identifiers", true},
     {"bus", "the CAN bus is down or off", true},
     {"emergency", "stopped by the operator's emergency stop", true},
     {"moving", "it still moves", false},
-    {"no_way", "planning finds no way", true},
+    {"no_way", "planning finds no path", true},
     {"unseen_ground", "the ground ahead has not been observed", true},
-    {"person", "a person stands in the way, or too near to it", true},
-    {"obstacle", "something stands in the way of the path", true},
-    {"goal_in_obstacle", "the goal lies in an obstacle", true},
-    {"runaway", "it moves when it was told to stand, or much faster", true},
+    {"person", "a person is in the way, or too close to it", true},
+    {"obstacle", "an obstacle is in the way of the path", true},
+    {"goal_in_obstacle", "the goal is in an obstacle", true},
+    {"runaway", "it moves when told to stand, or much faster than told", true},
     {"wrong_turn", "it turns against its command", true},
-    {"stuck", "it was told to move, and does not", true},
-    {"bad_command", "a command was no number", true},
-    {"blind_ahead", "the lidar has not looked along the way lately", true},
+    {"stuck", "it was told to move and does not", true},
+    {"bad_command", "a command was not a number", true},
+    {"blind_ahead", "the lidar has not looked along the path recently", true},
     {"lidar_covered", "the lidar's window is covered, or nothing comes back ahead", true},
-    {"lidar_frozen", "the lidar sends the same image again", true},
+    {"lidar_frozen", "the lidar repeats an image", true},
     {"lidar_turned", "the lidar has turned in its mount", true},
-    {"wheel_spin", "the wheels do not hold the ground", true},
+    {"wheel_spin", "the wheels slip", true},
 };
 static_assert(std::size(kStopReasonNames) == kStopReasons);
 static_assert(static_cast<int>(StopReason::kWheelSpin) + 1 == kStopReasons);
@@ -77,10 +77,10 @@ static_assert(std::size(kReplanReasonNames) == kReplanReasons);
 static_assert(kReplanReasons == control::kReplanReasonCount);
 
 constexpr CodeName kMapStatusNames[] = {
-    {"none", "no place on earth yet", false},
+    {"none", "no position on earth yet", false},
     {"tracking", "", false},
     {"rejecting", "the INS's position does not fit", true},
-    {"held", "the INS does not say where it is", true},
+    {"held", "no valid position from the INS", true},
 };
 static_assert(std::size(kMapStatusNames) == static_cast<int>(MapStatus::kHeld) + 1);
 
@@ -102,20 +102,20 @@ static_assert(std::size(kDriveStateNames) == static_cast<int>(sevcon::DriveState
 constexpr CodeName kDriveFaultNames[] = {
     {"none", "", false},
     {"silent", "heartbeat or process data missed", true},
-    {"rebooted", "started anew", true},
+    {"rebooted", "restarted", true},
     {"emergency", "EMCY", true},
     {"status_fault", "fault bit of the statusword", true},
     {"wrong_identity", "another device than the configured one", true},
-    {"sdo_abort", "refused a question or a setting", true},
+    {"sdo_abort", "refused a request or a setting", true},
     {"sdo_timeout", "does not answer", true},
     {"read_back", "a setting does not read back as written", true},
-    {"wrong_mapping", "process data mapped otherwise", true},
+    {"wrong_mapping", "different mapping of the process data", true},
     {"wrong_mode", "another mode of operation", true},
     {"opposite_motion", "the wheel turns against its command", true},
     {"foreign_sender", "another node sends with our identifiers", true},
-    {"lost_enable", "left operation enabled unasked", true},
+    {"lost_enable", "left operation enabled without a request", true},
     {"login_refused", "user and password do not give the access that settings need", true},
-    {"state_refused", "did not come into the state that it was told to, in time", true},
+    {"state_refused", "did not reach the requested state in time", true},
     {"double_reports", "more reports than SYNCs: two nodes send them", true},
 };
 static_assert(std::size(kDriveFaultNames) == sevcon::kDriveFaults);
@@ -221,19 +221,19 @@ const char* WordsOf(Status status) {
     case Status::kNotStarted:
       return "it has not started yet";
     case Status::kStale:
-      return "the INS does not give a position and a heading that it vouches for";
+      return "the INS has no valid position and heading";
     case Status::kInvalidArgument:
       return "a number is out of its range";
     case Status::kNotFinite:
       return "a number is not finite";
     case Status::kUnsupported:
-      return "this command and the onboard program are not of the same version";
+      return "this command and the onboard program have different versions";
     case Status::kTruncated:
     case Status::kOversized:
     case Status::kWrongPacketType:
       return "the message was not understood";
     case Status::kNoPath:
-      return "every way to the goal is closed";
+      return "every way to the goal is blocked";
     case Status::kNeedsManoeuvre:
       return "the way bends more sharply than the vehicle can, or needs a turn on the spot";
     case Status::kCollision:

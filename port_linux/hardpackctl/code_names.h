@@ -12,16 +12,16 @@ namespace hardpack::ctl {
 
 struct CodeName {
   const char* name = "unknown";  // snake_case, as in JSON
-  const char* words = "";        // for a person; empty where the name says it
+  const char* words = "";        // for a person; empty if the name is enough
   bool is_problem = false;
 };
 
-// Of a field of that kind; "unknown" for a code that is none of its enum's, or a kind that has no
+// The name for a field of that kind; "unknown" for a code outside its enum, or a kind that has no
 // codes.
 CodeName NameOf(control::FieldKind kind, uint8_t code);
 
-// What a refused command is told: "lidar_old: no lidar column lately", or by its status where there
-// is no reason.
+// The text for a refused command: "lidar_old: no lidar column lately", or by its status if there is
+// no reason.
 const char* WordsOf(Status status);
 
 }  // namespace hardpack::ctl

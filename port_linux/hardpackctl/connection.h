@@ -13,18 +13,19 @@
 #include "port_linux/file_descriptor.h"
 #include "port_linux/files/read_outcome.h"
 
-// An operator's side of the control socket (docs/control.md): asks, and waits for the answer.
+// The operator's side of the control socket (docs/control.md): sends requests and waits for the
+// answers.
 
 namespace hardpack::ctl {
 
 class Connection {
  public:
-  // kSystemError, kNotPermitted or kTimedOut, with a line that says what to do about it.
+  // kSystemError, kNotPermitted or kTimedOut, with a line that says what to do.
   ReadOutcome Open(const std::string& path, std::chrono::milliseconds timeout);
 
-  // Each sends one message and waits for its answer; late answers to earlier messages are passed
-  // over. kTimedOut, kSystemError: the connection has ended; kAborted: interrupted by a signal;
-  // else what Decode says of the answer. After a failure the connection is of no more use.
+  // Each sends one message and waits for its answer; late answers to earlier messages are skipped.
+  // kTimedOut, kSystemError: the connection has ended; kAborted: interrupted by a signal; otherwise
+  // the status of Decode for the answer. After a failure the connection is unusable.
   ReadOutcome Ask(control::OperatorCommand& command, control::Done& answer);
   ReadOutcome AskStatus(control::StatusReport& report);
   // The whole configuration.

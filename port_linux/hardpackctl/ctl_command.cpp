@@ -322,28 +322,29 @@ CLI::App* AddSubcommand(CLI::App& ctl, const char* name, const char* description
 void AddStatus(CLI::App& ctl, const Options& options) {
   CLI::App* status =
       AddSubcommand(ctl, "status",
-                    "Show what hardpackd knows of itself. ! marks what is wrong now, * what was\n"
-                    "lost or refused since the start. Counters that are 0 are left out.",
+                    "Show the state of hardpackd. ! marks what is wrong now, * what has been lost\n"
+                    "or refused since the start. Counters that are 0 are omitted.",
                     options, Status);
-  status->add_flag("--all", options->all, "Counters that are 0, too");
-  CLI::Option* watch = status->add_flag(
-      "--watch", options->watch, "Again and again until Ctrl-C; counters say how they have grown");
-  status->add_option("--interval", options->interval_s, "Seconds between two (default 1)")
+  status->add_flag("--all", options->all, "Include counters that are 0");
+  CLI::Option* watch =
+      status->add_flag("--watch", options->watch,
+                       "Repeat until Ctrl-C; loss counters show how much they have grown");
+  status->add_option("--interval", options->interval_s, "Seconds between updates (default 1)")
       ->check(CLI::Range(0.05, 3600.0))
       ->needs(watch);
 }
 
 void AddGoals(CLI::App& ctl, const Options& options) {
   CLI::App* goal =
-      AddSubcommand(ctl, "goal", "Drive there, in the place of all earlier goals.", options, Goal);
+      AddSubcommand(ctl, "goal", "Drive to a goal; replaces all earlier goals.", options, Goal);
   CLI::Option* position =
       goal->add_option("position", options->position, "X Y in metres, in the odom frame")
           ->expected(2);
   CLI::Option* heading =
       goal->add_option("--heading", options->heading, "Heading at the goal, in radians");
-  CLI::Option* relative = goal->add_flag(
-      "--relative", options->relative,
-      "X Y (and the heading) are ahead and to the left of the vehicle, as it stands");
+  CLI::Option* relative =
+      goal->add_flag("--relative", options->relative,
+                     "X Y (and the heading) are relative to the vehicle: ahead and to the left");
   CLI::Option* latitude = goal->add_option("--lat", options->latitude,
                                            "Latitude, WGS 84, in degrees, at most nine decimals");
   CLI::Option* longitude = goal->add_option("--lon", options->longitude, "Longitude, the same");
@@ -352,8 +353,8 @@ void AddGoals(CLI::App& ctl, const Options& options) {
 
   AddSubcommand(
       ctl, "waypoints",
-      "Drive to the waypoints of a file in turn, in the place of all earlier goals.\n"
-      "First the word odom, relative or latlon, then a waypoint a line: x y in metres or\n"
+      "Drive to the waypoints of a file in order; replaces all earlier goals.\n"
+      "First the word odom, relative or latlon, then one waypoint per line: x y in metres or\n"
       "latitude and longitude in degrees; # begins a comment.",
       options, Waypoints)
       ->add_option("file", options->file, "The file")
@@ -361,11 +362,12 @@ void AddGoals(CLI::App& ctl, const Options& options) {
 }
 
 void AddPresence(CLI::App& ctl, const Options& options) {
-  AddSubcommand(ctl, "drive",
-                "Stay with the vehicle: every key pressed at this terminal says that the operator\n"
-                "is there. Without one for safety.operator_timeout_s the vehicle stops.",
-                options, Drive);
-  AddSubcommand(ctl, "alive", "Say once that the operator is there, as a key of `drive` does.",
+  AddSubcommand(
+      ctl, "drive",
+      "Stay with the vehicle: every key pressed at this terminal shows that the operator\n"
+      "is present. Without one for safety.operator_timeout_s the vehicle stops.",
+      options, Drive);
+  AddSubcommand(ctl, "alive", "Report once that the operator is present, as a key in `drive` does.",
                 options, Alive);
 }
 
@@ -390,12 +392,11 @@ void AddCtlCommands(CLI::App& app) {
   };
   add_simple("arm", "Let the vehicle drive, once it has a goal.", Kind::kArm);
   add_simple("disarm", "Stop, then switch the drives off.", Kind::kDisarm);
-  add_simple("stop", "Come to rest along the path and drop the goals; stays armed.", Kind::kStop);
-  add_simple("estop", "Zero speed at once; only disarming leaves it.", Kind::kEmergencyStop);
+  add_simple("stop", "Stop along the path and drop the goals; stays armed.", Kind::kStop);
+  add_simple("estop", "Zero speed at once; only disarm leaves this mode.", Kind::kEmergencyStop);
   AddGoals(app, options);
   AddPresence(app, options);
-  AddSubcommand(app, "params", "Print the configuration that hardpackd runs with, as TOML.",
-                options, Parameters);
+  AddSubcommand(app, "params", "Print the configuration in use, as TOML.", options, Parameters);
 }
 
 }  // namespace hardpack::command

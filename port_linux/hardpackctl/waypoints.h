@@ -8,25 +8,25 @@
 #include "hal/onboard/control/messages.h"
 #include "port_linux/files/read_outcome.h"
 
-// Goals as people write them.
+// Goals in human-readable form.
 
 namespace hardpack::ctl {
 
-// "-12.345678901" -> -12345678901, exactly: digits, at most nine of them behind the point, a sign
-// or none. kInvalidArgument, with a line that begins with `name`: it is not so written, or is
-// beyond `limit_ndeg` either way.
+// "-12.345678901" -> -12345678901, exactly: digits, at most nine of them after the point, an
+// optional sign. kInvalidArgument, with a line that begins with `name`: not in this form, or beyond
+// +-`limit_ndeg`.
 ReadOutcome ParseNanodegrees(const std::string& name, std::string_view text, int64_t limit_ndeg,
                              int64_t& value_ndeg);
 
 // A file of waypoints:
 //
-//   # Lines behind a # are for people. The first word says what the numbers are:
+//   # Text after a # is a comment. The first word says what the numbers are:
 //   latlon                      or: odom (x y in metres), relative (metres ahead and to the left)
 //   30.617512345 -96.33891
 //   30.617600000 -96.33850
 //
 // At least one waypoint, at most control::kMaxWaypoints. On failure a line "FILE:LINE: ...", and
-// `command` is of no use. kInvalidArgument, kCapacityExceeded, kOversized.
+// `command` must not be used. kInvalidArgument, kCapacityExceeded, kOversized.
 inline constexpr size_t kMaxWaypointsFileBytes = 65536;
 ReadOutcome ReadWaypoints(const std::string& path, control::OperatorCommand& command);
 

@@ -3,21 +3,21 @@
 
 #include <cstdint>
 
-// Watches the heap of the whole process: from FreezeHeap on nothing may be allocated. A program
-// that links port_linux/hardpackd/allocation_guard.cpp gets malloc, calloc, realloc and the aligned
-// ones (and so operator new) replaced by ones that pass on to the C library's own and know whether
-// they may.
+// Watches the heap of the whole process: after FreezeHeap nothing may be allocated. A program that
+// links port_linux/hardpackd/allocation_guard.cpp gets malloc, calloc, realloc and the aligned ones
+// (and so operator new) replaced by versions that forward to the C library and know whether
+// allocating is allowed.
 
 namespace hardpack {
 
-// From now on every allocation, of any thread, is counted; with abort_on_allocation the first one
-// ends the process instead, saying so on stderr.
+// From now on every allocation, by any thread, is counted; with abort_on_allocation the first one
+// ends the process instead, with a message on stderr.
 void FreezeHeap(bool abort_on_allocation);
 
-// Allocating is permitted again: the last tick is over.
+// Allocating is allowed again: the last tick is over.
 void ThawHeap();
 
-// Since FreezeHeap; 0 where allocations cannot be seen.
+// Since FreezeHeap; 0 if allocations cannot be observed.
 uint64_t AllocationsSinceFrozen();
 
 // False under a sanitizer, which has replaced the functions itself.

@@ -20,7 +20,7 @@
 
 namespace hardpack {
 
-// What the program was started with, read and found good.
+// The validated inputs of the program.
 struct Startup {
   Configuration configuration;
   std::string configuration_text;  // as TOML, every key, without the drives' password
@@ -29,17 +29,16 @@ struct Startup {
 };
 
 // Everything that hardpackd opens: buses, sockets, recorder, watchdog. Each problem is one line on
-// stderr that says what to do about it; what is not fatal is a warning there.
+// stderr that says what to do; problems that are not fatal are warnings there.
 class Devices {
  public:
-  // False: something that cannot be done without could not be opened.
+  // False: something essential could not be opened.
   bool Open(const Startup& startup, const AnyVehicle& vehicle);
 
-  // After Open, before the first tick: from here on the tick thread is as punctual as it is
-  // permitted to be.
+  // After Open, before the first tick: makes the tick thread real-time as far as permitted.
   void BecomeRealtime(const ProcessConfiguration& process);
 
-  // Ends what was opened: the log is written to its end.
+  // Closes everything: the log is written to its end.
   void Close();
 
   OnboardDevices ForOnboard();

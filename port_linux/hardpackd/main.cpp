@@ -23,17 +23,16 @@ namespace {
 
 constexpr const char* kHelp =
     "usage: hardpackd --config FILE\n"
-    "       hardpackd --check-config FILE     says what is wrong with it, opens nothing\n"
-    "       hardpackd --print-config FILE     every key with the value that it would have\n"
+    "       hardpackd --check-config FILE     reports every error, opens nothing\n"
+    "       hardpackd --print-config FILE     prints every key with its effective value\n"
     "       hardpackd --version | --help\n"
     "\n"
-    "Takes lidar and INS datagrams and CAN frames, drives the vehicle, writes the flight log\n"
-    "(docs/onboard.md). `hardpack ctl` talks to it. SIGTERM, SIGINT or SIGHUP bring the vehicle "
-    "to\n"
-    "rest, disable the drives and end it; a second SIGTERM or SIGINT does not wait.\n"
+    "Receives lidar and INS datagrams and CAN frames, drives the vehicle, writes the flight log\n"
+    "(docs/onboard.md). `hardpack ctl` talks to it. SIGTERM, SIGINT or SIGHUP stop the vehicle,\n"
+    "disable the drives and end the program; a second SIGTERM or SIGINT ends it at once.\n"
     "\n"
-    "Exit codes: 0 ended as asked; 1 something could not be opened or set up; 2 bad usage or\n"
-    "configuration. Each reason is a line on stderr.\n";
+    "Exit codes: 0 ended on request; 1 something could not be opened or set up; 2 bad usage or\n"
+    "configuration. Each reason is one line on stderr.\n";
 
 enum ExitCode : int { kDone = 0, kFailed = 1, kBadInput = 2 };
 

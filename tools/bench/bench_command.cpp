@@ -123,7 +123,7 @@ std::string SceneHelp() {
 void AddBenchCommand(CLI::App& app) {
   CLI::App* bench = app.add_subcommand(
       "bench",
-      "Measure each stage, and a whole replanning, on maps made here and on recordings: median,\n"
+      "Measure each stage, and a full replanning cycle, on built-in maps and recordings: median,\n"
       "p99 and worst processor time, size of the stage's object, heap allocations during the\n"
       "measured calls (exit code 1 when there is one), and by turns with it OpenCV, Boost.Graph\n"
       "and Ceres on the same input, those of them that this build has. Then what was promised\n"

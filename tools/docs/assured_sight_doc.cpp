@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints docs/assured_sight.md: how far lidars of 16 to 128 beams meet what is low, and what speed
-// that carries.
+// Prints docs/assured_sight.md: how far away lidars of 16 to 128 beams meet low objects, and the
+// speed this allows.
 #include <array>
 #include <cstdio>
 #include <string>
@@ -13,7 +13,7 @@
 namespace hardpack {
 namespace {
 
-constexpr const char* kIntroduction = R"(# What the lidar is sure to see
+constexpr const char* kIntroduction = R"(# Assured sight of the lidar
 
 <!-- Printed by assured_sight_doc (tools/docs/assured_sight_doc.cpp); do not edit. -->
 
@@ -22,23 +22,24 @@ cmake --build --preset release --target assured_sight_doc
 build/release/test/docs/assured_sight_doc > docs/assured_sight.md
 ```
 
-A thing that stands on level ground is met when a beam ends on the part of it that is higher than the ground test
-tolerates (`segmentation.ground_band_m`): one beam in a direction is what the segmenter needs to class its return as
-standing (test `AssuredSight.WhatIsMetIsClassedAsStanding`). As far as two beams next to each other are no further apart
-than that part is high, one of them meets it, however the vehicle is pitched; up to there it is assured
-(`core/autonomy/assured_sight.h`). To be told from growth it has to be firm as well, and a return is firm with three of
-its four neighbours in azimuth on the same surface: four columns (test `AssuredSight.WhatIsAsWideAsIsAssuredIsFirm`).
+An object standing on level ground is met when a beam ends on the part of it above the tolerance of the ground test
+(`segmentation.ground_band_m`): one beam in a direction is enough for the segmenter to class its return as
+standing (test `AssuredSight.WhatIsMetIsClassedAsStanding`). As long as the spacing of neighbouring beams is no greater
+than the height of that part, one of them meets it, at any pitch of the vehicle; up to there, sight is assured
+(`core/autonomy/assured_sight.h`). To be distinguished from growth, the object must be firm as well, and a return is firm with
+three of its four neighbours in azimuth on the same surface: four columns
+(test `AssuredSight.WhatIsAsWideAsIsAssuredIsFirm`).
 
-The vehicle drives no faster than it stops within both, its front `speed.unseen_margin_m` before the thing: the onboard
-program lowers `speed.max_speed_mps` to what its own lidar carries. The height is `speed.assured_height_m`, the width
-`speed.assured_width_m`. A lidar that sees nothing of that size far enough ahead to creep is refused, or with
-`speed.refuse_unassured = 0` the vehicle creeps at `speed.person_creep_mps`. What is narrower is met as far away, but
-may be told from growth later than the stop needs. What has four beams on it, one above the other, is firm without
-neighbours, and so is a wire by the line of its returns.
+The vehicle drives no faster than lets it stop within both distances, its front `speed.unseen_margin_m` before the object: the
+onboard program lowers `speed.max_speed_mps` to what its own lidar allows. The height is `speed.assured_height_m`, the width
+`speed.assured_width_m`. A lidar that cannot see an object of that size far enough ahead to creep is refused; with
+`speed.refuse_unassured = 0` the vehicle creeps at `speed.person_creep_mps` instead. Narrower objects are met as far away, but
+may be distinguished from growth too late to stop. An object with four beams on it, one above the other, is firm without
+neighbours, and a wire is firm by the line of its returns.
 
-Below: lidars with even steps over 33.2 degrees, half of them upward, %.2f m above the ground, and the defaults of all
-parameters; by the height alone, then by the width. Sight is from the sensor. What is beside the beams' even pattern,
-a mount that nobody has measured or a nose that dips, is not in it.
+The tables below are for lidars with even steps over 33.2 degrees, half of them upward, %.2f m above the ground, and the defaults
+of all parameters; first by height alone, then by width. Sight is measured from the sensor. They do not cover deviations from
+the even beam pattern, an unmeasured mount or a nose that dips.
 
 )";
 
@@ -92,7 +93,7 @@ void PrintWidths() {
 }
 
 void PrintLeast() {
-  std::printf("\nThe least height that is met early enough for a speed; -: none up to 2 m:\n\n");
+  std::printf("\nThe least height that is met early enough at each speed; -: none up to 2 m:\n\n");
   std::printf("| speed | 16 beams | 32 beams | 64 beams | 128 beams |\n|---|---|---|---|---|\n");
   for (const float speed_mps : {1.0f, 2.0f, 3.0f, 4.0f, 5.0f}) {
     std::printf("| %.0f m/s |", static_cast<double>(speed_mps));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints what users read of the configuration from the list of its keys:
+// Prints the configuration's documentation from the list of its keys:
 //   configuration_doc page      docs/configuration.md
 //   configuration_doc example   config/warthog.toml
 #include <algorithm>
@@ -18,13 +18,13 @@ constexpr const char* kPageIntroduction = R"(# Configuration
 
 <!-- Printed by configuration_doc (tools/docs/configuration_doc.cpp); do not edit. -->
 
-`hardpackd` takes everything that it has to know of its vehicle from one TOML file. Nothing is guessed, and what is
-not understood is an error: the program does not start.
+`hardpackd` takes everything that it must know about its vehicle from one TOML file. Nothing is guessed, and anything
+it does not understand is an error: the program does not start.
 
-1. Copy `config/warthog.toml`. It has every key with its meaning, its range and its default (of the Clearpath Warthog).
-2. Fill in the keys that say `"TO BE FILLED IN"`: no value of theirs is right for every vehicle (below).
-3. Change what differs on your vehicle: remove the `#` before the key, so that what is set stands out.
-4. `hardpackd --check-config FILE` tells all that is wrong with it, a line each:
+1. Copy `config/warthog.toml`. It has every key with its meaning, range and default (for the Clearpath Warthog).
+2. Fill in the keys marked `"TO BE FILLED IN"`: no value is right for every vehicle (below).
+3. Change what differs on your vehicle: remove the `#` before the key, so that your settings stand out.
+4. `hardpackd --check-config FILE` reports every error, one per line:
 
 ```
 warthog.toml:12: costmap.halo_m: 5 is not a number from 0 to 3 m
@@ -33,25 +33,25 @@ warthog.toml:20: speed.min_speed_mps: 6.0 is above speed.max_speed_mps, which is
 warthog.toml: drive.gear_ratio: has to be set: the Warthog's is not public: measure it
 ```
 
-`hardpackd --print-config FILE` prints every key with the value that holds. The same text opens each flight log, and
+`hardpackd --print-config FILE` prints every key with its effective value. Each flight log starts with the same text, and
 a replay reads it from there: it is exact, and it does not depend on the defaults of another version.
 
-## What may stand in the file
+## File format
 
-A key is one of a table, `[costmap]` and then `halo_m = 2.0`. A name ends in its unit. Numbers are finite; a whole
-number may stand where a number is expected, a fraction may not stand where something is counted. A text stands on
-one line and holds no control characters; letters beyond ASCII stand in texts and comments only. An address is IPv4
-and in quotes, `"10.0.0.5"`; `""` is none. Paths that do not begin with `/` begin at the program's working directory.
-The file has at most 262144 bytes, a line at most 2000. A table or a key that is not known, twice there, or in the
+Every key belongs to a table: `[costmap]`, then `halo_m = 2.0`. A name ends in its unit. Numbers must be finite. An integer
+is accepted where a number is expected, but a fraction is not accepted for a count. A text must be on one line without
+control characters; non-ASCII letters are allowed in texts and comments only. An address is IPv4
+in quotes, `"10.0.0.5"`; `""` means none. Paths that do not begin with `/` are relative to the program's working directory.
+The file may have at most 262144 bytes, a line at most 2000. A table or key that is unknown, duplicate, or in the
 wrong table is an error.
 )";
 
 constexpr const char* kPageClasses = R"(
 ## Classes of labels
 
-`[labels.classes]` says what the codes of the segmentation computer (`docs/label_datagram.md`) stand for: `ignored`,
-`ground`, `soft`, `hard` or `person`. Codes that are not listed keep what they stand for in RELLIS-3D
-(`core/segmentation/label_table.h`), or are what `default` says:
+`[labels.classes]` maps the codes of the segmentation computer (`docs/label_datagram.md`) to classes: `ignored`,
+`ground`, `soft`, `hard` or `person`. Codes that are not listed keep their RELLIS-3D class
+(`core/segmentation/label_table.h`), or get the class of `default`:
 
 ```toml
 [labels.classes]
@@ -64,21 +64,21 @@ default = "hard"
 constexpr const char* kPageKeys = R"(
 ## Keys of the program
 
-The parameters of perception, planning and driving, in the tables `[vehicle]` to `[tick]`, are in `docs/parameters.md`.
+For the parameters of perception, planning and driving, in the tables `[vehicle]` to `[tick]`, see `docs/parameters.md`.
 )";
 
 constexpr const char* kExampleIntroduction =
-    R"(# Configuration of hardpackd for a Clearpath Warthog: every key with its meaning, what it may be, and
-# its default. Copy this file and fill in what says "TO BE FILLED IN"; to change another key, remove
-# the # before it. "hardpackd --check-config FILE" tells all that is wrong with a file.
+    R"(# Configuration of hardpackd for a Clearpath Warthog: every key with its meaning, valid values and
+# default. Copy this file and fill in the keys marked "TO BE FILLED IN"; to change another key, remove
+# the # before it. "hardpackd --check-config FILE" reports every error in a file.
 # docs/configuration.md explains it.
 #
-# Printed by configuration_doc (tools/docs/configuration_doc.cpp); a test holds the two together.
+# Printed by configuration_doc (tools/docs/configuration_doc.cpp); a test compares the two.
 )";
 
 constexpr const char* kExampleClasses = R"(
-# What the codes of the segmentation computer stand for: "ignored", "ground", "soft", "hard" or
-# "person". "default" is every code that is not listed; without it they stay as they are here, which
+# Classes of the segmentation computer's codes: "ignored", "ground", "soft", "hard" or "person".
+# "default" applies to every code that is not listed; without it they stay as they are here, which
 # is RELLIS-3D's list.
 )";
 
@@ -121,7 +121,7 @@ void PrintExample() {
     std::printf("\n");
     const RequiredKey* required = RequiredRow(key);
     PrintComment(key.description + " " + Kind(key));
-    if (required != nullptr) PrintComment("Has to be set: " + std::string(required->why) + ".");
+    if (required != nullptr) PrintComment("Required: " + std::string(required->why) + ".");
     if (required != nullptr && required->is_needed(defaults)) {
       std::printf("%s = \"%s\"\n", key.name().c_str(), std::string(kPlaceholder).c_str());
     } else {
@@ -140,7 +140,7 @@ void PrintExample() {
 }
 
 void PrintRequired(Configuration& defaults) {
-  std::printf("\n## Keys that have to be set\n\n| key | what it is |\n|---|---|\n");
+  std::printf("\n## Required keys\n\n| key | what it is |\n|---|---|\n");
   for (const ConfigurationKey& key : KeysOf(defaults)) {
     const RequiredKey* required = RequiredRow(key);
     if (required == nullptr) continue;
@@ -159,12 +159,12 @@ void PrintPage() {
     if (key.is_parameter) continue;
     if (key.group() != group) {
       group = key.group();
-      std::printf("\n### %s\n\n| key | default | what it may be | meaning |\n|---|---|---|---|\n",
+      std::printf("\n### %s\n\n| key | default | valid values | meaning |\n|---|---|---|---|\n",
                   group.c_str());
     }
     const RequiredKey* required = RequiredRow(key);
     const bool has_default = required == nullptr || !required->is_needed(defaults);
-    const std::string value = has_default ? '`' + ValueText(key) + '`' : "has to be set";
+    const std::string value = has_default ? '`' + ValueText(key) + '`' : "required";
     std::printf("| `%s` | %s | %s | %s |\n", key.full_name.c_str(), value.c_str(),
                 Kind(key).c_str(), key.description.c_str());
   }

@@ -15,7 +15,7 @@ Every buffer is a member of an object whose size is known at compile time and he
 `static_assert`. The objects are owned by the caller; nothing is allocated in `core` or `hal`.
 This page is printed by `memory_doc` (a test compares them); sizes are those of a 64-bit build.
 
-| object | bytes | a cell | what for |
+| object | bytes | bytes per cell | purpose |
 |---|---:|---:|---|
 )";
 
@@ -29,31 +29,30 @@ void PrintRow(const char* name, size_t bytes, const char* purpose) {
 int main() {
   using namespace hardpack;
   std::fputs(kIntroduction, stdout);
-  PrintRow("`HeightGrid`", sizeof(HeightGrid), "heights of returns, a cell");
+  PrintRow("`HeightGrid`", sizeof(HeightGrid), "heights of returns, per cell");
   PrintRow("`Replanner`", sizeof(Replanner),
-           "all of planning but the heights: the committed plan, and of it:");
-  PrintRow("`Planner`", sizeof(Planner), "one plan; of it:");
+           "all of planning except the heights: the committed plan, and:");
+  PrintRow("`Planner`", sizeof(Planner), "one plan, including:");
   PrintRow("&nbsp; `CostmapBuilder`", sizeof(CostmapBuilder),
            "costs, flags, distances, and the scratch of their passes");
-  PrintRow("&nbsp; `AstarSearch`", sizeof(AstarSearch), "64 bits a cell and 4096 buckets");
+  PrintRow("&nbsp; `AstarSearch`", sizeof(AstarSearch), "64 bits per cell and 4096 buckets");
   PrintRow("&nbsp; `PathSampler`", sizeof(PathSampler), "the base path");
-  PrintRow("&nbsp; `Optimizer`", sizeof(Optimizer),
-           "both optimizers: paths, and what is tried on them");
+  PrintRow("&nbsp; `Optimizer`", sizeof(Optimizer), "both optimizers: paths and trial paths");
   PrintRow("&nbsp; `PathCheck`", sizeof(PathCheck), "the check's progress");
   PrintRow("&nbsp; `Plan`", sizeof(Plan), "the result");
-  PrintRow("`Mapper`", sizeof(Mapper), "all of perception, `HeightGrid` included; of it:");
+  PrintRow("`Mapper`", sizeof(Mapper), "all of perception, including `HeightGrid` and:");
   PrintRow("&nbsp; `ScanRing`", sizeof(ScanRing),
            "at least three revolutions of columns; budget 2 MiB");
-  PrintRow("&nbsp; `Segmenter`", sizeof(Segmenter), "the directions that are looked at together");
+  PrintRow("&nbsp; `Segmenter`", sizeof(Segmenter), "the directions that are processed together");
   PrintRow("&nbsp; `BeamModel`", sizeof(BeamModel), "the lidar's geometry");
   PrintRow("&nbsp; `PoseHistory`", sizeof(PoseHistory), "poses for motion compensation");
   PrintRow("`VehicleLoop`", sizeof(VehicleLoop),
-           "everything on board: `Mapper`, `Replanner`, and of the rest:");
+           "everything on board: `Mapper`, `Replanner`, and:");
   PrintRow("&nbsp; `Corridor`", sizeof(Corridor),
            "returns against the path: a coarse grid, and the cells of the last ticks");
-  PrintRow("&nbsp; `ReactionMeter`", sizeof(ReactionMeter), "columns that wait, and histograms");
+  PrintRow("&nbsp; `ReactionMeter`", sizeof(ReactionMeter), "waiting columns, and histograms");
   PrintRow("&nbsp; `vectornav::StreamParser`", sizeof(vectornav::StreamParser),
-           "the INS's stream, until a message is whole");
+           "the INS's stream, until a message is complete");
   PrintRow("&nbsp; `control::OperatorCommand`", sizeof(control::OperatorCommand), "waypoints");
   PrintRow("&nbsp; `sevcon::DrivePair`", sizeof(sevcon::DrivePair), "both drives");
   PrintRow("&nbsp; `ouster::PacketMonitor`", sizeof(ouster::PacketMonitor), "the lidar's stream");

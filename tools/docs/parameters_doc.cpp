@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints docs/parameters.md from the tables of config/: what they say is what users read.
+// Prints docs/parameters.md from the tables of config/, so that users read what the code checks.
 #include <array>
 #include <charconv>
 #include <cstdio>
@@ -15,16 +15,16 @@ constexpr const char* kIntroduction = R"(# Parameters
 
 <!-- Printed by parameters_doc (tools/docs/parameters_doc.cpp); do not edit. -->
 
-Every parameter with its default (the Clearpath Warthog) and the range that it is checked against, both ends
-included. The unit is the end of the name; a name without one is a plain number. *(ours)* marks what the paper
-([OS] in `REFERENCES.md`) leaves open. `hardpack plan --param costmap.halo_m=1.5` sets one of perception or
+Every parameter with its default (for the Clearpath Warthog) and its valid range, both ends
+included. The name ends in the unit; a name without a unit is a plain number. *(ours)* marks choices that the paper
+([OS] in `REFERENCES.md`) leaves open. `hardpack plan --param costmap.halo_m=1.5` sets a parameter of perception or
 planning; the onboard program takes all of them from its configuration (`docs/configuration.md`).
 
-The ranges are what the stages can compute with. What depends on several parameters of different meaning is
-checked where it is used: that the costs of both layers fit a cell (`CheckCostmapParams` in
-`core/costmap/costmap.h`), and that the ground window is odd.
+The ranges are what the stages can compute with. Conditions on several parameters are
+checked where they are used: the costs of both layers must fit a cell (`CheckCostmapParams` in
+`core/costmap/costmap.h`), and the ground window must be odd.
 
-What the codes of a segmentation stand for is a table of its own (`core/segmentation/label_table.h`), RELLIS-3D's by
+The meaning of segmentation codes is a table of its own (`core/segmentation/label_table.h`), RELLIS-3D's by
 default; `--param labels.19=hard` changes one code, to `ignored`, `ground`, `soft`, `hard` or `person`.
 )";
 

@@ -66,17 +66,17 @@ void RunFit(const FitOptions& options) {
 void AddFitCommand(CLI::App& app) {
   CLI::App* fit = app.add_subcommand(
       "fit",
-      "Fit the simulator's vehicle to a recorded drive, and say how well it predicts what was not\n"
-      "fitted, beside an ideal differential drive and the published first-order powertrain.\n"
+      "Fit the simulator's vehicle to a recorded drive, and report how well it predicts held-out\n"
+      "data, compared with an ideal differential drive and the published first-order powertrain.\n"
       "With --out: fit.json, fit.md, fit.png (recorded and predicted) and the two vehicles of\n"
       "config/vehicles, warthog_recorded.toml and warthog_paper.toml.");
   const auto options = std::make_shared<FitOptions>();
   fit->add_option("--drive", options->drive,
                   "CSV of commands, wheel speeds and poses (format: tools/fit/drive_record.h)")
       ->required();
-  fit->add_option("--out", options->out, "Folder to write to; made when missing");
-  fit->add_option("--seed", options->seed, "Of which runs are held out (default 1)");
-  fit->add_option("--held-out", options->held_out, "Their share of all runs (default 0.3)")
+  fit->add_option("--out", options->out, "Folder to write to; created if missing");
+  fit->add_option("--seed", options->seed, "Seed for selecting the held-out runs (default 1)");
+  fit->add_option("--held-out", options->held_out, "Share of runs held out (default 0.3)")
       ->check(CLI::Range(0.05, 0.95));
   fit->add_flag("--json", options->json, "Print one JSON object on stdout");
   fit->callback([options] { RunFit(*options); });

@@ -27,7 +27,7 @@ void AddFiguresCommand(CLI::App& app) {
   CLI::App* figures = app.add_subcommand(
       "figures", "Draw the paper's figures that need no simulator, with the library itself.");
   const auto out = std::make_shared<std::string>();
-  figures->add_option("--out", *out, "Folder to write to; made when missing")->required();
+  figures->add_option("--out", *out, "Folder to write to; created if missing")->required();
   figures->callback([out] { WriteFigures(*out); });
 }
 

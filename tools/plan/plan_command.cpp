@@ -227,10 +227,10 @@ void AddPlanCommand(CLI::App& app) {
       app.add_subcommand("plan",
                          "Plan a path on one lidar scan, on plain points or on one "
                          "occupancy map; write plan.json,\n"
-                         "plan.png, costmap.png and, but with --map, classes.png: what "
-                         "each return was taken for.\n"
+                         "plan.png, costmap.png and, except with --map, classes.png: the "
+                         "class of each return.\n"
                          "Lengths are metres, angles radians anticlockwise from +x; "
-                         "but with --map the vehicle stands at\n"
+                         "except with --map, the vehicle stands at\n"
                          "--start (default 0,0,0), x ahead, y left.");
   const auto options = std::make_shared<PlanOptions>();
   plan->add_option("--lidar", options->lidar.capture, "Capture of an Ouster lidar (pcap)");
@@ -245,9 +245,8 @@ void AddPlanCommand(CLI::App& app) {
       ->check(CLI::IsMember({"soft", "hard", "free"}));
   plan->add_option("--start", options->start, "Start pose X,Y,THETA [m, m, rad]");
   plan->add_option("--goal", options->goal, "Goal X,Y or X,Y,THETA [m, m, rad]")->required();
-  plan->add_option("--param", options->parameters, "GROUP.NAME=VALUE, as often as wanted")
-      ->take_all();
-  plan->add_option("--out", options->out, "Folder to write to; made when missing")->required();
+  plan->add_option("--param", options->parameters, "GROUP.NAME=VALUE, may be repeated")->take_all();
+  plan->add_option("--out", options->out, "Folder to write to; created if missing")->required();
   plan->add_flag("--json", options->json, "Print plan.json on stdout instead of a line");
   plan->footer("Exit codes: 0 planned; 1 no plan (no path, collision); 2 bad usage or input.");
   plan->callback([options] { RunPlan(*options); });

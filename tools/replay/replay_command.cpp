@@ -57,8 +57,8 @@ void RunReplay(const ReplayOptions& options) {
 void AddReplayCommand(CLI::App& app) {
   CLI::App* replay = app.add_subcommand(
       "replay",
-      "Run a recorded drive through the same code again: a flight log, whose decisions have to be\n"
-      "taken again bit for bit, or a plain capture of `tcpdump -i any`. Prints the decision hash.");
+      "Run a recorded drive through the same code again: a flight log, whose decisions must be\n"
+      "reproduced bit for bit, or a plain capture of `tcpdump -i any`. Prints the decision hash.");
   const auto options = std::make_shared<ReplayOptions>();
   replay->add_option("files", options->request.files, "The log's files, of one run; or captures")
       ->required();
@@ -66,11 +66,10 @@ void AddReplayCommand(CLI::App& app) {
                      "Configuration (TOML) instead of the log's; a plain capture needs one");
   replay->add_option("--metadata", options->request.metadata_path,
                      "The lidar's metadata (JSON) instead of the log's or the configuration's");
-  replay->add_flag(
-      "--from-image", options->request.from_image,
-      "Begin every file from the image of the state that it opens with, where it has one");
+  replay->add_flag("--from-image", options->request.from_image,
+                   "Start every file from its state image, if it has one");
   replay->add_option("--out", options->out,
-                     "Folder for replay.json and replay.png; made when missing");
+                     "Folder for replay.json and replay.png; created if missing");
   replay->add_flag("--json", options->json, "Print replay.json as one line on standard output");
   replay->callback([options] { RunReplay(*options); });
 }

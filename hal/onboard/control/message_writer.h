@@ -12,15 +12,15 @@
 
 namespace hardpack::control {
 
-// Writes the little-endian numbers of one message, one behind the other, header first. Nothing is
-// written beyond the buffer: then Finish says kCapacityExceeded. The buffer must outlive it.
+// Writes the little-endian numbers of one message, one after another, header first. Nothing is
+// written beyond the buffer: Finish then returns kCapacityExceeded. The buffer must outlive it.
 class MessageWriter {
  public:
   MessageWriter(std::span<uint8_t> buffer, Kind kind, uint32_t sequence) : buffer_(buffer) {
     U32(kMagic);
     U8(kVersion);
     U8(static_cast<uint8_t>(kind));
-    U16(0);  // its size, once it is known
+    U16(0);  // its size, once known
     U32(sequence);
   }
 
@@ -30,7 +30,7 @@ class MessageWriter {
   void U64(uint64_t value) { Write(value, 8); }
   void F32(float value) { U32(std::bit_cast<uint32_t>(value)); }
 
-  // Sets the size of the whole.
+  // Sets the total size.
   Status Finish(int& size_bytes) {
     size_bytes = 0;
     if (size_ > buffer_.size() || size_ > kMaxMessageBytes) return Status::kCapacityExceeded;
@@ -55,7 +55,7 @@ class MessageWriter {
   }
 
   std::span<uint8_t> buffer_;
-  size_t size_ = 0;  // that it has or would need
+  size_t size_ = 0;  // size it has or would need
 };
 
 }  // namespace hardpack::control

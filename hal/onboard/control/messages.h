@@ -8,9 +8,9 @@
 #include "core/base/pose.h"
 #include "core/base/status.h"
 
-// What an operator's program and the onboard program say to each other: one message a packet of a
-// local, connection-oriented, packet-keeping socket (docs/control.md). Encodes and decodes; who may
-// command is the port's to decide, what a command does hal/onboard/vehicle_loop's.
+// The messages between an operator's program and the onboard program: one per packet of a local,
+// connection-oriented socket that keeps packets intact (docs/control.md). Encodes and decodes; the
+// port decides who may command, and hal/onboard/vehicle_loop what a command does.
 //
 //   @0 magic "HPCT"  @4 version u8  @5 kind u8  @6 size u16 of the whole  @8 sequence u32  @12 body
 //
@@ -28,10 +28,10 @@ enum class Kind : uint8_t {
   // Commands: they go into the tick and into the flight log.
   kArm = 1,
   kDisarm = 2,
-  kGoal = 3,  // one waypoint or several, to be reached in turn
+  kGoal = 3,  // one or more waypoints, to be reached in order
   kStop = 4,
   kEmergencyStop = 5,
-  kAlive = 6,  // the operator is there: has pressed something since
+  kAlive = 6,  // the operator is present: has pressed something since
   // Questions: they change nothing, and are answered outside the tick.
   kGetStatus = 64,
   kGetParameters = 65,
@@ -50,7 +50,7 @@ constexpr bool IsAnswer(Kind kind) {
   return kind >= Kind::kDone;
 }
 
-// What a number of a message may be.
+// Limits on the numbers of a message.
 inline constexpr float kMaxPosition_m = 1.0e6f;  // either way, x and y
 inline constexpr float kMaxHeading_rad = 3.1415927f;
 inline constexpr int64_t kMaxLatitude_ndeg = 90'000'000'000;
@@ -59,7 +59,7 @@ inline constexpr int kMaxParametersBytes = 1 << 20;  // of the whole configurati
 
 enum class GoalFrame : uint8_t {
   kOdom = 0,      // metres in the local frame
-  kBody = 1,      // metres ahead and to the left of the vehicle, as it stands when this is taken
+  kBody = 1,      // metres ahead and to the left of the vehicle's pose on acceptance
   kGeodetic = 2,  // latitude and longitude, WGS 84
 };
 
@@ -73,8 +73,8 @@ struct Waypoint {
 struct OperatorCommand {
   Kind kind = Kind::kAlive;
   uint32_t sequence = 0;
-  // kAlive: another number at every press of the operator's; 0: none was pressed. Without a new one
-  // a program that was left over proves nobody's presence.
+  // kAlive: a different number at every key press of the operator; 0: no press. Without a new one,
+  // a forgotten program proves nobody's presence.
   uint32_t press = 0;
   // kGoal:
   int32_t waypoints = 0;  // 1 .. kMaxWaypoints
@@ -88,10 +88,10 @@ static_assert(std::is_trivially_copyable_v<OperatorCommand>);
 struct Question {
   Kind kind = Kind::kGetStatus;
   uint32_t sequence = 0;
-  uint32_t offset = 0;  // kGetParameters: the first byte that is wanted
+  uint32_t offset = 0;  // kGetParameters: the first requested byte
 };
 
-// What became of a command.
+// The result of a command.
 struct Done {
   uint32_t sequence = 0;
   Status status = Status::kOk;
@@ -103,7 +103,7 @@ struct ParametersPart {
   uint32_t sequence = 0;
   uint32_t offset = 0;             // of its first byte
   uint32_t whole_bytes = 0;        // of the text, at most kMaxParametersBytes
-  std::span<const uint8_t> bytes;  // empty only where the offset is the end
+  std::span<const uint8_t> bytes;  // empty only if the offset is the end
 };
 inline constexpr int kMaxPartBytes = kMaxMessageBytes - kHeaderBytes - 8;
 
@@ -112,29 +112,29 @@ struct Header {
   uint32_t sequence = 0;
 };
 
-// Of which kind a message is; its body is not looked at. Of several things that are wrong the first
-// of this list is told. kTruncated: no whole header; kWrongPacketType: another magic number;
-// kUnsupported: another version; kInvalidArgument: a kind that there is not; kTruncated,
-// kOversized: not of the size that it says, or of more than kMaxMessageBytes. On failure
-// header.kind is untouched; header.sequence is the message's, so that its sender can be answered,
-// but after the first three. Constant cost.
+// Reads the kind of a message; its body is not examined. If several things are wrong, returns the
+// first in this list. kTruncated: no complete header; kWrongPacketType: another magic number;
+// kUnsupported: another version; kInvalidArgument: an unknown kind; kTruncated, kOversized: not the
+// size that it states, or more than kMaxMessageBytes. On failure header.kind is unchanged;
+// header.sequence is the message's, so that its sender can be answered, except after the first
+// three. Constant cost.
 Status ReadHeader(std::span<const uint8_t> message, Header& header);
 
-// Each reads one message, given whole and alone, and checks every byte of it: what is taken would
-// be encoded to the same bytes again. The statuses of ReadHeader; kWrongPacketType: a message of
-// another sort; kTruncated, kOversized: not of the size that its body has to have; kNotFinite;
-// kInvalidArgument: a number out of its range (above), a frame that there is not, no waypoint or
-// too many, or a byte that has to be 0 and is not. Then what it would fill is untouched. The
-// numbers of an answer's codes are taken as they are. Cost: one pass over the bytes, two of a goal.
-// (Of a command that is no goal the waypoints stay as they were.)
+// Each decodes exactly one complete message and checks every byte of it: an accepted message
+// re-encodes to the same bytes. The statuses of ReadHeader; kWrongPacketType: a message of another
+// sort; kTruncated, kOversized: not the size that its body must have; kNotFinite; kInvalidArgument:
+// a number out of range (above), an unknown frame, no waypoint or too many, or a byte that must be
+// 0 and is not. Then the output is unchanged. The codes in an answer are not checked. Cost: one
+// pass over the bytes, two for a goal. (A command other than a goal leaves the waypoints
+// unchanged.)
 Status Decode(std::span<const uint8_t> message, OperatorCommand& command);
 Status Decode(std::span<const uint8_t> message, Question& question);
 Status Decode(std::span<const uint8_t> message, Done& answer);
 Status Decode(std::span<const uint8_t> message, ParametersPart& answer);  // bytes: of `message`
 
-// Each writes one message and sets `size_bytes`. kCapacityExceeded: the buffer is too small (it
-// never is with kMaxMessageBytes); kInvalidArgument, kNotFinite: what Decode would not take. Then
-// nothing is written, and `size_bytes` is 0. Cost: as above.
+// Each encodes one message and sets `size_bytes`. kCapacityExceeded: the buffer is too small (never
+// with kMaxMessageBytes); kInvalidArgument, kNotFinite: what Decode would refuse. Then nothing is
+// written, and `size_bytes` is 0. Cost: as above.
 Status Encode(const OperatorCommand& command, std::span<uint8_t> buffer, int& size_bytes);
 Status Encode(const Question& question, std::span<uint8_t> buffer, int& size_bytes);
 Status Encode(const Done& answer, std::span<uint8_t> buffer, int& size_bytes);

@@ -11,10 +11,10 @@
 #include "hal/onboard/vehicle_loop/tick.h"
 #include "hal/recorder.h"
 
-// Writes a run into a Recorder as a capture of what went over the wires, in and out, with records
-// of our own between (records.h): everything that a tick was given, so that the run can
-// be done again, and what it decided, to be compared. docs/flight_log.md is for those who read such
-// files. Around every tick:
+// Writes a run into a Recorder as a capture of the traffic on the wires, in and out, interleaved
+// with records of our own (records.h): all input of every tick, so that the run can be repeated,
+// and its decisions, for comparison. docs/flight_log.md is for readers of such files. Around every
+// tick:
 //
 //   log.BeginTick(input, arrivals, state);   // state: AnyVehicle::state()
 //   status = vehicle.Tick(input, output);
@@ -23,35 +23,35 @@
 // A file:  Version  Configuration...  LidarMetadata...  [State image...]  tick  tick  ...  [End]
 // A tick:  TickBegin  frames in  datagrams in  [Command]  frames out  [part of the image]  TickEnd
 //
-// Where a file is not the first of its run, the state before its first tick is copied at once and
-// given out in parts with the ticks that follow, kImagePartsPerTick each, so that no tick carries
-// the whole of it. Nothing here can fail the tick: what the recorder cannot take is its counters'.
+// Unless a file is the first of its run, the state before its first tick is copied at once and
+// written in parts with the following ticks, kImagePartsPerTick each, so that no tick carries all
+// of it. Nothing here can fail the tick: what the recorder cannot accept shows in its counters.
 
 namespace hardpack::flight_log {
 
 struct FlightLogSetup {
-  // Of the program and of its vehicle; state_bytes, file and next_tick are filled in here.
+  // For the program and its vehicle; state_bytes, file and next_tick are filled in here.
   VersionRecord version;
-  // The texts that the VehicleConfig was made from. They must outlive the log.
+  // The texts from which the VehicleConfig was made. They must outlive the log.
   std::span<const uint8_t> configuration;   // TOML, at most kMaxTextBytes
   std::span<const uint8_t> lidar_metadata;  // JSON, at most kMaxTextBytes
-  // Of a datagram by its source where BeginTick is not told, and where it went.
+  // Default endpoints of a datagram by its source, if BeginTick gets none.
   Endpoint sender[kInputSources] = {};
   Endpoint receiver[kInputSources] = {};
-  int32_t can_interface = 0;  // its index, as the operating system counts; 0: not known
-  // Wall clock [ns since 1970] less our clock, taken once: what is added to a tick's time for its
-  // packets' stamps.
+  int32_t can_interface = 0;  // its index in the operating system; 0: unknown
+  // Wall clock [ns since 1970] minus our clock, taken once: added to a tick's time for the stamps
+  // of its packets.
   int64_t wall_clock_offset_ns = 0;
 };
 
-// Where one datagram of a tick came from.
+// Origin of one datagram of a tick.
 struct Arrival {
-  int64_t kernel_time_ns = 0;  // wall clock; 0: not known
+  int64_t kernel_time_ns = 0;  // wall clock; 0: unknown
   Endpoint sender;
 };
 
 struct TickArrivals {
-  std::span<const Arrival> datagrams;  // as TickInput::datagrams; empty: as the setup says
+  std::span<const Arrival> datagrams;  // parallel to TickInput::datagrams; empty: use the setup
   uint32_t command_user = 0;           // who sent the command
 };
 
@@ -60,7 +60,7 @@ struct TickResult {
   Status status = Status::kOk;
   uint64_t decision_hash = 0;
   uint64_t duration_ns = 0;
-  int32_t refused_frames = 0;  // that the bus did not accept
+  int32_t refused_frames = 0;  // refused by the bus
 };
 
 class FlightLog {
@@ -68,26 +68,26 @@ class FlightLog {
   static constexpr size_t kMaxTextBytes = size_t{1} << 20u;
   static constexpr size_t kMaxStateBytes = size_t{1} << 24u;
   static constexpr int kImagePartsPerTick = 4;
-  // A kernel's stamp is taken for a packet's when it is no farther before the tick.
+  // A kernel's stamp is used for a packet if it is at most this long before the tick.
   static constexpr int64_t kMaxStampAge_ns = 1'000'000'000;
 
-  // Nothing is recorded before Start. `snapshot` is the log's own room for a copy of the state; one
-  // that is too small, or empty: files that are not the first of a run cannot be replayed alone.
-  // Both must outlive the log.
+  // Nothing is recorded before Start. `snapshot` is the log's buffer for a copy of the state; if it
+  // is too small or empty, files other than the first of a run cannot be replayed alone. Both must
+  // outlive the log.
   FlightLog(Recorder& recorder, std::span<uint8_t> snapshot);
 
-  // kOversized: a text is longer than kMaxTextBytes; then nothing will be recorded.
+  // kOversized: a text is longer than kMaxTextBytes; nothing will be recorded then.
   Status Start(const FlightLogSetup& setup);
 
-  // Before Tick. Opens a file when the recorder wants it; `state` is then copied, if a tick has
-  // been logged before. Cost: a copy of the input; at a new file, of the state and the texts.
+  // Before Tick. Opens a file if the recorder wants one; `state` is then copied, if a tick has been
+  // logged before. Cost: a copy of the input; at a new file, of the state and the texts.
   void BeginTick(const TickInput& input, const TickArrivals& arrivals,
                  std::span<const std::byte> state);
 
-  // After it. Cost: the frames, and the parts of an image that are due.
+  // After Tick. Cost: the frames, and the image parts that are due.
   void EndTick(const TickResult& result, const TickOutput& output);
 
-  // The run ends as it should.
+  // The run ends normally.
   void End();
 
  private:
@@ -109,9 +109,9 @@ class FlightLog {
   bool started_ = false;
   uint32_t files_ = 0;
   bool any_tick_ = false;
-  uint64_t last_index_ = 0;   // of the last tick that was logged
+  uint64_t last_index_ = 0;   // of the last logged tick
   int64_t tick_time_ns_ = 0;  // wall clock
-  size_t image_bytes_ = 0;    // of the snapshot that is being given out; 0: none is
+  size_t image_bytes_ = 0;    // of the snapshot being written; 0: none
   size_t image_done_bytes_ = 0;
   uint32_t image_crc_ = 0;
   uint64_t image_index_ = 0;

@@ -8,10 +8,10 @@
 #include "core/base/status.h"
 #include "hal/can_frame.h"
 
-// The packets of a capture file of link type LINUX_SLL2 (276), in which datagrams and CAN frames
-// can stand side by side: what goes before their bytes. `tcpdump -i any` writes the same. Layouts
-// as documented by libpcap (REFERENCES.md) and RFC 791, RFC 768. Encodes, and decodes the part that
-// captures of other link types have in common, a CAN frame.
+// The packets of a capture file of link type LINUX_SLL2 (276), which can mix datagrams and CAN
+// frames: their headers. `tcpdump -i any` writes the same. Layouts as documented by libpcap
+// (REFERENCES.md) and RFC 791, RFC 768. Encodes, and decodes the part shared with captures of other
+// link types, a CAN frame.
 
 namespace hardpack::flight_log {
 
@@ -33,31 +33,31 @@ struct Endpoint {
 };
 inline constexpr uint32_t kLoopback = 0x7f000001u;  // 127.0.0.1
 
-enum class Direction : uint8_t { kIn = 0, kOut = 4 };  // as the header's packet type says it
+enum class Direction : uint8_t { kIn = 0, kOut = 4 };  // values of the header's packet type
 
-// What a capture file begins with.
+// Header of a capture file.
 void EncodeFileHeader(std::span<uint8_t, kPcapFileHeaderBytes> bytes);
 
-// What a packet of it begins with: its stamp, since 1970, and its size.
+// Header of a packet in it: its stamp, since 1970, and its size.
 void EncodePacketHeader(uint32_t seconds, uint32_t nanoseconds, uint32_t packet_bytes,
                         std::span<uint8_t, kPcapPacketHeaderBytes> bytes);
 
-// What goes before a datagram that came in: cooked header, IPv4 with its checksum, UDP without (0:
-// none was computed). Precondition: payload_bytes <= kMaxPayloadBytes.
+// Headers of a received datagram: cooked header, IPv4 with its checksum, UDP without (0: not
+// computed). Precondition: payload_bytes <= kMaxPayloadBytes.
 void EncodeDatagramHead(const Endpoint& from, const Endpoint& to, size_t payload_bytes,
                         std::span<uint8_t, kDatagramHeadBytes> bytes);
 
-// A frame as a whole packet. The identifier goes lowest byte first, as Linux has it on the machines
-// that this runs on: what reads such files takes it to be in the file's own byte order.
-// Precondition: IsValid(frame).
+// A frame as a complete packet. The identifier is stored lowest byte first, as Linux does on the
+// machines that this runs on: readers of such files assume the file's own byte order. Precondition:
+// IsValid(frame).
 void EncodeCan(const CanFrame& frame, Direction direction, int32_t interface_index,
                std::span<uint8_t, kCanPacketBytes> bytes);
 
 enum class IdOrder : uint8_t { kLowestFirst, kHighestFirst };
 
-// A can_frame, as it stands behind the link layer's header; what follows its data may be missing.
+// A can_frame as it follows the link layer's header; bytes after its data may be missing.
 // kTruncated: fewer bytes than its size says; kUnsupported: an error report, or an FD frame;
-// kInvalidArgument: no frame that a bus can carry. On failure `frame` is untouched.
+// kInvalidArgument: not a frame that a bus can carry. On failure `frame` is unchanged.
 Status DecodeCan(std::span<const uint8_t> bytes, IdOrder order, CanFrame& frame);
 
 }  // namespace hardpack::flight_log

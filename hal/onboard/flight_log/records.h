@@ -11,8 +11,8 @@
 #include "hal/onboard/flight_log/packets.h"
 #include "hal/onboard/pilot/input_source.h"
 
-// What a flight log holds and no wire carries: records of our own, each the payload of one UDP
-// datagram from 127.0.0.1 to 127.0.0.1, port kRecordPort both (docs/flight_log.md).
+// The parts of a flight log that no wire carries: records of our own, each the payload of one UDP
+// datagram from 127.0.0.1 to 127.0.0.1, port kRecordPort on both sides (docs/flight_log.md).
 //
 //   @0 magic "HPFL"  @4 version u8  @5 kind u8  @6 zero u16  @8 body
 //
@@ -24,31 +24,32 @@ inline constexpr uint16_t kRecordPort = 47100;
 inline constexpr uint32_t kRecordMagic = 0x4c465048u;  // "HPFL"
 inline constexpr uint8_t kRecordVersion = 1;
 inline constexpr size_t kRecordHeaderBytes = 8;
-// What is larger goes in parts. Half of a datagram, so that a tick can be given an even share.
+// Larger contents are split into parts. Half of a datagram, so that each tick can be given an even
+// share.
 inline constexpr size_t kMaxPartBytes = 32768;
-inline constexpr size_t kMaxBodyHeadBytes = 184;  // of a body, what is before its bytes
+inline constexpr size_t kMaxBodyHeadBytes = 184;  // of a body, before its bytes
 inline constexpr size_t kMaxRecordHeadBytes = kRecordHeaderBytes + kMaxBodyHeadBytes;
 
 enum class RecordKind : uint8_t {
-  kNone = 0,           // no record of ours
+  kNone = 0,           // not one of our records
   kVersion = 1,        // the first of a file
-  kConfiguration = 2,  // a part of the configuration's text (TOML)
+  kConfiguration = 2,  // a part of the configuration text (TOML)
   kLidarMetadata = 3,  // a part of the lidar's metadata (JSON)
-  kStateImage = 4,  // a part of the state after a tick, from where the file can be replayed alone
+  kStateImage = 4,  // a part of the state after a tick, from which the file can be replayed alone
   kTickBegin = 5,   // a tick's inputs follow: its frames, its datagrams, its command
   kCommand = 6,     // the tick's control message
-  kTickEnd = 7,     // behind the frames that the tick sent
+  kTickEnd = 7,     // after the frames that the tick sent
   kGap = 8,         // records are missing here
-  kEnd = 9,         // the run has ended as it should: nothing was lost at its end
+  kEnd = 9,         // the run ended normally: nothing was lost at its end
 };
 
-// Texts end in a zero, or fill their field.
+// Texts end with a zero, or fill their field.
 struct VersionRecord {
-  uint64_t run = 0;           // the same in all files of a run, another in every run
-  uint32_t file = 0;          // counts the files of a run that were begun, from 0
-  uint64_t next_tick = 0;     // the index after the last tick of the file before; 0: there was none
+  uint64_t run = 0;           // the same in all files of a run, different in every run
+  uint32_t file = 0;          // counts the files of a run, from 0
+  uint64_t next_tick = 0;     // the index after the last tick of the previous file; 0: none
   uint64_t state_bytes = 0;   // of the whole state
-  uint64_t state_layout = 0;  // AnyVehicle::state_layout() of the program that wrote it
+  uint64_t state_layout = 0;  // AnyVehicle::state_layout() of the writing program
   char version[32] = {};
   char build[64] = {};
   char processor[16] = {};
@@ -62,10 +63,10 @@ struct PartRecord {  // kConfiguration, kLidarMetadata
 };
 
 struct ImageRecord {
-  uint64_t index = 0;  // of the tick that it is the state after
+  uint64_t index = 0;  // of the preceding tick
   uint32_t offset = 0;
   uint32_t whole_bytes = 0;
-  uint32_t crc = 0;  // CRC-32 of the image up to here, this part included
+  uint32_t crc = 0;  // CRC-32 of the image up to here, including this part
   std::span<const uint8_t> bytes;
 };
 
@@ -79,24 +80,25 @@ struct TickBeginRecord {
 };
 
 struct CommandRecord {
-  uint32_t user = 0;  // the peer's, as the operating system says
+  uint32_t user = 0;  // the peer's, from the operating system
   std::span<const uint8_t> bytes;
 };
 
 struct TickEndRecord {
   uint64_t index = 0;
   Status status = Status::kOk;
-  uint16_t frames = 0;         // that the tick gave, logged before this
-  uint16_t refused = 0;        // of these, that the bus did not accept
+  uint16_t frames = 0;         // output of the tick, logged before this
+  uint16_t refused = 0;        // of these, refused by the bus
   uint64_t decision_hash = 0;  // of everything decided so far
-  uint64_t duration_ns = 0;    // of the tick; for information: no two runs agree in it
+  uint64_t duration_ns = 0;    // of the tick; for information: it differs between runs
 };
 
 struct GapRecord {
-  uint64_t records = 0;  // that are missing
+  uint64_t records = 0;  // missing
 };
 
-// A record's head: everything but the bytes that PartRecord, ImageRecord and CommandRecord end in.
+// A record's head: everything except the bytes at the end of PartRecord, ImageRecord and
+// CommandRecord.
 class RecordHead {
  public:
   explicit RecordHead(const VersionRecord& record);
@@ -119,11 +121,11 @@ class RecordHead {
   size_t size_ = 0;
 };
 
-// The kind of a datagram's payload: kNone when it has not our magic number and version, or is
-// shorter than a header, or is of no kind of the list.
+// The kind of a datagram's payload: kNone if it does not have our magic number and version, is
+// shorter than a header, or is of an unknown kind.
 RecordKind KindOf(std::span<const uint8_t> payload);
 
-// Each: kWrongPacketType: of another kind; kTruncated, kOversized: not of its kind's size;
+// Each: kWrongPacketType: of another kind; kTruncated, kOversized: not the size of its kind;
 // kInvalidArgument: a number that such a record cannot have (a part outside its whole, an unknown
 // bus state). On failure `record` is empty. Cost: constant; the spans are into `payload`.
 Status Decode(std::span<const uint8_t> payload, VersionRecord& record);
@@ -134,7 +136,7 @@ Status Decode(std::span<const uint8_t> payload, CommandRecord& record);
 Status Decode(std::span<const uint8_t> payload, TickEndRecord& record);
 Status Decode(std::span<const uint8_t> payload, GapRecord& record);
 
-// CRC-32/ISO-HDLC (as of Ethernet and zip) of what gave `before` and these bytes behind it;
+// CRC-32/ISO-HDLC (as in Ethernet and zip) of the bytes that gave `before` followed by these;
 // `before` is 0 at the start. Precondition: at most kMaxPartBytes. Cost: one pass.
 uint32_t ExtendCrc32(uint32_t before, std::span<const uint8_t> bytes);
 

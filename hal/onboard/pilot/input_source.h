@@ -5,7 +5,7 @@
 
 namespace hardpack {
 
-// Where a datagram came from, in the order in which a tick has to be given them.
+// Source of a datagram, in the order in which a tick must be given them.
 enum class InputSource : uint8_t { kIns = 0, kLabels = 1, kLidar = 2 };
 inline constexpr int kInputSources = 3;
 

@@ -31,15 +31,15 @@
 #include "hal/onboard/control/status_report.h"
 #include "hal/onboard/pilot/input_source.h"
 
-// Drives the vehicle, whatever its devices are: measurements with their times in our clock in, what
-// the drives are to do out. It knows no packet and no frame; hal/onboard/vehicle_loop gives it what
-// the devices say, in the order of the functions below, once a tick:
+// Drives the vehicle, whatever its devices are: measurements with their times in our clock in,
+// demands on the drives out. It knows no packets and no frames; hal/onboard/vehicle_loop passes it
+// the devices' data, in the order of the functions below, once a tick:
 //
 //   BeginTick, TakeIns..., Localise, TakeLabels..., TakeColumn..., FinishMap, Decide, Act, PlanOn
 
 namespace hardpack {
 
-// Everything that decides how the vehicle behaves, but what its devices are.
+// Everything that determines the vehicle's behaviour, except what its devices are.
 struct PilotConfig {
   PlannerParams planner;
   PerceptionParams perception;
@@ -47,7 +47,7 @@ struct PilotConfig {
   LabelTable labels = RellisLabelTable();
 };
 
-// What the answer to an operator's command will say.
+// Content of the answer to an operator's command.
 struct CommandAnswer {
   bool has_answer = false;
   uint32_t sequence = 0;
@@ -55,22 +55,22 @@ struct CommandAnswer {
   StopReason reason = StopReason::kNone;  // why it was not permitted
 };
 
-// Counts as an operator is told them. Since the loop was configured.
+// Counters as reported to the operator. Since the loop was configured.
 using LoopCounters = control::LoopPart;
 static_assert(control::kInputSourceCount == kInputSources);
 
 class Pilot {
  public:
-  static constexpr float kWaypointReached_m = 2.0f;  // where it is not the last one
-  static constexpr float kMovedGoal_m = 3.0f;        // an end beside a goal that is occupied
+  static constexpr float kWaypointReached_m = 2.0f;  // unless it is the last one
+  static constexpr float kMovedGoal_m = 3.0f;        // distance of an end beside an occupied goal
   static constexpr float kArrived_m = 0.3f;
   static constexpr float kArrivedSpeed_mps = 0.05f;
-  // A goal on earth that moves in odom by less than this stays where it is: each move is a new
-  // plan.
+  // A goal on earth that moves in odom by less than this stays where it is, because each move
+  // causes a new plan.
   static constexpr float kGoalFollows_m = 0.05f;
-  // Measured: a turn on the spot is not begun above it.
+  // Measured speed: a turn on the spot does not begin above it.
   static constexpr float kStandsSpeed_mps = 0.1f;
-  // What a late tick may make up for of the ramps.
+  // The time of the ramps that a late tick may make up for.
   static constexpr float kLongestTick_s = 0.1f;
 
   const PilotConfig& config() const { return config_; }
@@ -85,7 +85,7 @@ class Pilot {
   const ReactionMeter& reaction() const { return reaction_; }
   const SightWatch& sight() const { return sight_; }
   const MountWatch& mount() const { return mount_; }
-  // As the supervisor has it: how long ago the way ahead was looked along.
+  // As the supervisor uses it: the age of the oldest look along the path.
   SightLook OldestLook() const;
   const Odometry& odometry() const { return odometry_; }
   const MapFromOdom& map_from_odom() const { return map_from_odom_; }
@@ -101,48 +101,48 @@ class Pilot {
   // Precondition: goals() > 0.
   Vec2 goal_odom() const { return goals_[goal_index_].position_odom; }
   const TrackingOutput& tracking() const { return tracking_output_; }
-  // Of everything decided since Configure: what was sent, modes, plans.
+  // Hash of all decisions since Configure: commands, modes, plans.
   uint64_t decision_hash() const { return hash_.value(); }
 
  protected:
-  // What came and what was decided.
+  // Clears inputs and decisions.
   void Forget();
 
-  // Sets everything up, once Forget was called. The statuses of the stages' Configure. Cost:
-  // everything is cleared.
+  // Configures everything, after Forget. The statuses of the stages' Configure. Cost: everything is
+  // cleared.
   Status Configure(const PilotConfig& config, const LidarLayout& lidar);
 
-  // tick_s: since the tick before, within reason.
+  // tick_s: since the previous tick, within limits.
   void BeginTick(uint64_t index, uint64_t now_ns);
 
-  // A device's clock may be fixed anew.
+  // Whether a device's clock offset may be fixed anew.
   bool MayFixClocks() const { return supervisor_.mode() == Mode::kStandby; }
 
-  // A message of the INS that was measured at measured_ns.
+  // An INS message measured at measured_ns.
   void TakeIns(const InsSample& sample, uint64_t measured_ns);
 
-  // Where the vehicle is, ahead of the columns that were taken before it.
+  // Updates the vehicle's pose, before the columns that were measured before it are taken.
   void Localise(const WheelFeedback& wheels);
 
   void TakeLabels(const ColumnLabels& labels);
-  // A column of the lidar that was measured at time_ns.
+  // A lidar column measured at time_ns.
   void TakeColumn(const LidarColumn& column, uint64_t time_ns);
-  // One that came, and that the map does not get.
+  // A received column that does not reach the map.
   void LoseColumn();
-  // What the columns of this tick come to.
+  // Processes the columns of this tick.
   void FinishMap();
 
-  // Whether and how the vehicle may move. `answer` is that to the command.
+  // Decides whether and how the vehicle may move. `answer` is the answer to the command.
   void Decide(std::span<const uint8_t> command, const DriveFeedback& drives, bool bus_is_active,
               CommandAnswer& answer);
 
-  // What the drives are to do.
+  // The demand on the drives.
   DriveDemand Act();
 
-  // A fixed number of units of planning, never measured time: so a replay repeats.
+  // A fixed number of units of planning, independent of measured time: so a replay is reproducible.
   void PlanOn();
 
-  // Adds what this tick decided.
+  // Adds this tick's decisions.
   void AddToHash(const CommandAnswer& answer);
 
   DecisionHash hash_;
@@ -151,21 +151,21 @@ class Pilot {
  private:
   struct Goal {
     Vec2 position_odom;
-    bool is_on_earth = false;  // then it moves in odom as that drifts
+    bool is_on_earth = false;  // if so, it moves in odom as odom drifts
     int64_t latitude_ndeg = 0;
     int64_t longitude_ndeg = 0;
     bool has_heading = false;
     float heading_rad = 0.0f;
   };
 
-  // What comes in (pilot.cpp).
+  // Inputs (pilot.cpp).
   void NoteIns(const InsSample& sample, uint64_t measured_ns);
   void LocateInMap(const StampedPose& pose);
   Status LimitSpeed(const LidarLayout& lidar);
   Status ConfigureMapper();
   void Restart();
 
-  // What the operator wants (goals.cpp).
+  // The operator's requests (goals.cpp).
   void TakeCommand(std::span<const uint8_t> bytes, CommandAnswer& answer);
   void NoteOperator();
   Status TakeGoals();
@@ -176,14 +176,14 @@ class Pilot {
   bool IsAtEndFor(const Goal& goal) const;
   bool HasArrived() const;
 
-  // What is done about it (decide.cpp).
+  // Decisions (decide.cpp).
   VehicleState PredictedState() const;
   bool HasPlan() const;
   SupervisorInput Situation(const DriveFeedback& drives, bool bus_is_active) const;
   void UpdatePlanner();
   void Move();
 
-  // What is looked after besides (watch.cpp).
+  // Monitoring (watch.cpp).
   Status ConfigureSafety();
   CorridorSize SizeOfCorridor() const;
   void TestReturns(bool are_new);
@@ -211,7 +211,7 @@ class Pilot {
   void LookAt(const Pose2& place, SightLook& oldest) const;
   StopReason BlindBy(const SightLook& look) const;
 
-  // Where the vehicle goes until it is at rest (sweep.cpp).
+  // The vehicle's motion until rest (sweep.cpp).
   void ConfigureSweep();
   WayAhead JudgeSweep();
   WayAhead JudgeStop();
@@ -223,11 +223,11 @@ class Pilot {
   uint64_t index_ = 0;
   uint64_t now_ns_ = 0;
   uint64_t lidar_ns_ = 0;  // our time of the newest column in the map
-  uint64_t ins_ns_ = 0;    // of the newest message of the INS that was no repetition: when it was
-                           // measured, as near as its clock tells, else when it came
+  uint64_t ins_ns_ = 0;    // of the newest INS message that was not a repetition: when it was
+                           // measured, as well as known, otherwise when it arrived
   uint64_t operator_ns_ = 0;
-  uint64_t before_ns_ = 0;   // of the tick before
-  float tick_s_ = 0.0f;      // since the tick before, within reason
+  uint64_t before_ns_ = 0;   // of the previous tick
+  float tick_s_ = 0.0f;      // since the previous tick, within limits
   bool is_gap_ = false;      // of the odometry, in this tick
   bool is_located_ = false;  // the planner has this tick's state
   PilotConfig config_;
@@ -237,10 +237,10 @@ class Pilot {
   int32_t goal_index_ = 0;
   InsSample newest_ins_;
   AngularRate ins_rate_;         // the newest angular rate, which not every message has
-  uint64_t ins_rate_ns_ = 0;     // the same of it; 0: none yet
-  float ins_speed_mps_ = 0.0f;   // the newest speed over ground that it vouches for ...
-  uint64_t ins_speed_ns_ = 0;    // ... and when; 0: none yet
-  uint32_t operator_press_ = 0;  // the last that a message of the operator's carried
+  uint64_t ins_rate_ns_ = 0;     // its time, likewise; 0: none yet
+  float ins_speed_mps_ = 0.0f;   // the newest valid ground speed ...
+  uint64_t ins_speed_ns_ = 0;    // ... and its time; 0: none yet
+  uint32_t operator_press_ = 0;  // from the operator's last message with one
   InsSample ins_position_;       // of this tick, the newest with a position
   bool has_position_ = false;
   Odometry odometry_;
@@ -257,10 +257,10 @@ class Pilot {
   MotionSweep sweep_;
   SweptMotion swept_;  // scratch of JudgeSweep
   WayAhead sweep_advice_ = WayAhead::kClear;
-  uint32_t swept_plan_ = 0;        // whose way it stopped on last
-  int32_t lead_out_ = 0;           // that is tried next where it stands for that
-  uint64_t held_since_ns_ = 0;     // that it stands for it; 0: it does not
-  uint64_t person_beside_ns_ = 0;  // somebody was seen within reach last; 0: never
+  uint32_t swept_plan_ = 0;        // the plan on which it last stopped
+  int32_t lead_out_ = 0;           // tried next if the vehicle is held by it
+  uint64_t held_since_ns_ = 0;     // held by it since; 0: not held
+  uint64_t person_beside_ns_ = 0;  // a person was last seen within reach; 0: never
   bool has_start_ = false;         // the map began ...
   Pose2 start_odom_;               // ... at this pose
   CommandGate gate_;
@@ -270,7 +270,7 @@ class Pilot {
   MountWatch mount_;
   StopReason no_way_ = StopReason::kNone;  // as the last round found
   uint32_t round_tick_ = 0;                // in which the round began
-  uint32_t seen_plan_ = 0;                 // number and check of the plan that the corridor is of
+  uint32_t seen_plan_ = 0;                 // number and check of the corridor's plan
   uint64_t seen_check_ns_ = 0;
 };
 static_assert(std::is_trivially_copyable_v<Pilot>);

@@ -16,8 +16,8 @@
 #include "hal/onboard/vehicle_loop/tick.h"
 #include "hal/onboard/vehicle_loop/vehicle_loop.h"
 
-// A vehicle's loop behind an interface, for those who learn only at run time which vehicle it is:
-// the run loop, replay, simulation. The tick itself has no virtual call; the one here is around it.
+// A vehicle's loop behind an interface, for users who learn only at run time which vehicle it is:
+// the run loop, replay, simulation. The tick itself has no virtual call; the only one is around it.
 
 namespace hardpack {
 
@@ -25,7 +25,7 @@ class AnyVehicle {
  public:
   // The name of its type: vehicle.type in a configuration.
   virtual const char* type() const = 0;
-  // The same into a field of a report or a record, with zeros behind it.
+  // Copies it into a field of a report or a record, padded with zeros.
   void CopyType(char (&text)[kMaxVehicleType + 1]) const;
 
   // BasicVehicleLoop::Tick.
@@ -33,24 +33,24 @@ class AnyVehicle {
 
   virtual const Pilot& pilot() const = 0;
 
-  // What the drives say of themselves, as of the last tick.
+  // What the drives report, as of the last tick.
   virtual DriveFeedback Drives() const = 0;
 
-  // No drive pushes: each says so itself, or has said nothing for so long that it is not waited
-  // for. That it was told to, or that we want it to, does not count.
+  // No drive produces torque: each says so itself, or has been silent for so long that it is not
+  // waited for. That it was told to, or that we want it to, does not count.
   virtual bool DrivesAreOff() const = 0;
 
   // Fills in the parts of its devices.
   virtual void Report(control::StatusReport& report) const = 0;
 
-  // The whole state, as a flight log copies it.
+  // The entire state, as a flight log copies it.
   virtual std::span<const std::byte> state() const = 0;
-  // Takes a state that was copied from a vehicle with the same layout. kInvalidArgument: it has
-  // another size; then nothing has changed.
+  // Restores a state copied from a vehicle with the same layout. kInvalidArgument: it has another
+  // size; then nothing has changed.
   virtual Status Restore(std::span<const std::byte> state) = 0;
 
-  // Tells apart programs and vehicles whose states are laid out differently, as far as the sizes of
-  // their parts show it: the state of one is nothing to the other.
+  // Distinguishes programs and vehicles with different state layouts, as far as the sizes of their
+  // parts show it: the state of one is meaningless to the other.
   virtual uint64_t state_layout() const = 0;
 
  protected:

@@ -14,7 +14,7 @@
 #include "hal/can_batch.h"
 #include "hal/can_frame.h"
 
-// What a device has to be, to be one of a vehicle (hal/onboard/vehicle_loop/vehicles.h). Bytes in,
+// The requirements on a device of a vehicle (hal/onboard/vehicle_loop/vehicles.h). Bytes in,
 // measurements out; no clock, no heap, no pointer in the state, every loop with its bound. The
 // compiler checks the form, test/hal/conformance the rest.
 
@@ -26,12 +26,12 @@ concept DeviceState = std::is_trivially_copyable_v<T> && std::default_initializa
 
 // A lidar that sends columns: all beams in one direction, at one time.
 //
-//   Config, LayoutOf, MostColumnsPerSecond  what it is; the layout refers to the configuration
-//   Check       judges a datagram before any column is taken from it. kOk: its columns can be
+//   Config, LayoutOf, MostColumnsPerSecond  its description; the layout refers to the configuration
+//   Check       checks a datagram before any column is taken from it. kOk: its columns can be
 //               decoded; kSensorRestarted: the sensor has restarted, and Check says so until
-//               Resume; all else: refused
+//               Resume; anything else: refused
 //   columns     of a datagram that Check accepted, at most kMaxColumns
-//   Decode      one of them. Not usable: there is none, whatever `column` is
+//   Decode      one of them. Not usable: there is none, whatever `column` holds
 template <typename T>
 concept LidarDevice = DeviceState<T> && std::is_trivially_copyable_v<typename T::Config> &&
     requires(T lidar, const T& known, const typename T::Config& config,
@@ -46,13 +46,13 @@ concept LidarDevice = DeviceState<T> && std::is_trivially_copyable_v<typename T:
   { known.Decode(datagram, index, column) } -> std::same_as<Status>;
 };
 
-// An inertial navigation system whose messages come in a stream that datagrams cut where they like,
-// or one a datagram.
+// An inertial navigation system whose messages arrive in a stream that datagrams cut anywhere, or
+// one per datagram.
 //
-//   BeginTick   from now on Next looks at so many messages
-//   Feed        takes as many bytes as there is room for, and says how many
+//   BeginTick   limits the messages that Next examines from now on
+//   Feed        takes as many bytes as there is room for, and returns their number
 //   Next        the next sample. Not usable: there is none, until more is fed or the next tick
-//   Reset       forgets what was fed and not told
+//   Reset       drops what was fed and not returned
 template <typename T>
 concept InsDevice = DeviceState<T> &&
     requires(T ins, std::span<const uint8_t> bytes, InsSample& sample) {
@@ -62,14 +62,14 @@ concept InsDevice = DeviceState<T> &&
   { ins.Reset() } -> std::same_as<void>;
 };
 
-// What drives the wheels and says how they turn.
+// The device that drives the wheels and reports how they turn.
 //
-//   ParamsOf    its part of the configuration; Configure gets the vehicle's besides
-//   TakeFrame   each frame of the bus that came, in order
+//   ParamsOf    its part of the configuration; Configure also gets the vehicle's
+//   TakeFrame   each received frame of the bus, in order
 //   State       of this tick, after its frames
-//   Tick        once, after State: adds what is to be sent
-//   AreOff      no drive can push: each has said so, or has been silent for longer than a stop
-//               takes
+//   Tick        once, after State: adds the frames to send
+//   AreOff      no drive can produce torque: each has said so, or has been silent for longer than a
+//               stop takes
 template <typename T>
 concept DriveDevice = DeviceState<T> &&
     requires(T drives, const T& known, const VehicleParams& vehicle, const OnboardParams& onboard,

@@ -8,7 +8,7 @@
 #include "hal/can_bus.h"
 #include "hal/onboard/pilot/pilot.h"
 
-// What a tick takes and gives, whatever the vehicle. Types only.
+// Input and output of a tick, for any vehicle. Types only.
 
 namespace hardpack {
 
@@ -18,29 +18,29 @@ struct TickDatagram {
 };
 
 struct TickInput {
-  uint64_t index = 0;   // of the tick; a gap: ticks that were missed
+  uint64_t index = 0;   // of the tick; a gap: missed ticks
   uint64_t now_ns = 0;  // our clock, read once: everything in this input counts as received now
   CanBusState bus = CanBusState::kDown;
   std::span<const TickDatagram> datagrams;  // at most kMaxDatagramsPerTick
   std::span<const CanFrame> frames;         // at most CanBus::kMaxFramesPerTick, in order
-  std::span<const uint8_t> command;         // one control message of a permitted sender, or empty
+  std::span<const uint8_t> command;         // one control message from a permitted sender, or empty
 };
 
 struct TickOutput : CommandAnswer {
-  CanBatch frames;  // to be sent, in order
+  CanBatch frames;  // to send, in order
 };
 
-// What a tick takes of each source, whatever the vehicle.
+// Limits of a tick per source, for any vehicle.
 struct TickLimits {
   static constexpr int kMaxDatagramsPerTick = 32;
-  // Of these the port takes at most so many of the INS and of labels, so that none can keep the
-  // others out: as many of labels as the fastest lidar sends. The lidar has what they leave.
+  // Of these, the port takes at most this many from the INS and of labels, so that none can block
+  // the others: as many labels as the fastest lidar needs. The lidar gets the rest.
   static constexpr int kMaxInsDatagrams = 6;
   static constexpr int kMaxLabelDatagrams = 13;
-  // Of a datagram of the INS: more than a second of its messages.
+  // For a datagram of the INS: more than a second of its messages.
   static constexpr int kMaxInsDatagram_bytes = 4096;
   static constexpr int kMaxInsFeeds = 4;
-  // Of all datagrams of a tick: a quarter of a second of the fastest INS. What is more waits.
+  // For all datagrams of a tick: a quarter of a second of the fastest INS. The rest waits.
   static constexpr int kMaxInsMessages = 64;
 };
 

@@ -132,12 +132,12 @@ void RunQuality(const QualityOptions& options) {
 void AddQualityCommand(CLI::App& bench) {
   CLI::App* quality = bench.add_subcommand(
       "quality",
-      "How good paths are and how fast they are found: A* alone, the paper's optimizer, ours, and\n"
-      "Ceres where it is installed, each from the same seeds on a hundred made-up problems.");
+      "Measure path quality and run time: A* alone, the paper's optimizer, ours, and Ceres if it\n"
+      "is installed, all from the same seeds on a hundred synthetic problems.");
   const auto options = std::make_shared<QualityOptions>();
   quality->add_option("--out", options->out, "Folder for pictures of a dozen problems");
   quality->add_flag("--json", options->json, "Print one JSON object on stdout");
-  quality->add_option("--problems", options->problems, "How many (default 100)")
+  quality->add_option("--problems", options->problems, "Number of problems (default 100)")
       ->check(CLI::Range(1, 999));
   quality->add_option("--problem", options->only, "Only this one; may be given more than once")
       ->check(CLI::Range(1, 999));
