@@ -5,6 +5,7 @@
 
 #include "port_linux/files/ouster_metadata.h"
 #include "port_linux/files/read_file.h"
+#include "port_linux/files/vehicle_types.h"
 
 namespace hardpack {
 namespace {
@@ -35,14 +36,21 @@ ReadOutcome SetUp(const Configuration& configuration, const LidarConfigs& lidars
 }  // namespace
 
 ReadOutcome ReadLidar(const Configuration& configuration, std::string& text, LidarConfigs& lidars) {
+  text.clear();
+  if (!DevicesOf(configuration.vehicle_type).ouster) {
+    return ParseLidar(configuration, text, "", lidars);
+  }
   const std::string& metadata = configuration.lidar.metadata;
   const ReadOutcome read = ReadFile(metadata, ouster::kMaxMetadataBytes, text);
   return read.ok() ? ParseLidar(configuration, text, metadata, lidars) : read;
 }
 
-ReadOutcome ParseLidar(const Configuration& /*configuration*/, std::string_view text,
+ReadOutcome ParseLidar(const Configuration& configuration, std::string_view text,
                        std::string_view name, LidarConfigs& lidars) {
-  return ouster::ParseMetadata(text, name, std::get<ouster::Metadata>(lidars));
+  if (DevicesOf(configuration.vehicle_type).ouster) {
+    return ouster::ParseMetadata(text, name, std::get<ouster::Metadata>(lidars));
+  }
+  return {ToConfig(configuration.velodyne, std::get<velodyne::Config>(lidars)), "[velodyne]"};
 }
 
 bool ChosenVehicle::Choose(std::string_view type) {

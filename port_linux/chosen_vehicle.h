@@ -19,7 +19,7 @@
 namespace hardpack {
 
 // The description of the lidar, by kind; a vehicle uses that of its own lidar.
-using LidarConfigs = std::tuple<ouster::Metadata>;
+using LidarConfigs = std::tuple<ouster::Metadata, velodyne::Config>;
 
 // Reads the lidar's description that the configuration names. `text` is the content of that file.
 ReadOutcome ReadLidar(const Configuration& configuration, std::string& text, LidarConfigs& lidars);

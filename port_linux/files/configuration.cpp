@@ -187,6 +187,7 @@ class Intake {
   void CheckDrives();
   void CheckConflicts();
   void CheckVehicle();
+  void CheckVelodyne();
   void CheckPorts();
   void Add(size_t line, Status status, std::string text, std::string unknown = {}) {
     problems_.push_back({line, status, std::move(text), std::move(unknown)});
@@ -323,6 +324,7 @@ void Intake::CheckTogether() {
   }
   CheckDrives();
   CheckVehicle();
+  CheckVelodyne();
   CheckPorts();
 }
 
@@ -380,6 +382,23 @@ void Intake::CheckVehicle() {
   Add(LineOfKey("vehicle.type"), Status::kInvalidArgument, text);
 }
 
+void Intake::CheckVelodyne() {
+  const VelodyneConfiguration& read = configuration_.velodyne;
+  velodyne::Config config;
+  if (!IsUsable(ToConfig({read.model, "dual", read.rpm}, config))) {
+    Add(LineOfKey("velodyne.model"), Status::kInvalidArgument,
+        "velodyne.model: is \"" + Shown(read.model) + "\", has to be vlp16 or vlp32c");
+  }
+  if (!IsUsable(ToConfig({"vlp16", read.returns, read.rpm}, config))) {
+    Add(LineOfKey("velodyne.returns"), Status::kInvalidArgument,
+        "velodyne.returns: is \"" + Shown(read.returns) + "\", has to be strongest, last or dual");
+  }
+  if (read.rpm % velodyne::kRpmStep != 0) {
+    Add(LineOfKey("velodyne.rpm"), Status::kInvalidArgument,
+        "velodyne.rpm: is " + std::to_string(read.rpm) + ", has to be a multiple of 60");
+  }
+}
+
 void Intake::CheckPorts() {
   const bool has_labels = configuration_.perception.mapping.use_labels != 0;
   const std::array<std::pair<std::string, int32_t>, 3> ports = {
@@ -434,6 +453,30 @@ ReadOutcome Intake::Outcome(std::string_view name) {
 }
 
 }  // namespace
+
+Status ToConfig(const VelodyneConfiguration& configuration, velodyne::Config& config) {
+  const auto choose = [](const std::string& name, const auto& known, auto& chosen) {
+    for (const auto& [text, value] : known) {
+      if (name != text) continue;
+      chosen = value;
+      return true;
+    }
+    return false;
+  };
+  using Models = std::array<std::pair<std::string_view, velodyne::Model>, 2>;
+  using Modes = std::array<std::pair<std::string_view, velodyne::ReturnMode>, 3>;
+  constexpr Models kModels = {
+      {{"vlp16", velodyne::Model::kVlp16}, {"vlp32c", velodyne::Model::kVlp32c}}};
+  constexpr Modes kModes = {{{"strongest", velodyne::ReturnMode::kStrongest},
+                             {"last", velodyne::ReturnMode::kLast},
+                             {"dual", velodyne::ReturnMode::kDual}}};
+  velodyne::Config made;
+  made.rpm = configuration.rpm;
+  const bool is_known = choose(configuration.model, kModels, made.model) &&
+                        choose(configuration.returns, kModes, made.return_mode);
+  if (is_known) config = made;
+  return is_known ? Status::kOk : Status::kInvalidArgument;
+}
 
 ReadOutcome ParseConfiguration(std::string_view toml, std::string_view name,
                                Configuration& configuration) {

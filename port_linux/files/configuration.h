@@ -9,6 +9,7 @@
 #include "config/onboard_parameters.h"
 #include "config/parameters.h"
 #include "core/segmentation/label_table.h"
+#include "hal/velodyne/velodyne.h"
 #include "port_linux/files/read_outcome.h"
 
 // The onboard program's configuration: one TOML file (config/warthog.toml is the example). A key is
@@ -61,6 +62,17 @@ struct CanConfiguration {
   friend bool operator==(const CanConfiguration&, const CanConfiguration&) = default;
 };
 
+// How a Velodyne is set up.
+struct VelodyneConfiguration {
+  std::string model = "vlp16";        // or "vlp32c"
+  std::string returns = "strongest";  // or "last", "dual"
+  int32_t rpm = 600;                  // a multiple of 60
+
+  friend bool operator==(const VelodyneConfiguration&, const VelodyneConfiguration&) = default;
+};
+// The same for hal/velodyne. kInvalidArgument: a model or a kind of returns that is unknown.
+Status ToConfig(const VelodyneConfiguration& configuration, velodyne::Config& config);
+
 struct LogConfiguration {
   bool enabled = true;
   std::string directory = "/var/log/hardpack";
@@ -98,6 +110,7 @@ struct Configuration {
   LidarSource lidar = {{{}, 7502, {}, 4194304, true}, {}};
   DatagramSource ins = {{}, 0, {}, 131072, true};
   DatagramSource label_source = {{}, 7510, {}, 1048576, true};  // [labels]
+  VelodyneConfiguration velodyne;
   CanConfiguration can;
   LogConfiguration log;
   ControlConfiguration control;

@@ -55,6 +55,13 @@ void AddDevices(Configuration& c, Keys& keys) {
   AddSource("lidar", "the lidar", 1, c.lidar, keys);
   keys.push_back({"lidar.metadata", &c.lidar.metadata, 1, kMaxText,
                   "Path of the lidar's own description, the JSON that it serves."});
+  const Keys velodyne = {
+      {"velodyne.model", &c.velodyne.model, 1, 8,
+       "Of the vehicle's Velodyne, if it has one: vlp16 (Puck LITE too) or vlp32c."},
+      {"velodyne.returns", &c.velodyne.returns, 1, 16, "Its return mode: strongest, last or dual."},
+      {"velodyne.rpm", &c.velodyne.rpm, velodyne::kLeastRpm, velodyne::kMostRpm,
+       "Its motor's speed, a multiple of 60."}};
+  keys.insert(keys.end(), velodyne.begin(), velodyne.end());
   AddSource("ins", "the inertial navigation system", 0, c.ins, keys);
   AddSource("labels", "the segmentation computer", 1, c.label_source, keys);
   const Keys rows = {

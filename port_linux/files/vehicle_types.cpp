@@ -19,6 +19,7 @@ VehicleDevices DevicesIn(VehicleList<Vehicle...>, std::string_view type) {
   const auto take = [&]<typename V>(V) {
     if (type != V::kType) return;
     devices.ouster = std::is_same_v<typename V::Lidar, ouster::Lidar>;
+    devices.velodyne = std::is_same_v<typename V::Lidar, velodyne::Lidar>;
     devices.pose_datagram = std::is_same_v<typename V::Ins, pose_datagram::Receiver>;
     devices.sevcon = std::is_same_v<typename V::Drives, sevcon::DrivePair>;
     devices.twist_drive = std::is_same_v<typename V::Drives, twist_drive::TwistDrive>;

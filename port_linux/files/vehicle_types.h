@@ -14,6 +14,7 @@ std::vector<std::string_view> VehicleTypes();
 // there is not: none.
 struct VehicleDevices {
   bool ouster = false;
+  bool velodyne = false;
   bool pose_datagram = false;
   bool sevcon = false;
   bool twist_drive = false;

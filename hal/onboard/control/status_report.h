@@ -268,6 +268,7 @@ struct CanPart {
   uint32_t frames_old = 0;
 };
 
+// Of any lidar; what its packets cannot have wrong stays 0.
 struct LidarPacketPart {
   uint64_t accepted = 0;
   uint64_t wrong_size = 0;
@@ -282,6 +283,10 @@ struct LidarPacketPart {
   uint64_t missing = 0;
   uint64_t jumps = 0;
   uint64_t unplaced = 0;
+  uint64_t wrong_mode = 0;
+  uint64_t wrong_rate = 0;
+  uint64_t bad_azimuth = 0;
+  uint64_t bad_time = 0;
 };
 
 struct LidarClockPart {

@@ -270,6 +270,10 @@ constexpr void VisitLidarPackets(Part& part, Visit& visit) {
   HP_STATUS_LOSS(missing);
   HP_STATUS_LOSS(jumps);
   HP_STATUS_LOSS(unplaced);
+  HP_STATUS_LOSS(wrong_mode);
+  HP_STATUS_LOSS(wrong_rate);
+  HP_STATUS_LOSS(bad_azimuth);
+  HP_STATUS_LOSS(bad_time);
 }
 
 template <typename Part, typename Visit>

@@ -70,6 +70,25 @@ void ouster::AddToReport(const Lidar& lidar, control::StatusReport& report) {
   part.unplaced = counters.unplaced;
 }
 
+void velodyne::AddToReport(const Lidar& lidar, control::StatusReport& report) {
+  const PacketCounters& counters = lidar.counters();
+  control::LidarPacketPart& part = report.lidar_packets;
+  part.accepted = counters.accepted;
+  part.wrong_size = counters.wrong_size;
+  part.wrong_type = counters.wrong_type;
+  part.wrong_sensor = counters.wrong_sensor;
+  part.wrong_mode = counters.wrong_mode;
+  part.wrong_rate = counters.wrong_rate;
+  part.bad_azimuth = counters.bad_azimuth;
+  part.bad_time = counters.bad_time;
+  part.not_resumed = counters.not_resumed;
+  part.duplicates = counters.duplicates;
+  part.restarts = counters.restarts;
+  part.out_of_order = counters.out_of_order;
+  part.missing = counters.missing;
+  part.jumps = counters.jumps;
+}
+
 void vectornav::AddToReport(const StreamParser& ins, control::StatusReport& report) {
   const StreamCounters& counters = ins.counters();
   control::InsStreamPart& part = report.ins_stream;

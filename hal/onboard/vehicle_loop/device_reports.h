@@ -11,6 +11,7 @@
 #include "hal/sevcon/sevcon.h"
 #include "hal/twist_drive/twist_drive.h"
 #include "hal/vectornav/stream_parser.h"
+#include "hal/velodyne/lidar.h"
 
 // What an operator sees of each device: its counters and states, copied into its part of the status
 // report. A device of another vehicle has a function of the same form in its own namespace, where
@@ -19,6 +20,9 @@
 namespace hardpack {
 
 namespace ouster {
+void AddToReport(const Lidar& lidar, control::StatusReport& report);
+}
+namespace velodyne {
 void AddToReport(const Lidar& lidar, control::StatusReport& report);
 }
 namespace vectornav {

@@ -6,6 +6,7 @@
 namespace hardpack {
 
 template class BasicVehicleLoop<Warthog>;
+template class BasicVehicleLoop<WarthogVelodyne>;
 template class BasicVehicleLoop<TwistBase>;
 
 }  // namespace hardpack

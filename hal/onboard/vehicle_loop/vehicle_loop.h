@@ -94,9 +94,11 @@ static_assert(std::is_trivially_copyable_v<VehicleLoop>);
 // What all of it may take: it is copied into a flight log at once.
 inline constexpr int kStateBudget_bytes = 8 * 1024 * 1024 + 256 * 1024;
 static_assert(sizeof(VehicleLoop) <= kStateBudget_bytes);
+static_assert(sizeof(BasicVehicleLoop<WarthogVelodyne>) <= kStateBudget_bytes);
 static_assert(sizeof(BasicVehicleLoop<TwistBase>) <= kStateBudget_bytes);
 
 extern template class BasicVehicleLoop<Warthog>;
+extern template class BasicVehicleLoop<WarthogVelodyne>;
 extern template class BasicVehicleLoop<TwistBase>;
 
 }  // namespace hardpack

@@ -7,6 +7,7 @@
 #include "hal/sevcon/sevcon.h"
 #include "hal/twist_drive/twist_drive.h"
 #include "hal/vectornav/stream_parser.h"
+#include "hal/velodyne/lidar.h"
 
 // The vehicles that are built. One of your own is a struct of this form.
 
@@ -30,6 +31,15 @@ struct Warthog {
 };
 static_assert(VehicleType<Warthog>);
 
+// A Warthog with a Velodyne VLP-16 or VLP-32C in place of the Ouster.
+struct WarthogVelodyne {
+  static constexpr const char* kType = "warthog_velodyne";
+  using Lidar = velodyne::Lidar;
+  using Ins = vectornav::StreamParser;
+  using Drives = sevcon::DrivePair;
+};
+static_assert(VehicleType<WarthogVelodyne>);
+
 // Any vehicle with a motion controller of its own, skid-steered or with steered wheels (by
 // vehicle.kinematics), and any navigation system: a ROS 2 base, say (docs/twist_drive.md,
 // docs/pose_datagram.md).
@@ -45,6 +55,6 @@ template <VehicleType... Vehicle>
 struct VehicleList {};
 
 // All that one program can drive. Each is instantiated once, in vehicle_loop.cpp.
-using Vehicles = VehicleList<Warthog, TwistBase>;
+using Vehicles = VehicleList<Warthog, WarthogVelodyne, TwistBase>;
 
 }  // namespace hardpack

@@ -217,9 +217,8 @@ void WorldPicture::DrawEnds(const world::Footprint& footprint) {
   const double front_m = footprint.middle_m + footprint.length_m / 2.0;
   const double rear_m = footprint.middle_m - footprint.length_m / 2.0;
   const double half_width_m = footprint.width_m / 2.0;
-  const std::array<DataPoint, 4> outline = {
-      at(front_m, half_width_m), at(rear_m, half_width_m), at(rear_m, -half_width_m),
-      at(front_m, -half_width_m)};
+  const std::array<DataPoint, 4> outline = {at(front_m, half_width_m), at(rear_m, half_width_m),
+                                            at(rear_m, -half_width_m), at(front_m, -half_width_m)};
   axes_.Polygon(outline, {1.0, 1.0, 1.0, 0.7}, picture::kVehicle);
   const std::array<DataPoint, 2> nose = {at(0.0, 0.0), at(2.2, 0.0)};
   axes_.Line(nose, {.colour = picture::kVehicle, .line_px = 3.0});

@@ -78,6 +78,12 @@ ReadOutcome DescribeBody(const MissionSettings& settings, sim::VehicleSettings& 
              "vehicle.kinematics = 1 and twist_drive.turn = 1");
 }
 
+sim::LidarModel LidarModelOf(const Configuration& configuration) {
+  if (!DevicesOf(configuration.vehicle_type).velodyne) return sim::LidarModel::kOuster;
+  return configuration.velodyne.model == "vlp32c" ? sim::LidarModel::kVlp32c
+                                                  : sim::LidarModel::kVlp16;
+}
+
 }  // namespace
 
 ReadOutcome DescribeMission(const MissionSettings& settings, sim::ScriptedVehicleSettings& vehicle,
@@ -85,7 +91,8 @@ ReadOutcome DescribeMission(const MissionSettings& settings, sim::ScriptedVehicl
   configuration = settings.configuration;
   const ReadOutcome outcome = ChooseMethods(settings, configuration);
   if (!outcome.ok()) return outcome;
-  if (settings.labels && sim::IsVelodyne(settings.lidar_model)) {
+  const sim::LidarModel lidar_model = LidarModelOf(configuration);
+  if (settings.labels && sim::IsVelodyne(lidar_model)) {
     return {Status::kUnsupported, "--labels needs an Ouster"};
   }
   vehicle = {};
@@ -96,7 +103,10 @@ ReadOutcome DescribeMission(const MissionSettings& settings, sim::ScriptedVehicl
   const ReadOutcome body = DescribeBody(settings, vehicle.vehicle, configuration);
   if (!body.ok()) return body;
   const auto seed = static_cast<uint32_t>(settings.seed);
-  vehicle.lidar = sim::NoisyLidar(settings.lidar_model);
+  vehicle.lidar = sim::NoisyLidar(lidar_model);
+  if (sim::IsVelodyne(lidar_model)) {
+    vehicle.lidar.revolutions_per_s = configuration.velodyne.rpm / 60;
+  }
   vehicle.lidar.columns = settings.lidar_columns;
   vehicle.lidar.seed = seed;
   if (vehicle.vehicle.steered) {
@@ -211,9 +221,6 @@ uint64_t DigestOf(const MissionSettings& settings) {
   for (const double number : {settings.spread ? 1.0 : 0.0, settings.limit_s,
                               static_cast<double>(settings.lidar_columns)}) {
     text.append(" ").append(sim::NumberText(number));
-  }
-  if (settings.lidar_model != sim::LidarModel::kOuster) {
-    text.append(" lidar ").append(std::to_string(static_cast<int>(settings.lidar_model)));
   }
   if (settings.labels) {
     for (const double number : {settings.labels->accuracy, settings.labels->delay_s,

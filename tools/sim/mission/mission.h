@@ -32,7 +32,6 @@ struct MissionSettings {
   // External labels, which the vehicle then waits for (mapping.use_labels); none: it classes all
   // returns itself.
   std::optional<sim::LabelSettings> labels;
-  sim::LidarModel lidar_model = sim::LidarModel::kOuster;
   int lidar_columns = 1024;  // of an Ouster
   Configuration configuration;
   std::string

@@ -18,6 +18,7 @@
 #include "hal/pose_datagram/pose_datagram.h"
 #include "hal/sevcon/sevcon.h"
 #include "hal/vectornav/stream_parser.h"
+#include "hal/velodyne/lidar.h"
 #include "test/hal/onboard/control/random_messages.h"
 
 namespace hardpack::control {
@@ -26,7 +27,8 @@ namespace {
 // A counter that is added where it is counted has to be added here too: then an operator sees it.
 static_assert(sizeof(InsStreamPart) == sizeof(uint64_t) + sizeof(vectornav::StreamCounters));
 static_assert(sizeof(PoseDatagramPart) == sizeof(uint64_t) + sizeof(pose_datagram::Counters));
-static_assert(sizeof(LidarPacketPart) == sizeof(ouster::PacketCounters));
+static_assert(sizeof(LidarPacketPart) == sizeof(ouster::PacketCounters) + 4 * sizeof(uint64_t));
+static_assert(sizeof(LidarPacketPart) == sizeof(velodyne::PacketCounters) + 3 * sizeof(uint64_t));
 static_assert(sizeof(MapperPart) == sizeof(MapperCounters));
 static_assert(sizeof(ReplanPart) == sizeof(ReplanCounters));
 static_assert(sizeof(LoopPart) == sizeof(LoopCounters));

@@ -61,8 +61,9 @@ MissionSettings ShortMissionOf(const std::string& configuration, const std::stri
 
 // SR-LOG01
 TEST_F(LogFile, OfEachKindOfVehicleReplays) {
-  for (const auto& [configuration, vehicle] :
-       {std::pair{"twist_base", "warthog_paper"}, {"ackermann", "ackermann"}}) {
+  for (const auto& [configuration, vehicle] : {std::pair{"twist_base", "warthog_paper"},
+                                               {"ackermann", "ackermann"},
+                                               {"warthog_velodyne", "warthog_paper"}}) {
     MissionSettings settings = ShortMissionOf(configuration, vehicle);
     settings.log = path;
     const RunResult result = MissionOf(settings);
@@ -103,8 +104,10 @@ TEST(Mission, RefusesLabelsWithAVelodyne) {
   MissionSettings settings = ShortMission();
   sim::ScriptedVehicleSettings vehicle;
   Configuration configuration;
-  for (const sim::LidarModel model : {sim::LidarModel::kVlp16, sim::LidarModel::kVlp32c}) {
-    settings.lidar_model = model;
+  settings.configuration.vehicle_type = "warthog_velodyne";
+  for (const auto& [name, model] :
+       {std::pair{"vlp16", sim::LidarModel::kVlp16}, {"vlp32c", sim::LidarModel::kVlp32c}}) {
+    settings.configuration.velodyne.model = name;
     settings.labels.reset();
     EXPECT_TRUE(DescribeMission(settings, vehicle, configuration).ok());
     EXPECT_EQ(vehicle.lidar.model, model);
@@ -113,7 +116,7 @@ TEST(Mission, RefusesLabelsWithAVelodyne) {
     EXPECT_EQ(outcome.status, Status::kUnsupported);
     EXPECT_EQ(outcome.message, "--labels needs an Ouster");
   }
-  settings.lidar_model = sim::LidarModel::kOuster;
+  settings.configuration.vehicle_type = "warthog";
   EXPECT_TRUE(DescribeMission(settings, vehicle, configuration).ok());
 }
 
