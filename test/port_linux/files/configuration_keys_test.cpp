@@ -103,6 +103,9 @@ class RandomConfiguration {
     twist.command_id = static_cast<int32_t>(Below(0x200));
     twist.feedback_id = 0x200 + static_cast<int32_t>(Below(0x200));
     twist.status_id = 0x400 + static_cast<int32_t>(Below(0x200));
+    configuration.velodyne.model = Below(2) == 0 ? "vlp16" : "vlp32c";
+    configuration.velodyne.returns = Below(2) == 0 ? "last" : "dual";
+    configuration.velodyne.rpm = 60 * (9 + static_cast<int32_t>(Below(12)));
     configuration.vehicle_type = VehicleTypes()[Below(VehicleTypes().size())];
     configuration.lidar.address.value |= 1;
     configuration.ins.address.value |= 1;

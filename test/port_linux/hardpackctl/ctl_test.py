@@ -294,6 +294,10 @@ class Status(CtlTest):
         self.assertEqual(report["ins"]["latitude_ndeg"], 30617512345)
         self.assertEqual(report["left_drive"]["fault"], "emergency")
         self.assertEqual(report["left_drive"]["heatsink_degC"], -7)
+        # What the vehicle does not have is not shown, and that it has the rest goes without saying.
+        self.assertNotIn("motion_controller", report)
+        self.assertNotIn("pose_datagrams", report)
+        self.assertNotIn("present", report["left_drive"])
         self.assertEqual(report["right_drive"]["state"], "unknown")
         self.assertEqual(report["lidar_clock"]["offset_ns"], -5)
         self.assertEqual(report["can"]["bus_offs"], 0)
