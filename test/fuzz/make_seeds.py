@@ -272,7 +272,9 @@ def twist_drive_scripts(seeds):
 
 def scripts(seeds):
     for first, kind in enumerate(("standing", "driving", "log", "log", "standing", "blocked")):
-        seeds.add("tick", kind, bytes([first]) + bytes((i * 37 + first) % 256 for i in range(96)))
+        script = bytes([first]) + bytes((i * 37 + first) % 256 for i in range(96))
+        for target in ("tick", "tick_velodyne", "tick_twist"):
+            seeds.add(target, kind, script)
     # Of mapper: setup, then poses, columns, labels of the last of them, time, a build and its end.
     setup = bytes([1, 5, 0, 0, 0, 1, 0, 0])
     drive = bytes([4, 3, 40, 0, 0, 127, 0, 2, 1, 6, 100, 90, 0, 3, 9, 10])

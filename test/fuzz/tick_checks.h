@@ -8,8 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "hal/onboard/vehicle_loop/vehicle_loop.h"
-#include "hal/sevcon/process_data.h"
+#include "test/fuzz/fuzzed_vehicle.h"
 #include "test/fuzz/mapper_script.h"
 
 // What is required of every tick (docs/safety.md), seen from outside: from the bytes that go out,
@@ -19,7 +18,7 @@ namespace hardpack {
 
 class TickChecks {
  public:
-  explicit TickChecks(const VehicleLoop& loop) : loop_(loop) {}
+  explicit TickChecks(const FuzzedLoop& loop) : loop_(loop) {}
 
   // Once the state to begin with is there.
   void Begin() { left_path_ = motion() == Motion::kZero; }
@@ -28,13 +27,13 @@ class TickChecks {
     before_ns_ = loop_.now_ns();
     before_index_ = loop_.index();
     before_ = loop_.counters();
-    ins_looks_ = InsLooks();
-    packets_ = Packets();
-    frames_ = FramesTaken();
+    ins_looks_ = LooksOf(loop_.ins());
+    packets_ = PacketsOf(loop_.lidar());
+    frames_ = FramesOf(loop_.drives());
     fits_ = input.index > before_index_ && input.now_ns > before_ns_ &&
-            input.datagrams.size() <= VehicleLoop::kMaxDatagramsPerTick &&
+            input.datagrams.size() <= FuzzedLoop::kMaxDatagramsPerTick &&
             input.frames.size() <= CanBus::kMaxFramesPerTick;
-    if (!fits_) std::memcpy(static_cast<void*>(kept_.get()), &loop_, sizeof(VehicleLoop));
+    if (!fits_) std::memcpy(static_cast<void*>(kept_.get()), &loop_, sizeof(FuzzedLoop));
   }
 
   void After(const TickInput& input, Status status, const TickOutput& output) {
@@ -53,6 +52,7 @@ class TickChecks {
   }
 
  private:
+  DriveFeedback Drives() const { return loop_.drives().State(loop_.now_ns()); }
   const SafetyParams& safety() const { return loop_.config().onboard.safety; }
   Motion motion() const { return loop_.permission().motion; }
   bool MovesAlong() const { return motion() == Motion::kFollow || motion() == Motion::kStopAlong; }
@@ -62,54 +62,16 @@ class TickChecks {
            (mode == Mode::kSafeStop && motion() == Motion::kStopAlong);
   }
 
-  // Beginnings of messages that were looked at, as far as that left a count.
-  uint64_t InsLooks() const {
-    const auto& c = loop_.ins().counters();
-    return c.binary_messages + c.ascii_messages + c.bad_checksum + c.unsupported;
-  }
-  uint64_t Packets() const {
-    const ouster::PacketCounters& c = loop_.lidar().monitor().counters();
-    return c.accepted + c.wrong_size + c.wrong_type + c.bad_crc + c.wrong_sensor + c.not_resumed +
-           c.before_start + c.duplicates;
-  }
-  uint32_t FramesTaken() const {
-    const sevcon::PairCounters& c = loop_.drives().counters();
-    return c.frames_taken + c.frames_ignored + c.frames_malformed + c.foreign_frames;
-  }
-
   // What a bus can carry, and of the drives' commands what the wheels may do: as a drive reads it.
   void CheckFrames(const TickOutput& output) const {
-    Require(output.frames.size() <= sevcon::DrivePair::kMaxFramesPerTick);
-    const DriveParams& drive = loop_.config().onboard.drive;
-    int commands[2] = {0, 0};
+    Require(output.frames.size() <= kMostDriveFrames);
+    ToldSpeeds told;
     for (const CanFrame& frame : output.frames) {
       Require(IsValid(frame) && !frame.extended);
-      if (frame.id == 0x200u + static_cast<uint32_t>(drive.left_node)) {
-        ++commands[0];
-        CheckCommand(frame, drive.left_sign, loop_.gate().last().left_radps);
-      } else if (frame.id == 0x200u + static_cast<uint32_t>(drive.right_node)) {
-        ++commands[1];
-        CheckCommand(frame, drive.right_sign, loop_.gate().last().right_radps);
-      }
+      TakeTold(frame, loop_.config(), loop_.gate().last(), loop_.drives(), told);
     }
-    Require(commands[0] <= 1 && commands[1] <= 1);
-  }
-
-  // 60FFh, the motor's turns a minute, little-endian at 2 (hal/sevcon/process_data.h).
-  void CheckCommand(const CanFrame& frame, int32_t sign, float passed_radps) const {
-    Require(frame.size == 8 && !frame.remote);
-    uint32_t bits = 0;
-    for (int i = 0; i < 4; ++i) bits |= static_cast<uint32_t>(frame.data[2 + i]) << (8 * i);
-    const auto rpm = static_cast<int32_t>(bits);
-    if (rpm == 0) return;
-    Require(MayMove() && loop_.drives().ready() && loop_.drives().enabled());
-    const double radps_per_rpm = 2.0 * 3.14159265358979 / 60.0 /
-                                 static_cast<double>(loop_.config().onboard.drive.gear_ratio);
-    const double wheel_radps = rpm * static_cast<double>(sign) * radps_per_rpm;
-    const double rounding = 0.502 * radps_per_rpm;
-    const float most_radps = loop_.config().planner.vehicle.max_wheel_speed_radps;
-    Require(std::abs(wheel_radps) <= static_cast<double>(most_radps) + rounding);
-    Require(std::abs(wheel_radps - static_cast<double>(passed_radps)) <= rounding);
+    Require(told.frames[0] <= 1 && told.frames[1] <= 1);
+    Require(told.is_zero || (MayMove() && Drives().ready && Drives().enabled));
   }
 
   // Nothing has changed but that it was counted.
@@ -122,7 +84,7 @@ class TickChecks {
     const auto at = static_cast<size_t>(counter - now);
     const size_t behind = at + sizeof(uint64_t);
     Require(std::memcmp(now, kept, at) == 0);
-    Require(std::memcmp(now + behind, kept + behind, sizeof(VehicleLoop) - behind) == 0);
+    Require(std::memcmp(now + behind, kept + behind, sizeof(FuzzedLoop) - behind) == 0);
   }
 
   // Everything that came was counted, and no more was taken than a tick may take.
@@ -139,8 +101,8 @@ class TickChecks {
       Require(now.refused_datagrams[source] - before_.refused_datagrams[source] <=
               static_cast<uint64_t>(given));
     }
-    Require(FramesTaken() - frames_ == input.frames.size());
-    Require(InsLooks() - ins_looks_ <= VehicleLoop::kMaxInsMessages);
+    Require(FramesOf(loop_.drives()) - frames_ == input.frames.size());
+    Require(LooksOf(loop_.ins()) - ins_looks_ <= FuzzedLoop::kMaxInsMessages);
     Require(output.has_answer == !input.command.empty());
     Require(now.commands - before_.commands == (input.command.empty() ? 0u : 1u));
     Require(now.refused_commands - before_.refused_commands <= now.commands - before_.commands);
@@ -158,11 +120,11 @@ class TickChecks {
     constexpr auto kLidar = static_cast<size_t>(InputSource::kLidar);
     const LoopCounters& now = loop_.counters();
     const uint64_t datagrams = now.datagrams[kLidar] - before_.datagrams[kLidar];
-    Require(Packets() - packets_ == datagrams + now.lidar_restarts - before_.lidar_restarts);
+    Require(PacketsOf(loop_.lidar()) - packets_ ==
+            datagrams + now.lidar_restarts - before_.lidar_restarts);
     const uint64_t used =
         datagrams - (now.refused_datagrams[kLidar] - before_.refused_datagrams[kLidar]);
-    const uint64_t columns =
-        used * static_cast<uint64_t>(loop_.lidar().monitor().layout().columns_per_packet);
+    const uint64_t columns = used * static_cast<uint64_t>(loop_.lidar().columns());
     const uint64_t refused = now.refused_columns - before_.refused_columns;
     const uint64_t suspect = now.suspect_columns - before_.suspect_columns;
     const auto most = static_cast<uint64_t>(loop_.config().onboard.tick.directions);
@@ -181,8 +143,7 @@ class TickChecks {
             input.bus == CanBusState::kPassive);
     // The drives are judged anew when they are commanded: what has just fallen silent is sent zero,
     // and is a fault in the next tick.
-    const WheelCommand sent = loop_.drives().commanded();
-    Require(loop_.drives().ready() || (sent.left_radps == 0.0f && sent.right_radps == 0.0f));
+    Require(Drives().ready || IsToldZero(loop_.drives()));
   }
 
   // Nor is any path followed to its end on what is far too old.
@@ -205,18 +166,13 @@ class TickChecks {
   // they were to be known in the tick before.
   uint64_t Wheels_ns() const {
     const uint64_t now_ns = loop_.now_ns();
-    const uint64_t reported_ns = loop_.drives().feedback(now_ns).time_ns + now_ns - before_ns_;
+    const uint64_t reported_ns = Drives().wheels.time_ns + now_ns - before_ns_;
     return std::min(loop_.odometry().moved_ns(), reported_ns);
   }
 
   // Once the path is not followed any more, it is not before the wheels stand.
   void CheckZero() {
-    const WheelFeedback wheels = loop_.drives().feedback(loop_.now_ns());
-    const DriveParams& drive = loop_.config().onboard.drive;
-    const float fastest_radps = std::max(std::abs(wheels.left_radps), std::abs(wheels.right_radps));
-    const bool stand =
-        fastest_radps <= drive.standstill_radps &&
-        !IsOlder(wheels.time_ns, static_cast<float>(drive.feedback_timeout_ms) * 1e-3f);
+    const bool stand = Stand(loop_.drives(), loop_.config(), loop_.now_ns());
     if (stand) left_path_ = false;
     Require(!left_path_ || !MovesAlong());
     if (motion() == Motion::kZero || motion() == Motion::kOff) left_path_ = !stand;
@@ -245,7 +201,7 @@ class TickChecks {
     for (const Pose2& place : plan.path) Require(IsFinite(place.x_m) && IsFinite(place.y_m));
   }
 
-  const VehicleLoop& loop_;
+  const FuzzedLoop& loop_;
   bool fits_ = false;
   uint64_t before_ns_ = 0;
   uint64_t before_index_ = 0;
@@ -257,7 +213,7 @@ class TickChecks {
   bool stopped_ = false;    // the tick before was of a safe stop ...
   uint64_t stop_ns_ = 0;    // ... that began then
   // Of the state before a tick that is to be refused.
-  static inline std::unique_ptr<VehicleLoop> kept_ = std::make_unique<VehicleLoop>();
+  static inline std::unique_ptr<FuzzedLoop> kept_ = std::make_unique<FuzzedLoop>();
 };
 
 }  // namespace hardpack

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "hal/onboard/flight_log/flight_log.h"
-#include "hal/onboard/vehicle_loop/vehicle_loop.h"
 #include "test/fakes/memory_recorder.h"
+#include "test/fuzz/fuzzed_vehicle.h"
 #include "test/fuzz/mapper_script.h"
 #include "test/fuzz/temporary_file.h"
 #include "tools/capture/flight_reader.h"
@@ -21,7 +21,7 @@ class TickLog {
  public:
   TickLog() { Require(log_.Start({}) == Status::kOk); }
 
-  void BeginTick(const TickInput& input, const VehicleLoop& loop) {
+  void BeginTick(const TickInput& input, const FuzzedLoop& loop) {
     // The port collects the sources in this order.
     std::vector<TickDatagram> datagrams(input.datagrams.begin(), input.datagrams.end());
     std::stable_sort(
@@ -32,14 +32,14 @@ class TickLog {
     log_.BeginTick(logged, {}, std::as_bytes(std::span(&loop, 1)));
   }
 
-  void EndTick(const TickInput& input, Status status, const VehicleLoop& loop,
+  void EndTick(const TickInput& input, Status status, const FuzzedLoop& loop,
                const TickOutput& output) {
     log_.EndTick({input.index, status, loop.decision_hash(), 0, 0}, output);
     ++ticks_;
   }
 
   // `loop` is as the other one was before the first tick.
-  void DoAgain(VehicleLoop& loop) {
+  void DoAgain(FuzzedLoop& loop) {
     log_.End();
     const std::vector<uint8_t> file = fakes::MemoryRecorder::AsPcap(recorder_.files().back());
     const TemporaryFile pcap(file.data(), file.size());
@@ -55,7 +55,7 @@ class TickLog {
   }
 
  private:
-  void DoAgain(const capture::LoggedTick& tick, VehicleLoop& loop) {
+  void DoAgain(const capture::LoggedTick& tick, FuzzedLoop& loop) {
     std::vector<TickDatagram> datagrams;
     for (const capture::LoggedDatagram& datagram : tick.datagrams) {
       datagrams.push_back({datagram.source, datagram.bytes});

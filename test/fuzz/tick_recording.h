@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -9,8 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "hal/onboard/vehicle_loop/vehicle_loop.h"
-#include "port_linux/files/ouster_metadata.h"
+#include "test/fuzz/fuzzed_vehicle.h"
 #include "test/fuzz/mapper_script.h"
 #include "test/hal/onboard/control/command_bytes.h"
 #include "test/loop_count/counted_beams.h"
@@ -19,7 +19,7 @@
 #include "tools/sim/world/world.h"
 
 // What the tick's fuzz target plays: a simulated vehicle that has driven for some seconds, as the
-// state of its VehicleLoop, and what came in the ticks behind that.
+// state of its FuzzedLoop, and what came in the ticks behind that.
 
 namespace hardpack {
 
@@ -33,7 +33,7 @@ struct RecordedTick {
 };
 
 struct Recording {
-  std::vector<uint8_t> state;  // of the VehicleLoop
+  std::vector<uint8_t> state;  // of the FuzzedLoop
   uint64_t index = 0;
   uint64_t now_ns = 0;
   std::vector<RecordedTick> ticks;
@@ -44,8 +44,7 @@ class RecordedDrive {
  public:
   RecordedDrive() {
     settings_.world = sim::LaneWorld();
-    settings_.lidar.columns = 512;
-    settings_.vehicle.right.sign = -1;  // the motors face each other
+    DescribeFuzzed(settings_);
     vehicle_ =
         std::make_unique<sim::ScriptedVehicle>(settings_, std::vector<sim::ScriptEvent>{}, now_ns_);
     config_.onboard.drive.left_sign = settings_.vehicle.left.sign;
@@ -55,20 +54,23 @@ class RecordedDrive {
     config_.onboard.drive.login_password = settings_.vehicle.left.login_password;
     config_.onboard.tick.planning_units = 512;
     config_.onboard.safety.operator_timeout_s = 0.0f;
-    config_.onboard.tick.directions = 160;  // the least there may be, so that it can be reached
-    Require(ouster::ParseMetadata(vehicle_->lidar().MetadataJson(), "fuzz", config_.lidar).ok());
+    config_.planner.speed.assured_height_m = 0.5f;  // few beams are enough to drive fast
+    DescribeLidar(vehicle_->lidar(), config_.lidar);
+    // The least there may be, so that it can be reached.
+    const int32_t columns = FuzzedVehicle::Lidar::MostColumnsPerSecond(config_.lidar);
+    config_.onboard.tick.directions = std::max(160, (columns + 99) / 100);
     Require(loop_->Configure(config_) == Status::kOk);
-    CountedBeams::Set(config_.lidar.beams);
+    CountedBeams::Set(loop_->mapper().model().beams);
   }
 
   void BringUp() {
-    for (int i = 0; i < 2000 && !loop_->drives().ready(); ++i) Tick({});
+    for (int i = 0; i < 2000 && !Drives().ready; ++i) Tick({});
     for (int i = 0; i < 40; ++i) Tick({});
   }
 
   void Drive() {
     Say(control::Kind::kArm);
-    for (int i = 0; i < 500 && !loop_->drives().enabled(); ++i) Tick({});
+    for (int i = 0; i < 500 && !Drives().enabled; ++i) Tick({});
     Say(control::Kind::kGoal);
     for (int i = 0; i < 300; ++i) Tick({});
     Require(loop_->permission().mode == Mode::kDriving);
@@ -82,13 +84,13 @@ class RecordedDrive {
     const double y_m = static_cast<double>(pose.position.y_m) + ahead_m * std::sin(pose.yaw_rad);
     world::AddBoxOnGround(vehicle_->world(), {x_m, y_m}, 0.0, 1.0, 3.0, 1.4, world::kThing);
     for (int i = 0; i < 60 && loop_->permission().motion != Motion::kZero; ++i) Tick({});
-    Require(loop_->permission().motion == Motion::kZero && !loop_->drives().standstill());
+    Require(loop_->permission().motion == Motion::kZero && !Drives().standstill);
   }
 
   Recording Record() {
     Recording recording;
-    recording.state.resize(sizeof(VehicleLoop));
-    std::memcpy(recording.state.data(), loop_.get(), sizeof(VehicleLoop));
+    recording.state.resize(sizeof(FuzzedLoop));
+    std::memcpy(recording.state.data(), loop_.get(), sizeof(FuzzedLoop));
     recording.index = index_;
     recording.now_ns = now_ns_;
     for (int i = 0; i < kRecorded; ++i) {
@@ -99,6 +101,8 @@ class RecordedDrive {
   }
 
  private:
+  DriveFeedback Drives() const { return loop_->drives().State(now_ns_); }
+
   void Say(control::Kind kind) {
     const std::vector<uint8_t> command = control::CommandBytes(kind, ++sequence_, {25.0f, 1.0f});
     Require(!command.empty());
@@ -133,8 +137,8 @@ class RecordedDrive {
   uint32_t sequence_ = 0;
   sim::ScriptedVehicleSettings settings_;
   std::unique_ptr<sim::ScriptedVehicle> vehicle_;
-  VehicleConfig config_;
-  std::unique_ptr<VehicleLoop> loop_ = std::make_unique<VehicleLoop>();
+  FuzzedConfig config_;
+  std::unique_ptr<FuzzedLoop> loop_ = std::make_unique<FuzzedLoop>();
   TickOutput output_;
   RecordedTick last_;
 };
