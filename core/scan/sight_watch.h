@@ -66,8 +66,8 @@ class SightWatch {
   void LookBetween(Vec2 right, Vec2 left, uint64_t now_ns, SightLook& oldest) const;
   // The same for all sectors.
   void LookAround(uint64_t now_ns, SightLook& oldest) const;
-  // The same for covered or frozen sectors in any direction, if there are too many: the time since
-  // when there are. Constant cost.
+  // The same for covered or frozen sectors in any direction, if there are too many of them: the
+  // time at which that began. Constant cost.
   void LookAtFaults(SightLook& oldest) const;
 
   // Time of the newest look of any sector; 0: never.
