@@ -70,8 +70,9 @@ class Lidar {
 
   // Checks one datagram. kOk: its columns can be decoded. Otherwise they must not be:
   // kNotStarted: Configure has not succeeded; nothing is counted. kDuplicate: it was accepted
-  // before. kSensorRestarted: the sensor has restarted; so for all following packets until Resume,
-  // but one that continues the earlier sequence is still accepted. Otherwise as ReadHeader.
+  // before. kSensorRestarted: the sensor has restarted; returned for all following packets until
+  // Resume, but a packet that continues the earlier sequence is still accepted. Otherwise as
+  // ReadHeader.
   // Cost: the blocks and the firings.
   Status Check(std::span<const uint8_t> packet);
 
