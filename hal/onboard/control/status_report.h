@@ -345,7 +345,7 @@ struct ControlCounters {
   uint64_t displaced = 0;      // clients whose place was given to another
   uint64_t messages = 0;       // returned by Receive
   uint64_t not_permitted = 0;  // commands from clients without permission
-  uint64_t malformed = 0;      // invalid messages, and types that such a socket does not carry
+  uint64_t malformed = 0;      // invalid messages, and data that such a socket does not carry
   uint64_t dropped_slow = 0;   // clients that did not read their answers
   uint64_t system_errors = 0;  // refusals of the operating system
 };

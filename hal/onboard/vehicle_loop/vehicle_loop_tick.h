@@ -159,8 +159,8 @@ Status BasicVehicleLoop<Vehicle>::TakeIns(std::span<const uint8_t> bytes) {
   return rest.empty() ? Status::kOk : Status::kCapacityExceeded;
 }
 
-// Time of measurement in our clock; now if the message has no stamp; 0: its clock is unreliable, and
-// the message may be from any time.
+// Time of measurement in our clock; now if the message has no stamp; 0: its clock is unreliable,
+// and the message may be from any time.
 template <VehicleType Vehicle>
 uint64_t BasicVehicleLoop<Vehicle>::MeasuredAt(const InsSample& sample) {
   if (!sample.has_timestamp) return now_ns();
@@ -201,8 +201,8 @@ Status BasicVehicleLoop<Vehicle>::ObserveLidarClock(std::span<const uint8_t> byt
 }
 
 // A sensor whose clock has restarted is assumed to be the same sensor in the same place: the
-// operator sees the count, and has to arm again. Once per tick: two sensors that send alternately do
-// not count as one that restarts.
+// operator sees the count, and has to arm again. Once per tick: two sensors that send alternately
+// do not count as one that restarts.
 template <VehicleType Vehicle>
 Status BasicVehicleLoop<Vehicle>::CheckLidar(std::span<const uint8_t> bytes) {
   const Status status = lidar_.Check(bytes);
