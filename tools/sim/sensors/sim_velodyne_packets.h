@@ -22,11 +22,12 @@ class VelodynePackets {
 
   explicit VelodynePackets(LidarModel model);
 
-  // A firing sequence: of 16 lasers, two in a block, or of 32. azimuth_turns: [0, 1), where its
-  // first laser finds the head, and stamp_ns when. True: the packet is whole, and bytes() are it.
+  // A firing sequence of 16 lasers, two per block, or of 32. azimuth_turns: [0, 1), the head's
+  // azimuth at its first laser, and stamp_ns the time. True: the packet is complete, and bytes()
+  // returns it.
   bool Append(double azimuth_turns, uint64_t stamp_ns, const LidarReturns& returns);
   const std::vector<uint8_t>& bytes() const { return bytes_; }
-  // Nothing is under way any more.
+  // Drops an incomplete packet.
   void Restart();
 
  private:

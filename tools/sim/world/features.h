@@ -3,7 +3,7 @@
 
 #include "tools/sim/world/world.h"
 
-// What worlds are furnished with: things made of several bodies, standing on the ground.
+// Features of worlds: objects made of several bodies, standing on the ground.
 
 namespace hardpack::world {
 
