@@ -69,7 +69,7 @@ class SimVehicle {
   const Pose& pose() const { return pose_; }
   double speed_mps() const { return speed_mps_; }
   double yaw_rate_radps() const { return yaw_rate_radps_; }
-  double driven_m() const { return driven_m_; }  // way covered, forwards or backwards
+  double driven_m() const { return driven_m_; }  // distance covered, forwards or backwards
   const world::Footprint& footprint() const { return footprint_; }
 
  private:

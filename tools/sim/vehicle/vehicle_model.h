@@ -49,7 +49,7 @@ class VehicleModel {
   // measures it on level ground; over the last step.
   double acceleration_x_mps2() const { return acceleration_x_mps2_; }
   double acceleration_y_mps2() const { return acceleration_y_mps2_; }
-  double driven_m() const { return driven_m_; }  // way covered, forwards or backwards
+  double driven_m() const { return driven_m_; }  // distance covered, forwards or backwards
 
  private:
   void SettleBody();

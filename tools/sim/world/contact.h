@@ -27,7 +27,7 @@ struct Footprint {
   double wheels_m = 0.0;  // the middle of the wheelbase
 };
 
-// On the plane through the ground heights under the four wheels (best fit to all of them).
+// On the plane through the ground heights under the four wheels (the plane closest to all of them).
 BodyPose StandingPose(const World& world, double x_m, double y_m, double yaw_rad,
                       const Footprint& footprint = {});
 
