@@ -28,8 +28,8 @@ struct MissionBatch {
       finished;
 };
 
-// The first failure of any callback ends the batch, together with the missions that are running. A
-// log that does not replay to the same decisions is not a failure: it stays in the folder as
+// The first failure of anything that is called ends the batch, including the missions running then.
+// A log that does not replay to the same decisions is not a failure: it stays in the folder as
 // WORLD_SEED.pcap, and RunResult::replayed is false.
 ReadOutcome RunBatch(const MissionBatch& batch);
 
