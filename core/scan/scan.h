@@ -17,32 +17,33 @@
 #include "core/measurements/measurements.h"
 
 // The ring of lidar columns between the codec and the costmap, and the geometry that turns a column
-// into points. Does not decode packets and does not decide what a return is. Sections 1 and 8 of
-// docs/algorithm.md; range to XYZ as published by the sensor's maker.
+// into points. It does not decode packets and does not classify returns. Sections 1 and 8 of
+// docs/algorithm.md; range to XYZ as published by the sensor's manufacturer.
 
 namespace hardpack {
 
-// Beam angles in degrees, as the sensor's metadata give them, to sines and cosines.
+// Converts beam angles in degrees, as in the sensor's metadata, to sines and cosines.
 // altitude_deg, azimuth_deg: [beams]. columns_per_revolution: 1 .. kMaxColumnsPerRevolution.
 // kInvalidArgument: counts out of range or different, an altitude beyond 90 degrees, an azimuth
 // beyond 360, azimuths that differ by more than kMaxColumnShift columns; kNotFinite: an angle, the
-// origin or the transform is. On failure the model is empty.
+// origin or the transform is not finite. On failure the model is empty.
 // Cost: kMaxColumnsPerRevolution sines, and kMaxBeams^2 / 2 comparisons to order the beams.
 Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float> azimuth_deg,
                      int columns_per_revolution, float origin_to_beam_m,
                      const Transform3& sensor_from_lidar, BeamModel& model);
-// The same of a lidar's layout. kInvalidArgument is also more columns that come than there are.
+// The same for a lidar's layout. kInvalidArgument also if more columns fire than there are places.
 Status MakeBeamModel(const LidarLayout& layout, BeamModel& model);
 
-// Sine and cosine of the encoder angle of one column: theta_e = 2 pi (1 - m / W); from the model's
+// Sine and cosine of the encoder angle of one column, theta_e = 2 pi (1 - m / W), from the model's
 // table. Precondition: 0 <= measurement_id < model.columns_per_revolution.
 inline SinCosPair EncoderSinCos(const BeamModel& model, int measurement_id) {
   HP_ASSERT(measurement_id >= 0 && measurement_id < model.columns_per_revolution);
   return {model.sin_encoder[measurement_id], model.cos_encoder[measurement_id]};
 }
 
-// The same of a column that is azimuth_offset_rad off its place in the grid; bit for bit the
-// table's where that is 0. Not finite counts as 0. Cost: a sine and a cosine where it is not 0.
+// The same for a column azimuth_offset_rad away from its place in the grid; bit for bit the table's
+// value if the offset is 0. An offset that is not finite counts as 0. Cost: a sine and a cosine if
+// it is not 0.
 SinCosPair TurnedEncoder(SinCosPair encoder, float azimuth_offset_rad);
 inline SinCosPair EncoderSinCos(const BeamModel& model, int measurement_id,
                                 float azimuth_offset_rad) {
@@ -53,8 +54,8 @@ inline SinCosPair EncoderSinCos(const BeamModel& model, int measurement_id,
 // The point of one return in the lidar's sensor frame [m].
 //   theta_e = 2 pi (1 - m / W), theta_a = -azimuth, phi = altitude, n = origin_to_beam
 //   x = (r - n) cos(theta_e + theta_a) cos(phi) + n cos(theta_e); y with sin; z = (r - n) sin(phi)
-// and from there the metadata's lidar-to-sensor transform. Precondition: 0 <= row < model.beams.
-// Inline: every return goes through it twice.
+// then the metadata's lidar-to-sensor transform. Precondition: 0 <= row < model.beams.
+// Inline because every return passes through it twice.
 inline Vec3 PointInSensor(const BeamModel& model, SinCosPair encoder, int row, uint32_t range_mm) {
   HP_ASSERT(row >= 0 && row < model.beams);
   const float beam_m = FromMillimeters(range_mm) - model.origin_to_beam_m;
@@ -68,16 +69,16 @@ inline Vec3 PointInSensor(const BeamModel& model, SinCosPair encoder, int row, u
                                         beam_m * model.sin_altitude[row]});
 }
 
-// The range of the nearer of a beam's returns [mm]; 0: none. Precondition: 0 <= row < kMaxBeams.
+// Range of the nearer of a beam's returns [mm]; 0: none. Precondition: 0 <= row < kMaxBeams.
 uint32_t NearestRange(const LidarColumn& column, int row);
 
-// One return as it lies in the ring, in 32 bits.
+// One return as stored in the ring, in 32 bits.
 //   bits 0-18 range [mm], 19-21 ReturnClass, 22 labelled, 23-30 height above the local ground,
-//   31 the vehicle itself or out of the usable range
+//   31 the vehicle itself or outside the usable range
 class PackedReturn {
  public:
   constexpr PackedReturn() = default;
-  // Of class kIgnored, unlabelled, its height not known. Precondition: range_mm < 2^19.
+  // Class kIgnored, unlabelled, height unknown. Precondition: range_mm < 2^19.
   static constexpr PackedReturn Raw(uint32_t range_mm, bool self) {
     PackedReturn packed;
     packed.bits_ = (range_mm & kRangeMask) | kHeightUnknown << kHeightShift |
@@ -92,8 +93,8 @@ class PackedReturn {
   constexpr bool labelled() const { return ((bits_ >> kLabelledShift) & 1u) != 0; }
   constexpr bool self() const { return ((bits_ >> kSelfShift) & 1u) != 0; }
   constexpr bool height_known() const { return HeightCode() != kHeightUnknown; }
-  // Height above the local ground [cm], in steps of 2 from kLowestHeight_cm to kHighestHeight_cm,
-  // whose ends also stand for all beyond. Precondition: height_known().
+  // Height above the local ground [cm], in steps of 2 from kLowestHeight_cm to kHighestHeight_cm;
+  // the end values also stand for everything beyond. Precondition: height_known().
   constexpr int32_t height_cm() const {
     return static_cast<int32_t>(HeightCode()) * kHeightStep_cm + kLowestHeight_cm;
   }
@@ -130,86 +131,86 @@ class PackedReturn {
   uint32_t bits_ = 0;
 };
 
-// The way of a column through the ring.
+// The states of a column in the ring.
 enum class ColumnState : uint8_t {
-  kAbsent,   // never came, or its slot has not been used
+  kAbsent,   // never received, or its slot has not been used
   kRaw,      // its returns are not classed yet
-  kClassed,  // they have their geometric class; the column is pending: it waits for labels
-  kFolded,   // it is in the map: nothing about it changes any more
+  kClassed,  // its returns have their geometric class; the column is pending: it waits for labels
+  kFolded,   // it is in the map and no longer changes
 };
 
-// What is known of one column of the ring.
+// What is known about one column of the ring.
 struct ScanColumn {
-  int64_t sequence = -1;    // of this column; -1: none
+  int64_t sequence = -1;    // sequence number; -1: none
   uint64_t time_ns = 0;     // when it was taken, our clock
   uint32_t fold_count = 0;  // ScanRing::fold_count() when it was folded
   uint16_t frame_id = 0;
   uint16_t measurement_id = 0;
   ColumnState state = ColumnState::kAbsent;
   bool labelled = false;
-  float azimuth_offset_rad = 0.0f;  // as LidarColumn's
+  float azimuth_offset_rad = 0.0f;  // as in LidarColumn
   Transform3 odom_from_sensor;      // pose of the sensor when the column was taken
 };
 
-// Counts of what came in since Configure.
+// Counts of the input since Configure.
 struct ScanCounters {
   uint32_t columns = 0;  // filed
   uint32_t duplicates = 0;
   uint32_t invalid_columns = 0;
-  // Off the window or the revolution, another number of beams, or too far off its place.
+  // Outside the window or the revolution, a wrong number of beams, or too far from its place.
   uint32_t bad_columns = 0;
-  // Of the window, skipped between two columns that were filed, or before EndRevolution.
+  // In the window, skipped between two columns that were filed, or before EndRevolution.
   uint32_t missing_columns = 0;
-  uint32_t late_columns = 0;      // filed although a later one had come; no longer missing
-  uint32_t too_late_columns = 0;  // older than the ring reaches: not filed
-  uint32_t revolutions = 0;       // begun: the first, and those of which nothing came, included
-  // Of those, ended with columns missing. Columns that come afterwards do not change it.
+  uint32_t late_columns = 0;      // filed after a later column; no longer missing
+  uint32_t too_late_columns = 0;  // older than the ring reaches back: not filed
+  uint32_t revolutions = 0;       // begun, including the first and those without any column
+  // Of these, ended with columns missing. Columns that arrive afterwards do not change it.
   uint32_t incomplete_revolutions = 0;
-  uint32_t restarts = 0;               // columns not filed because the sensor's counting has jumped
+  uint32_t restarts = 0;               // columns not filed because the sensor's count has jumped
   uint32_t unusable_ranges = 0;        // beyond what a PackedReturn holds; filed as no return
-  uint32_t labels_without_column = 0;  // their column never came, or has left the ring
-  uint32_t late_labels = 0;            // their column was folded before
+  uint32_t labels_without_column = 0;  // their column never arrived, or has left the ring
+  uint32_t late_labels = 0;            // their column had already been folded
   uint32_t duplicate_labels = 0;
 };
 
-// The most recent revolutions, column by column, from their coming until a later revolution needs
-// their slots: at least three revolutions. 250 ms of pending columns fit at 10 revolutions a
-// second, at 20 with up to 64 beams and 1024 columns; 128 x 1024 at 20 fills it in 150 ms. A column
-// is named by its sequence number: turn x columns + measurement id, where turn counts revolutions
-// and does not wrap, nor begin again after a restart. Owned by the caller; at most 2 MiB.
+// The most recent revolutions, column by column, from arrival until a later revolution needs their
+// slots: at least three revolutions. 250 ms of pending columns fit at 10 revolutions a second, and
+// at 20 with up to 64 beams and 1024 columns; 128 x 1024 at 20 fills it in 150 ms. A column is
+// identified by its sequence number: turn x columns + measurement id, where turn counts revolutions
+// and neither wraps nor starts again after a restart. Owned by the caller; at most 2 MiB.
 class ScanRing {
  public:
   static constexpr int kCapacityReturns = 131072;  // rows x columns of one revolution
   static constexpr int kMaxColumns = 6144;
   static constexpr int kMaxReturns = 393216;
-  // So far from its place in the grid a column may have been measured.
+  // How far from its place in the grid a column may have been measured.
   static constexpr float kMaxOffset_columns = 2.0f;
-  // A frame counter that jumps further, ahead or back, is a restart of the sensor, not a loss.
+  // A larger jump of the frame counter, ahead or back, means a sensor restart, not a loss.
   static constexpr int kMaxFrameGap = 100;
 
   // Empties the ring and its counters. The window is the range of measurement ids that the sensor
   // sends, both ends included; first > last wraps past zero.
-  // kCapacityExceeded when beams x columns do not fit; kInvalidArgument when a count is not
-  // positive or beyond its maximum, or the window is not within the revolution. On failure the ring
-  // takes nothing. It holds as many whole revolutions as fit, slots() columns.
-  // Cost: kMaxColumns and kMaxReturns, cleared.
+  // kCapacityExceeded if beams x columns do not fit; kInvalidArgument if a count is not positive or
+  // beyond its maximum, or the window is not within the revolution. On failure the ring accepts
+  // nothing. It holds as many whole revolutions as fit: slots() columns.
+  // Cost: clears kMaxColumns and kMaxReturns.
   Status Configure(int beams, int columns_per_revolution, int window_first, int window_last);
   Status Configure(int beams, int columns_per_revolution) {
     return Configure(beams, columns_per_revolution, 0, columns_per_revolution - 1);
   }
 
-  // Forgets all columns but keeps the counters: the sensor has restarted. What its last revolution
-  // lacked is not counted. Cost: kMaxColumns.
+  // Discards all columns but keeps the counters: the sensor has restarted. Columns missing from its
+  // last revolution are not counted. Cost: kMaxColumns.
   void Restart();
 
-  // The sensor has fallen silent: the revolution ends, and what its window still lacks is missing
-  // (columns of it that come all the same are late). Nothing when it has ended already.
+  // The sensor has fallen silent: the revolution ends, and the rest of its window counts as missing
+  // (columns of it that still arrive are late). Does nothing if it has already ended.
   void EndRevolution();
 
   // The sequence number that a column has or would have, without filing it. kNotStarted;
-  // kBadColumn: off the window or the revolution; kSensorRestarted: its frame id is more than
-  // kMaxFrameGap from the newest column's; Restart() first; else kLate: it is older than the ring
-  // reaches, slots() columns back from the newest.
+  // kBadColumn: outside the window or the revolution; kSensorRestarted: its frame id is more than
+  // kMaxFrameGap from the newest column's, so call Restart() first; otherwise kLate: it is older
+  // than the ring reaches, slots() columns back from the newest.
   Result<int64_t> SequenceOf(uint16_t frame_id, uint16_t measurement_id) const;
 
   // Whether a column's azimuth offset is finite and at most kMaxOffset_columns.
@@ -217,53 +218,53 @@ class ScanRing {
     const float most_rad = kMaxOffset_columns * kTwoPi / static_cast<float>(columns_);
     return Abs(column.azimuth_offset_rad) <= most_rad;
   }
-  // The sensor's columns are not at the places of the grid: it leaves some of them out, and nothing
-  // is lost.
+  // The sensor's columns are not at the places of the grid: some places stay empty, and nothing is
+  // lost.
   bool measures_azimuth() const { return measures_azimuth_; }
 
-  // Files one column with its time and the sensor's pose then, as kRaw; what is in its slot from an
-  // earlier revolution is gone. A return is that of the nearer of the beam's returns. `self`: for
-  // each row whether it is the vehicle itself or outside the usable range; [beams].
+  // Files one column as kRaw, with its time and the sensor's pose at that time; it replaces what
+  // its slot holds from an earlier revolution. Of each beam's returns, the nearer one is kept.
+  // `self`: for each row, whether it is the vehicle itself or outside the usable range; [beams].
   // kColumnInvalid, kBadColumn, kDuplicate (the column is in the ring), kLate, kSensorRestarted:
-  // counted, not filed; kBadColumn is also one whose azimuth offset is none (TakesOffset).
+  // counted, not filed; kBadColumn also for an invalid azimuth offset (TakesOffset).
   // kNotFinite: the pose; kNotStarted: Configure has not succeeded;
-  // kInvalidArgument: self of another size.
+  // kInvalidArgument: self has the wrong size.
   // Cost: one pass over the rows, at most kMaxBeams.
   Status Push(const LidarColumn& column, uint64_t time_ns, const Transform3& odom_from_sensor,
               std::span<const uint8_t> self);
 
-  // Whether a column can still take labels, be it kRaw or kClassed: kOk; else counted: kBadColumn:
-  // it is not in the ring; kDuplicate: it has its labels, folded or not; kLate: it was folded
-  // without. Sets `sequence` in all but kBadColumn.
+  // kOk if a column can still take labels, whether it is kRaw or kClassed. Otherwise counted:
+  // kBadColumn: it is not in the ring; kDuplicate: it has its labels, folded or not; kLate: it was
+  // folded without labels. Sets `sequence` in all cases but kBadColumn.
   Status FindForLabels(uint16_t frame_id, uint16_t measurement_id, int64_t& sequence);
 
   // Whether the column is in the ring.
   bool Holds(int64_t sequence) const {
     return sequence >= 0 && slots_ > 0 && info_[SlotOf(sequence)].sequence == sequence;
   }
-  // Where a sequence number lies; any number that is not negative has a slot. Precondition: that,
-  // and Configure has succeeded.
+  // The slot of a sequence number; every number that is not negative has one. Preconditions: the
+  // number is not negative, and Configure has succeeded.
   int SlotOf(int64_t sequence) const {
     HP_ASSERT(sequence >= 0 && slots_ > 0);
     return Divide(sequence, slots_).remainder;
   }
-  // The two parts of a sequence number. Preconditions as of SlotOf.
+  // The two parts of a sequence number. Preconditions as for SlotOf.
   int64_t TurnOf(int64_t sequence) const { return Parts(sequence).quotient; }
   int MeasurementIdOf(int64_t sequence) const { return Parts(sequence).remainder; }
-  // Of the column that is the furthest on; -1 before the first.
+  // The highest sequence number filed; -1 before the first.
   int64_t newest_sequence() const { return newest_sequence_; }
   int slots() const { return slots_; }
 
-  // Preconditions: 0 <= slot < slots() and 0 <= row < beams(). The returns of a column that is
-  // kAbsent mean nothing.
+  // Preconditions: 0 <= slot < slots() and 0 <= row < beams(). The returns of a kAbsent column are
+  // meaningless.
   const ScanColumn& column(int slot) const {
     HP_ASSERT(slot >= 0 && slot < slots_);
     return info_[slot];
   }
   PackedReturn at(int slot, int row) const { return returns_[Index(slot, row)]; }
   void Set(int slot, int row, PackedReturn packed) { returns_[Index(slot, row)] = packed; }
-  // kRaw -> kClassed -> kFolded, never back. Preconditions: the column is there, and in the state
-  // before; for labels it is kRaw or kClassed.
+  // kRaw -> kClassed -> kFolded, never back. Preconditions: the column is present and in the
+  // preceding state; for labels it is kRaw or kClassed.
   void MarkClassed(int slot);
   void MarkLabelled(int slot);
   void MarkFolded(int slot);
@@ -274,7 +275,7 @@ class ScanRing {
   // is finite. Cost: kMaxColumns.
   void ShiftHeights(float dz_m);
 
-  // Columns in the sensor's window, and whether a measurement id is one of them.
+  // Number of columns in the sensor's window, and whether a measurement id is in it.
   int window_columns() const;
   bool InWindow(int measurement_id) const { return WindowPosition(measurement_id) >= 0; }
 
@@ -304,13 +305,13 @@ class ScanRing {
   int32_t window_first_ = 0;
   int32_t window_last_ = 0;
   int64_t newest_sequence_ = -1;
-  int64_t first_turn_ = 0;  // of the next column when there is none yet
-  // Places are columns of the window, counted on through the revolutions. Between these two, both
-  // included, every one is filed or counted as missing.
+  int64_t first_turn_ = 0;  // turn of the next column while there is none yet
+  // Places are columns of the window, numbered consecutively across revolutions. From the first to
+  // the last of these two, inclusive, each one is filed or counted as missing.
   int64_t first_place_ = 0;
   int64_t last_place_ = 0;
-  int32_t filed_in_revolution_ = 0;  // the newest column's
-  bool revolution_ended_ = false;    // and whether EndRevolution has counted it
+  int32_t filed_in_revolution_ = 0;  // of the newest column
+  bool revolution_ended_ = false;    // EndRevolution has counted it
   bool measures_azimuth_ = false;
   uint32_t fold_count_ = 0;
   ScanCounters counters_;
@@ -320,8 +321,8 @@ class ScanRing {
 static_assert(sizeof(ScanRing) <= 2 * 1024 * 1024);
 static_assert(std::is_trivially_copyable_v<ScanRing>);
 
-// True when a point lies on the vehicle itself (point in the body frame, in the box of the
-// parameters, edges included) or its range is outside the usable one.
+// True if a point is on the vehicle itself (point in the body frame, in the box of the parameters,
+// edges included) or its range is outside the usable range.
 bool IsSelfReturn(const LidarMountParams& params, const Vec3& point_body, float range_m);
 
 // sensor -> body, from the mounting parameters.

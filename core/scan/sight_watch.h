@@ -10,32 +10,33 @@
 #include "core/base/status.h"
 #include "core/measurements/measurements.h"
 
-// When the lidar last looked in which direction, and whether what it sends is a look at all
-// (docs/safety.md, "Blindness"). It follows columns that were taken; it does not stop the vehicle
-// (core/safety/supervisor.h does) and classes no return. Ours.
+// When the lidar last looked in each direction, and whether its data is a look at all
+// (docs/safety.md, "Blindness"). It observes accepted columns; it does not stop the vehicle
+// (core/safety/supervisor.h does) and does not class returns. Ours.
 //
-// The directions around the vehicle are sectors as wide as a packet of the lidar. A sector has been
-// looked along when at least a quarter of its columns came that are looks. A column is none
-//   empty    where fewer than a quarter of the beams came back that would meet the ground on which
-//            the vehicle stands within kNear_m; beams towards the sky are not asked for
-//   covered  where most of its beams end nearer than the usable range: at the window
-//   frozen   where its ranges are, each of them, those of one of the two revolutions before or of
-//            the column before: measured ranges never repeat
-// A mount that lets no beam meet the ground within kNear_m gives only what comes or does not.
+// The directions around the vehicle are divided into sectors as wide as one lidar packet. A sector
+// has been looked along if at least a quarter of its columns arrived and are looks. A column is not
+// a look if it is
+//   empty    fewer than a quarter of the beams returned that would hit the ground on which the
+//            vehicle stands within kNear_m; beams towards the sky do not count
+//   covered  most of its beams end nearer than the usable range: at the window
+//   frozen   all of its ranges equal those of one of the two previous revolutions or of the
+//            previous column: measured ranges never repeat
+// With a mount where no beam hits the ground within kNear_m, only arrival can be checked.
 //
-// One packet that is lost now and then leaves one sector old: so a sector counts as old as the
-// younger of itself and its younger neighbour, or as half its own age if that is more. With one
-// packet in ten lost and a limit of 0.42 s at 10 revolutions a second that is beyond the limit once
-// in two days of driving.
+// An occasional lost packet leaves one sector old. So a sector's age is that of the younger of
+// itself and its younger neighbour, or half its own age if that is more. With one packet in ten
+// lost and a limit of 0.42 s at 10 revolutions a second, this exceeds the limit once in two days of
+// driving.
 
 namespace hardpack {
 
 enum class SightCause : uint8_t { kNone = 0, kSilent, kEmpty, kCovered, kFrozen };
 
-// How long ago a stretch of the way was looked along: the oldest of its directions.
+// When a stretch of the path was last looked along: the oldest of its directions.
 struct SightLook {
-  uint64_t time_ns = UINT64_MAX;         // 0: never; UINT64_MAX: nothing was asked for
-  SightCause cause = SightCause::kNone;  // why not since
+  uint64_t time_ns = UINT64_MAX;         // 0: never; UINT64_MAX: no direction was asked for
+  SightCause cause = SightCause::kNone;  // why there was no look since
 };
 
 class SightWatch {
@@ -43,66 +44,68 @@ class SightWatch {
   static constexpr int kMaxSectors = 128;
   static constexpr int kLeastSectors = 16;
   static constexpr float kNear_m = 10.0f;
-  // With fewer returns a column may be like another one by chance.
+  // With fewer returns a column may equal another one by chance.
   static constexpr int kLeastReturns = 4;
-  // So many sectors' share of all of them, covered or frozen, are a fault wherever they are.
+  // One in this many sectors covered or frozen is a fault, in whatever direction.
   static constexpr int kFaultyShare = 16;
 
-  // Forgets everything. first, last: the sensor's window of measurement ids, both ends included.
-  // kParameterOutOfRange; kInvalidArgument: an empty model, a window or a packet that is none.
+  // Resets everything. first, last: the sensor's window of measurement ids, both ends included.
+  // kParameterOutOfRange; kInvalidArgument: an empty model, or an invalid window or packet size.
   // Cost: kMaxColumnsPerRevolution angles; kMaxSectors x kMaxBeams directions.
   Status Configure(const LidarMountParams& mount, const SafetyParams& safety,
                    const BeamModel& model, int columns_per_packet, int first, int last);
 
-  // A column that the map has taken. One that is not the model's changes nothing. Cost: its beams.
+  // Takes a column that the map has accepted. One that does not fit the model changes nothing.
+  // Cost: its beams.
   void Take(const LidarColumn& column, uint64_t time_ns);
 
-  // Makes `oldest` the oldest of itself and of the sectors from that of `right` anticlockwise to
-  // that of `left`, points of the body frame; where `left` lies clockwise of `right` the other way
-  // round. Points at the sensor, and those that are not finite, ask for all of them. Cost: the
+  // Sets `oldest` to the oldest of itself and the sectors from that of `right` anticlockwise to
+  // that of `left`, points in the body frame; the other way round if `left` lies clockwise of
+  // `right`. Points at the sensor, and points that are not finite, ask for all sectors. Cost: the
   // sectors between.
   void LookBetween(Vec2 right, Vec2 left, uint64_t now_ns, SightLook& oldest) const;
-  // The same of all sectors.
+  // The same for all sectors.
   void LookAround(uint64_t now_ns, SightLook& oldest) const;
-  // The same of sectors that are covered or frozen, wherever, where they are too many, since when
-  // they are. Constant cost.
+  // The same for covered or frozen sectors in any direction, if there are too many of them: the
+  // time at which that began. Constant cost.
   void LookAtFaults(SightLook& oldest) const;
 
-  // Of any sector; 0: never.
+  // Time of the newest look of any sector; 0: never.
   uint64_t newest_ns() const { return newest_ns_; }
-  // As the stamps of two columns of a packet have it; 0: not known yet.
+  // From the stamps of two columns of a packet; 0: not known yet.
   uint64_t revolution_ns() const { return revolution_ns_; }
   int sectors() const { return sectors_; }
 
-  // One of kShown parts of the circle, from straight behind anticlockwise, for the operator: what
-  // came in its last revolutions of what was expected [0.1 %]. Without anything expected 1000.
+  // For the operator: one of kShown parts of the circle, anticlockwise from straight behind, and
+  // the share of the expected data that arrived in its last revolutions [0.1 %]; 1000 if nothing
+  // was expected.
   static constexpr int kShown = 16;
   struct Shares {
     uint16_t columns_permille = 1000;
-    uint16_t returns_permille = 1000;  // of beams that would meet the ground
+    uint16_t returns_permille = 1000;  // of beams that would hit the ground
     SightCause cause = SightCause::kNone;
   };
   // Precondition: 0 <= part < kShown. Cost: kMaxSectors / kShown sectors.
   Shares SharesOf(int part, uint64_t now_ns) const;
-  // Sectors outside the mask that have been older than limit_s, covered or frozen.
+  // Number of sectors outside the mask that are older than limit_s, covered or frozen.
   int OldSectors(uint64_t now_ns, float limit_s) const;
   int covered_sectors() const { return covered_; }
   int frozen_sectors() const { return frozen_; }
 
  private:
-  // What came of a sector in one revolution.
+  // What arrived of a sector in one revolution.
   struct Pass {
     uint16_t columns = 0;
     uint16_t looks = 0;
     uint16_t covered = 0;
     uint16_t repeated = 0;
-    uint16_t beams = 0;  // that were expected back ...
-    uint16_t came = 0;   // ... and came
+    uint16_t beams = 0;  // beams expected to return ...
+    uint16_t came = 0;   // ... and those that did
   };
   struct Sector {
     uint64_t look_ns = 0;    // 0: never
     uint64_t column_ns = 0;  // of the newest column, a look or not
-    uint16_t columns = 0;    // in a revolution, within the window
+    uint16_t columns = 0;    // per revolution, within the window
     uint16_t frame_id = 0;
     bool is_masked = false;
     SightCause cause = SightCause::kNone;  // of the last whole pass
@@ -131,27 +134,27 @@ class SightWatch {
 
   bool configured_ = false;
   int32_t beams_ = 0;
-  int32_t columns_ = 0;  // a revolution
-  int32_t fired_ = 0;    // of those that come
+  int32_t columns_ = 0;  // per revolution
+  int32_t fired_ = 0;    // of these, how many fire
   int32_t columns_per_packet_ = 1;
   int32_t sectors_ = 0;
-  uint32_t window_mm_ = 0;  // nearer than this is at the window
+  uint32_t window_mm_ = 0;  // anything nearer is at the window
   uint64_t limit_ns_ = 0;
   Vec2 sensor_body_;
   uint64_t newest_ns_ = 0;
   uint64_t revolution_ns_ = 0;
-  uint64_t column_ns_ = 0;  // of the column before ...
+  uint64_t column_ns_ = 0;  // of the previous column ...
   uint32_t column_digest_ = 0;
   int32_t column_id_ = -1;
   float column_offset_rad_ = 0.0f;
-  uint64_t step_ns_ = 0;  // from the column before that one to it
+  uint64_t step_ns_ = 0;  // to it from the column before it
   int32_t covered_ = 0;
   int32_t frozen_ = 0;
-  uint64_t faulty_since_ns_ = 0;  // 0: not
+  uint64_t faulty_since_ns_ = 0;  // 0: no fault
   Sector sector_[kMaxSectors];
-  uint64_t meets_ground_[kMaxSectors][2] = {};  // a bit a row
+  uint64_t meets_ground_[kMaxSectors][2] = {};  // one bit per row
   uint8_t sector_of_[kMaxColumnsPerRevolution] = {};
-  // Of the ranges of the columns of the last two revolutions.
+  // Digests of the column ranges of the last two revolutions.
   uint32_t digest_[2][kMaxColumnsPerRevolution] = {};
 };
 static_assert(std::is_trivially_copyable_v<SightWatch>);

@@ -8,14 +8,14 @@
 #include "core/base/loop_bound.h"
 #include "hal/velodyne/velodyne.h"
 
-// Where the lasers of a VLP-16 and of a VLP-32C point, in the order in which their packets have
-// them, as the maker's manuals say (REFERENCES.md).
+// Directions of the lasers of a VLP-16 and a VLP-32C, in packet order, as given in the
+// manufacturer's manuals (REFERENCES.md).
 //
 // The head turns while the lasers fire one after the other: 0.12 degree at 600 rpm. A beam's
-// azimuth is therefore its own and that of its slot, both clockwise, against the middle of the
-// slots, for the rate that is set up. At a rate that is off by a share s of it the outermost slots
-// are off by 17.28 us of that: 0.06 s degree at 600 rpm and 0.12 s at 1200; 1 % off, 1 mm at 50 m
-// and 2 mm.
+// azimuth is therefore the sum of its own and that of its slot, both clockwise, relative to the
+// middle of the slots, for the configured rate. If the rate is off by a fraction s, the outermost
+// slots are off by 17.28 us of that: 0.06 s degree at 600 rpm and 0.12 s at 1200. With an error of
+// 1 % these are 1 mm and 2 mm at 50 m.
 
 namespace hardpack::velodyne {
 
@@ -35,16 +35,16 @@ inline constexpr std::array<float, 32> kVlp32cAzimuth_deg = {
     -1.4f, 4.2f,  -1.4f, 4.2f,  -1.4f, 1.4f,  -4.2f, 1.4f,  -4.2f, 4.2f,  -1.4f,
     1.4f,  -1.4f, 1.4f,  -1.4f, 1.4f,  -4.2f, 4.2f,  -1.4f, 1.4f,  -1.4f};
 
-// All beams of a VLP-16 cross 42.7 mm before the axis: what its manual tells as a correction of the
-// height of 0.7 mm (1 degree) to 11.2 mm (15 degrees) follows from this to 0.2 mm. Of the VLP-32C
-// none is told.
+// All beams of a VLP-16 cross 42.7 mm in front of the axis: this reproduces, to 0.2 mm, the height
+// correction in its manual of 0.7 mm (1 degree) to 11.2 mm (15 degrees). The manual of the VLP-32C
+// gives none.
 inline constexpr float kVlp16Origin_m = 0.0427f;
 
 inline constexpr int32_t kRates = (kMostRpm - kLeastRpm) / kRpmStep + 1;
 template <size_t kBeams>
 using AzimuthsOfRates = std::array<std::array<float, kBeams>, kRates>;
 
-// Of each rate that a sensor can be set up to, from kLeastRpm on.
+// For each rate that a sensor can be configured for, from kLeastRpm on.
 template <size_t kBeams>
 consteval AzimuthsOfRates<kBeams> MakeAzimuths(const std::array<float, kBeams>& own_deg) {
   constexpr float kDegPerRpmNs = 360.0f / 60.0f * 1.0e-9f;

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <span>
 
-// A capture of all interfaces sees a packet on each that it crosses: a bridge and its port, a VLAN
-// and what carries it. Tells which ones have been seen. What comes again on the same interface has
-// been sent again and is no duplicate.
+// A capture of all interfaces sees a packet on each one that it crosses: a bridge and its port, a
+// VLAN and its carrier. This detects packets already seen. A packet that appears again on the same
+// interface has been sent again and is not a duplicate.
 
 namespace hardpack::capture {
 
@@ -17,8 +17,8 @@ class DuplicateFilter {
   static constexpr size_t kRemembered = 512;  // packets
   static constexpr int64_t kMaxApart_ns = 20'000'000;
 
-  // Takes note of a packet. True when another interface has shown it more often, of late, than this
-  // one before.
+  // Records a packet. True if another interface has recently shown it more often than this one has
+  // so far.
   bool IsDuplicate(std::span<const uint8_t> packet, uint32_t interface_index, int64_t time_ns);
 
  private:

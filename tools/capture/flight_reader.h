@@ -12,9 +12,9 @@
 #include "port_linux/files/read_outcome.h"
 #include "tools/capture/pcap_reader.h"
 
-// One file of a flight log (hal/onboard/flight_log, docs/flight_log.md), tick by tick, and what it
-// opens with. Believes nothing: ticks that are not as their own records say are told apart from
-// whole ones, and a file may end anywhere.
+// Reads one file of a flight log (hal/onboard/flight_log, docs/flight_log.md), tick by tick, and
+// its opening records. It trusts nothing: ticks that do not match their own records are
+// distinguished from whole ones, and a file may end anywhere.
 
 namespace hardpack::capture {
 
@@ -35,10 +35,10 @@ struct LoggedTick {
   std::vector<CanFrame> frames_out;
 };
 
-// A text or an image that is put together from its parts.
+// A text or an image assembled from its parts.
 struct Assembled {
   std::vector<uint8_t> bytes;
-  uint64_t next = 0;  // the next part begins here
+  uint64_t next = 0;  // start of the next part
   bool whole = false;
   bool damaged = false;  // parts are missing, or contradict each other
 };
@@ -49,19 +49,19 @@ class FlightReader {
     kTick,
     kGap,      // gap_records() are missing
     kEnd,      // the run ended as it should
-    kDamaged,  // what comes is no tick; damage() says why
+    kDamaged,  // the data is not a tick; damage() says why
     kFileEnd,  // outcome() says whether it ends within a packet
   };
 
-  // Whether a file is a flight log: it is, if one of its first packets is a record of ours.
-  // kInvalidArgument, kUnsupported: as PcapReader::Open.
+  // Whether a file is a flight log: it is if one of its first packets is one of our records.
+  // kInvalidArgument, kUnsupported: as for PcapReader::Open.
   static ReadOutcome IsFlightLog(const std::string& path, bool& is_log);
 
-  // As PcapReader::Open.
+  // As for PcapReader::Open.
   ReadOutcome Open(const std::string& path);
 
-  // The next of the file; `tick` is only what it was on kTick. What opens the file, and the parts
-  // of its image, are taken up on the way.
+  // The next item of the file; `tick` is valid only on kTick. The opening records, and the parts of
+  // the image, are collected on the way.
   Item Next(LoggedTick& tick);
 
   bool has_version() const { return has_version_; }
@@ -69,11 +69,11 @@ class FlightReader {
   const Assembled& configuration() const { return configuration_; }
   const Assembled& lidar_metadata() const { return lidar_metadata_; }
   const Assembled& image() const { return image_; }
-  uint64_t image_index() const { return image_index_; }  // of the tick that it is the state after
+  uint64_t image_index() const { return image_index_; }  // of the tick after which it was taken
 
   uint64_t gap_records() const { return gap_records_; }
   const std::string& damage() const { return damage_; }
-  // A tick was begun and not ended: the file was cut off there.
+  // A tick has begun but not ended: the file was cut off there.
   bool ends_within_tick() const { return in_tick_; }
   const ReadOutcome& outcome() const { return reader_.outcome(); }
 

@@ -7,13 +7,13 @@
 #include <span>
 #include <vector>
 
-// Fragments of IPv4 datagrams back into whole ones (RFC 791): a lidar packet of 12.6 kB crosses an
-// Ethernet in nine. Bounded: a fixed number of datagrams in flight, each of at most 64 KiB. Tells
-// apart what it could not complete; does not look into what it puts together.
+// Reassembles fragments of IPv4 datagrams (RFC 791): a lidar packet of 12.6 kB crosses an Ethernet
+// in nine. Bounded: a fixed number of datagrams in flight, each of at most 64 KiB. It counts
+// separately what it could not complete, and does not look at the contents.
 
 namespace hardpack::capture {
 
-// What makes fragments belong together.
+// Identifies the fragments of one datagram.
 struct FragmentKey {
   uint32_t source_address = 0;  // host byte order
   uint32_t destination_address = 0;
@@ -33,8 +33,8 @@ struct Fragment {
 struct ReassemblyCounters {
   int64_t fragments = 0;
   int64_t completed = 0;
-  int64_t incomplete = 0;  // given up: too old, or pushed out by newer ones
-  int64_t conflicts = 0;   // given up: fragments that contradict each other, or no datagram has
+  int64_t incomplete = 0;  // given up: too old, or displaced by newer ones
+  int64_t conflicts = 0;   // given up: fragments that contradict each other or are impossible
 };
 
 class Ipv4Reassembly {
@@ -44,7 +44,7 @@ class Ipv4Reassembly {
   static constexpr int64_t kMaxAge_ns = 2'000'000'000;
 
   // Takes one fragment, in any order, repeated or overlapping. Returns the payload of the datagram
-  // that it completes, valid until the next call; else nothing. Bytes that two fragments carry
+  // that it completes, valid until the next call; otherwise nothing. Bytes carried by two fragments
   // must agree: otherwise the datagram is given up.
   std::span<const uint8_t> Add(const Fragment& fragment);
 
@@ -58,11 +58,11 @@ class Ipv4Reassembly {
     bool used = false;
     FragmentKey key;
     int64_t first_time_ns = 0;
-    size_t total_bytes = 0;  // 0: the last fragment has not come
+    size_t total_bytes = 0;  // 0: the last fragment has not arrived
     size_t end_bytes = 0;    // end of the farthest fragment
     size_t filled_bytes = 0;
     std::vector<uint8_t> bytes;   // [kMaxBytes] once used
-    std::vector<uint8_t> filled;  // [kMaxBytes] 1 where a fragment has put something
+    std::vector<uint8_t> filled;  // [kMaxBytes] 1 where a fragment has written
   };
 
   Slot& SlotFor(const Fragment& fragment);

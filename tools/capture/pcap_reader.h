@@ -14,10 +14,10 @@
 
 struct pcap;
 
-// UDP datagrams and CAN frames out of a capture file (pcap or pcapng, through libpcap): Ethernet
-// with VLAN tags, Linux cooked captures of both versions, raw IP, loopback and CAN interfaces;
-// IPv4, whole or in fragments. Everything else is counted and passed over. Checksums are not
-// checked: on a sending machine the capture is taken before the network card fills them in.
+// Reads UDP datagrams and CAN frames from a capture file (pcap or pcapng, through libpcap):
+// Ethernet with VLAN tags, Linux cooked captures of both versions, raw IP, loopback and CAN
+// interfaces; IPv4, whole or in fragments. Everything else is counted and skipped. Checksums are
+// not checked: on a sending machine the capture is taken before the network card fills them in.
 
 namespace hardpack::capture {
 
@@ -37,8 +37,8 @@ struct CapturedPacket {
   int64_t time_ns = 0;  // when the capture took it, since 1970
   UdpDatagram datagram;
   CanFrame frame;
-  // As a cooked capture says, which only a flight log can be relied upon for: a capture of Linux's
-  // calls every CAN frame a broadcast, whoever sent it.
+  // The packet type of a cooked capture, which is reliable only in a flight log: a capture by Linux
+  // marks every CAN frame as a broadcast, whoever sent it.
   uint8_t packet_type = 0;
 };
 
@@ -46,7 +46,7 @@ struct CaptureCounters {
   int64_t frames = 0;            // records in the file
   int64_t datagrams = 0;         // whole UDP datagrams
   int64_t can_frames = 0;        // data and remote frames of CAN
-  int64_t duplicates = 0;        // seen on another interface already: dropped
+  int64_t duplicates = 0;        // already seen on another interface: dropped
   int64_t cut_frames = 0;        // the capture kept less than was sent (snaplen)
   int64_t malformed_frames = 0;  // lengths that contradict each other
   int64_t other_frames = 0;      // neither UDP over IPv4 nor classic CAN
@@ -59,18 +59,18 @@ class PcapReader {
   PcapReader(const PcapReader&) = delete;
   PcapReader& operator=(const PcapReader&) = delete;
 
-  // kInvalidArgument: cannot be opened, or no capture file; kUnsupported: of another link type.
+  // kInvalidArgument: cannot be opened, or not a capture file; kUnsupported: another link type.
   ReadOutcome Open(const std::string& path);
 
-  // What `tcpdump -i any` saw on several interfaces of this file is from now on given once. Where a
-  // capture does not name the interfaces (all link types but LINUX_SLL2) nothing is dropped.
+  // From now on, packets that `tcpdump -i any` saw on several interfaces are returned once. If a
+  // capture does not name the interfaces (all link types but LINUX_SLL2), nothing is dropped.
   void DropDuplicates() { drops_duplicates_ = true; }
 
-  // The next datagram or frame. False at the end of the file and when it cannot be read on:
-  // outcome() says which (kOk, or kTruncated when the file ends within a record).
+  // The next datagram or frame. False at the end of the file, or if it cannot be read further:
+  // outcome() says which (kOk, or kTruncated if the file ends within a record).
   bool Next(CapturedPacket& packet);
 
-  // The same, passing over what is no datagram.
+  // The same, skipping everything but datagrams.
   bool Next(UdpDatagram& datagram);
 
   const ReadOutcome& outcome() const { return outcome_; }

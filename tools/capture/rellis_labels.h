@@ -9,12 +9,12 @@
 
 #include "port_linux/files/read_outcome.h"
 
-// Semantic labels of recorded returns, as codes of 0 .. 255. What a code means for driving is the
-// label table's business (core/segmentation/label_table.h; RELLIS-3D's ontology by default).
+// Semantic labels of recorded returns, as codes of 0 .. 255. The label table gives their meaning
+// for driving (core/segmentation/label_table.h; RELLIS-3D's ontology by default).
 
 namespace hardpack::capture {
 
-// Codes of one revolution's returns, [columns x beams], row-major; nothing where the file names no
+// Codes of one revolution's returns, [columns x beams], row-major; nothing where the file has no
 // return.
 struct ScanLabels {
   int beams = 0;
@@ -29,9 +29,9 @@ struct ScanLabels {
 };
 
 // Reads a CSV file whose header names at least the columns ring, meas_id and label, in any order;
-// one return a line. The message of a failure names file, line and column: kInvalidArgument (cannot
-// be opened, no number, outside the sensor's beams x columns, a code that is none, a return named
-// twice), kOversized (larger than 64 MiB). Precondition: beams, columns > 0.
+// one return per line. The message of a failure names file, line and column: kInvalidArgument
+// (cannot be opened, not a number, outside the sensor's beams x columns, an invalid code, a return
+// that appears twice), kOversized (larger than 64 MiB). Precondition: beams, columns > 0.
 ReadOutcome ReadLabels(const std::string& path, int beams, int columns, ScanLabels& labels);
 
 }  // namespace hardpack::capture

@@ -14,10 +14,10 @@
 #include "port_linux/files/read_outcome.h"
 #include "tools/capture/standing_scan.h"
 
-// One revolution of a recorded lidar through the mapper: a capture (pcap), the sensor's metadata
-// (JSON) and, where there are any, the labels of its returns (CSV). Joins the readers of this
+// Passes one revolution of a recorded lidar through the mapper: a capture (pcap), the sensor's
+// metadata (JSON) and, if available, the labels of its returns (CSV). Connects the readers of this
 // folder to hal/ouster and core/autonomy; decides nothing about obstacles. Everything is measured
-// from one pose: the vehicle is taken to stand still meanwhile.
+// from one pose: the vehicle is assumed to stand still meanwhile.
 
 namespace hardpack::capture {
 
@@ -25,13 +25,13 @@ struct LidarScanRequest {
   std::string capture_path;
   std::string metadata_path;
   std::string labels_path;      // empty: no labels
-  PerceptionParams perception;  // use_labels is set by whether there are any
+  PerceptionParams perception;  // use_labels is set if there are any
   CostmapParams costmap;        // the heights that matter
   LabelTable labels = RellisLabelTable();
   StampedPose pose;  // of the vehicle while the revolution was taken; its time has no effect
 };
 
-// What was found on the way. Reading ends with the revolution that is taken, and so do the counts.
+// What was read. Reading ends with the revolution taken, and so do the counts.
 struct LidarScanReport {
   ouster::Metadata metadata;
   uint16_t frame_id = 0;          // the revolution that was taken
@@ -45,13 +45,13 @@ struct LidarScanReport {
   FiledReturns filed;
 };
 
-// Reads one revolution: the first that is complete (all columns of the sensor's window), else the
-// fullest. The first lidar packet's sender and destination port are the sensor's; what comes from
-// elsewhere is foreign. Configures the mapper, which empties it.
-// With labels a return has the class its label stands for, and one that the file does not name has
-// code 255: hard, when in doubt. Without labels geometry decides (core/segmentation). A return
-// labelled as a person is never taken for the vehicle itself. On failure the status and a one-line
-// message that names the file.
+// Reads one revolution: the first complete one (all columns of the sensor's window), otherwise the
+// fullest. The sender and destination port of the first lidar packet are the sensor's; packets from
+// elsewhere are foreign. Configures the mapper, which empties it.
+// With labels, a return has the class of its label, and a return that is not in the file has code
+// 255: hard, when in doubt. Without labels geometry decides (core/segmentation). A return labelled
+// as a person is never taken for the vehicle itself. On failure the status and a one-line message
+// that names the file.
 ReadOutcome LoadLidarScan(const LidarScanRequest& request, Mapper& mapper, LidarScanReport& report);
 
 }  // namespace hardpack::capture

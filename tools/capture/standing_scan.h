@@ -10,14 +10,14 @@
 #include "core/measurements/measurements.h"
 #include "tools/capture/rellis_labels.h"
 
-// One revolution through the mapper as a vehicle that stands still would take it, and what became
-// of its returns.
+// Passes one revolution through the mapper, as on a vehicle that stands still, and reports how its
+// returns were filed.
 
 namespace hardpack::capture {
 
-// The revolution's valid columns, spread over a tenth of a second, each with its labels right
-// behind it. `mapper` is configured; `labels`: nullptr without. The status of the first column that
-// it did not take.
+// Adds the revolution's valid columns, spread over a tenth of a second, each followed directly by
+// its labels. `mapper` is configured; `labels`: nullptr for none. Returns the status of the first
+// column that the mapper did not accept.
 Status MapRevolution(std::span<const LidarColumn> columns, const StampedPose& pose,
                      const ScanLabels* labels, Mapper& mapper);
 
@@ -35,7 +35,7 @@ struct FiledReturns {
   std::vector<ClassedPoint> points;  // all but self and ignored, in the order of columns and rows
 };
 
-// Of what is in the mapper's ring. A return labelled as a person is never the vehicle itself.
+// The returns in the mapper's ring. A return labelled as a person is never the vehicle itself.
 FiledReturns ReturnsIn(const Mapper& mapper);
 
 }  // namespace hardpack::capture

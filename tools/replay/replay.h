@@ -16,9 +16,8 @@
 #include "port_linux/files/configuration.h"
 #include "port_linux/files/read_outcome.h"
 
-// Runs a recorded drive through its vehicle's loop again (docs/flight_log.md). Of a flight log the
-// ticks are known, and so is what they decided: it has to be decided again, bit for bit. Of a plain
-// capture
+// Runs a recorded drive through its vehicle's loop again (docs/flight_log.md). A flight log
+// contains the ticks and their decisions: these must be reproduced bit for bit. For a plain capture
 // (`tcpdump -i any`) the ticks are made from the packets' times, and there is nothing to compare.
 
 namespace hardpack::replay {
@@ -27,7 +26,7 @@ struct Request {
   std::vector<std::string> files;  // of a flight log: all of one run, in any order
   std::string configuration_path;  // TOML; empty: the log's own. A capture has none
   std::string metadata_path;       // JSON; empty: the log's own, or the one the configuration names
-  bool from_image = false;         // every file that has an image of the state begins from that
+  bool from_image = false;         // every file that has an image of the state starts from it
 };
 
 struct ModeChange {
@@ -37,7 +36,7 @@ struct ModeChange {
   StopReason reason = StopReason::kNone;
 };
 
-// A round of planning that was judged.
+// A planning round that was judged.
 struct PlanEvent {
   uint64_t index = 0;
   uint64_t now_ns = 0;
@@ -46,7 +45,7 @@ struct PlanEvent {
   Pose2 pose_odom;
 };
 
-// The first thing that was decided otherwise.
+// The first decision that differs.
 struct Difference {
   bool found = false;
   uint64_t index = 0;  // of the tick
@@ -71,19 +70,19 @@ struct Report {
   uint64_t first_index = 0;
   uint64_t last_index = 0;
   bool from_image = false;     // the first tick was replayed from an image
-  bool ended = false;          // the log says that the run ended as it should
+  bool ended = false;          // the log says that the run ended normally
   bool cut = false;            // the log ends within a tick or a packet
-  std::string not_comparable;  // why the log could not be followed to its end; else empty
+  std::string not_comparable;  // why the log could not be followed to its end; otherwise empty
   Difference difference;
   int64_t different_ticks = 0;
   uint64_t decision_hash = 0;  // after the last tick
-  int64_t frames_out = 0;      // decided now
+  int64_t frames_out = 0;      // decided in the replay
   int64_t frames_in = 0;
-  int64_t own_frames = 0;  // of a capture: with identifiers that only we send, not fed
+  int64_t own_frames = 0;  // in a capture: with identifiers that only we send, not fed
   std::array<int64_t, kInputSources> datagrams = {};
-  int64_t foreign_datagrams = 0;  // of a capture: of no configured source
-  int64_t duplicates = 0;         // of a capture: seen on several interfaces
-  int64_t incomplete = 0;         // of a capture: datagrams of which fragments are missing
+  int64_t foreign_datagrams = 0;  // in a capture: from no configured source
+  int64_t duplicates = 0;         // in a capture: seen on several interfaces
+  int64_t incomplete = 0;         // in a capture: datagrams with missing fragments
   std::vector<ModeChange> modes;
   std::vector<PlanEvent> plans;
   std::vector<Pose2> driven;  // every 0.1 m or so
@@ -93,27 +92,27 @@ struct Report {
   bool same() const { return !difference.found && not_comparable.empty(); }
 };
 
-// Whether the files are flight logs or plain captures: they are all the same, or kInvalidArgument.
+// Whether the files are flight logs or plain captures; kInvalidArgument if they are mixed.
 ReadOutcome AreFlightLogs(const std::vector<std::string>& files, bool& are_logs);
 
 // Replays a flight log. A failure is input that cannot be used at all (a file or its configuration
-// cannot be read, the files are not of one run, an image is of a program with another layout of the
-// state); everything else is in the report. `vehicle` ends as it was after the last tick, and
-// `configuration` is what was used.
+// cannot be read, the files are not from one run, an image is from a program with another state
+// layout); everything else is in the report. `vehicle` is left in its state after the last tick,
+// and `configuration` is the one used.
 ReadOutcome ReplayLog(const Request& request, ChosenVehicle& vehicle, Configuration& configuration,
                       Report& report);
 
-// Replays a plain capture. A tick takes what the capture took in the period before it, as the
-// onboard program would, which leaves to the next tick what is more than one takes. The bus is
-// taken to be active.
+// Replays a plain capture. A tick takes what the capture received in the preceding period, as the
+// onboard program would, and leaves anything beyond a tick's limits to the next tick. The bus is
+// assumed to be active.
 ReadOutcome ReplayCapture(const Request& request, ChosenVehicle& vehicle,
                           Configuration& configuration, Report& report);
 
-// Notes what a tick has changed; for both of them.
+// Records what a tick has changed, for both kinds of replay.
 class Observer {
  public:
   explicit Observer(Report& report) : report_(report) {}
-  // One tick of the vehicle, timed and noted.
+  // One tick of the vehicle, timed and recorded.
   Status Tick(const TickInput& input, AnyVehicle& vehicle, TickOutput& output);
 
  private:

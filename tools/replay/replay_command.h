@@ -5,7 +5,7 @@
 
 namespace hardpack::command {
 
-// `hardpack replay`: a recorded drive decided again; replay.json, replay.png (docs/flight_log.md).
+// `hardpack replay`: replays a recorded drive; replay.json, replay.png (docs/flight_log.md).
 void AddReplayCommand(CLI::App& app);
 
 }  // namespace hardpack::command

@@ -5,8 +5,8 @@
 #include "tools/picture/canvas.h"
 #include "tools/replay/replay.h"
 
-// replay.png: the costmap of the last plan, the way that was driven, the committed path and the
-// vehicle at the end.
+// replay.png: the costmap of the last plan, the driven path, the committed path and the vehicle at
+// the end.
 
 namespace hardpack::replay {
 

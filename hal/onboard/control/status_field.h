@@ -3,18 +3,18 @@
 
 #include <cstdint>
 
-// What a field of a StatusReport is, beyond its type (status_table.h).
+// Properties of a StatusReport field beyond its type (status_table.h).
 
 namespace hardpack::control {
 
-// How a value is to be shown, beyond what its type says.
+// How to show a value, beyond what its type says.
 enum class FieldKind : uint8_t {
   kValue = 0,  // a number in the unit of its name, a flag, a text
   kDuration,   // ns
   kHex,
   kNanodegree,
   kAge,
-  // Codes, of the enums that are called so.
+  // Codes of the enums with these names.
   kMode,
   kStopReason,
   kMotion,
@@ -31,11 +31,11 @@ enum class FieldKind : uint8_t {
   kControllerFault,
 };
 
-// When a value is worth a look. (Ages say so themselves.)
+// When a value needs attention. (Ages indicate this themselves.)
 enum class Concern : uint8_t {
   kNone = 0,
-  kLoss,      // a counter: not 0: something was lost or refused since the start
-  kProblem,   // not 0, or a code that means no good: something is wrong now
+  kLoss,      // a counter; not 0: something was lost or refused since the start
+  kProblem,   // not 0, or a code that indicates trouble: something is wrong now
   kExpected,  // 0: something is missing now
 };
 

@@ -9,23 +9,24 @@
 #include "hal/onboard/control/messages.h"
 #include "hal/recorder.h"
 
-// Everything that an operator may want to see of the onboard program, as plain numbers: what the
-// port fills in once it is asked, and an operator's program shows. Codes are the numbers of enums
-// that this stage does not know (each names its own); counters have the names that they have where
-// they are counted. hal/onboard/control/status_table.h says what each field is; encoding, decoding
-// and every way of showing a report go by that one table.
+// Everything that an operator may want to see of the onboard program, as plain numbers: the port
+// fills it in on request, and an operator's program shows it. Codes are the numbers of enums that
+// this stage does not know (each field names its enum); counters have the same names as where they
+// are counted. hal/onboard/control/status_table.h describes each field; encoding, decoding and all
+// display of a report use that one table.
 
 namespace hardpack::control {
 
-// How long ago something was, and how long it may be.
+// How long ago something happened, and the limit for that.
 struct Age {
   static constexpr uint64_t kNever = UINT64_MAX;
   uint64_t age_ns = kNever;
-  uint64_t limit_ns = 0;  // 0: there is none
+  uint64_t limit_ns = 0;  // 0: no limit
   constexpr bool operator==(const Age&) const = default;
 };
 
-// The age at now_ns of what was at then_ns; 0 there: it never was. The future is age 0.
+// The age at now_ns of what happened at then_ns; then_ns 0: it never happened. A time in the future
+// gives age 0.
 constexpr Age AgeAt(uint64_t now_ns, uint64_t then_ns, uint64_t limit_ns = 0) {
   if (then_ns == 0) return {Age::kNever, limit_ns};
   return {then_ns < now_ns ? now_ns - then_ns : 0, limit_ns};
@@ -34,17 +35,17 @@ constexpr Age AgeAt(uint64_t now_ns, uint64_t then_ns, uint64_t limit_ns = 0) {
 inline constexpr int kTextBytes = 32;
 
 struct ProgramPart {
-  char version[kTextBytes] = {};  // printable ASCII, ended by a zero; so is the next one
+  char version[kTextBytes] = {};  // printable ASCII, zero-terminated, like the next one
   char vehicle[kTextBytes] = {};  // its type
   uint64_t uptime_ns = 0;         // since the first tick
   uint64_t tick_index = 0;
   uint64_t missed_ticks = 0;
-  uint64_t dropped_datagrams = 0;   // that had waited for too long to be told as new
+  uint64_t dropped_datagrams = 0;   // had waited too long to count as new
   uint64_t last_missed_tick = 0;    // index of the newest one ...
   uint64_t last_miss_late_ns = 0;   // ... and by how much the tick after it was late
-  uint64_t worst_late_ns = 0;       // a tick began after it was due
-  uint64_t worst_tick_ns = 0;       // from a tick's begin to its end
-  uint64_t worst_tick_index = 0;    // that one
+  uint64_t worst_late_ns = 0;       // largest delay of the start of a tick
+  uint64_t worst_tick_ns = 0;       // longest duration of a tick
+  uint64_t worst_tick_index = 0;    // index of that tick
   uint64_t heap_allocations = 0;    // since the first tick
   bool realtime_scheduled = false;  // SCHED_FIFO
   bool memory_locked = false;
@@ -57,7 +58,7 @@ struct VehiclePart {
   uint8_t stop_reason = 0;  // StopReason
   uint8_t last_stop = 0;    // StopReason
   uint8_t motion = 0;       // Motion
-  Age stop_reason_age;      // since when stop_reason is what it is
+  Age stop_reason_age;      // time since stop_reason last changed
   float x_m = 0.0f;         // pose, odom
   float y_m = 0.0f;
   float yaw_rad = 0.0f;
@@ -67,16 +68,16 @@ struct VehiclePart {
   uint32_t odometry_gaps = 0;
   float commanded_speed_mps = 0.0f;
   float commanded_yaw_rate_radps = 0.0f;
-  // What its drives say together, whatever drives they are.
+  // The state of its drives as a whole, whatever their kind.
   bool drives_ready = false;
   bool drives_enabled = false;
   bool drives_faulty = false;
-  bool drives_off = false;  // none can push
+  bool drives_off = false;  // none can produce torque
 };
 
-// The filter, and where odom lies on earth.
+// The filter, and the position of odom on earth.
 struct OdometryPart {
-  float position_sigma_m = 0.0f;  // since the start, the larger one of x and y
+  float position_sigma_m = 0.0f;  // since the start, the larger of x and y
   float yaw_sigma_rad = 0.0f;
   float driven_m = 0.0f;
   bool at_rest = false;
@@ -109,7 +110,7 @@ struct OdometryPart {
   uint32_t map_relocations = 0;
 };
 
-// Age of the newest of each.
+// Age of the newest input of each kind.
 struct AgePart {
   Age lidar_age;
   Age ins_age;
@@ -118,11 +119,11 @@ struct AgePart {
 };
 
 struct GoalPart {
-  uint32_t goals = 0;       // given; 0: there is none
-  uint32_t goal_index = 0;  // the one that is driven to, from 0
-  float goal_x_m = 0.0f;    // of that one, odom
+  uint32_t goals = 0;       // given; 0: none
+  uint32_t goal_index = 0;  // of the current goal, from 0
+  float goal_x_m = 0.0f;    // of the current goal, odom
   float goal_y_m = 0.0f;
-  float distance_to_goal_m = 0.0f;  // straight
+  float distance_to_goal_m = 0.0f;  // straight line
 };
 
 struct PlanPart {
@@ -131,7 +132,7 @@ struct PlanPart {
   uint8_t status = 0;       // Status, of the last round
   uint8_t plan_status = 0;  // Status, of the last new plan
   // Of the committed plan.
-  uint32_t number = 0;  // 0: there is none
+  uint32_t number = 0;  // 0: no plan
   Age check_age;        // of the map on which it was checked
   float distance_to_end_m = 0.0f;
   bool reaches_goal = false;
@@ -139,13 +140,13 @@ struct PlanPart {
   bool narrow = false;
 };
 
-// What is looked after besides planning (core/safety).
+// What is monitored besides planning (core/safety).
 struct SafetyPart {
   bool obstacle_ahead = false;       // a return in the corridor of the committed path ...
   bool person_ahead = false;         // ... of a person
   float obstacle_distance_m = 0.0f;  // along the path from the vehicle's middle; 0: none
-  // The reaction radius (core/safety/reaction_meter.h): from a column's stamp to the first
-  // command whose path knows it, and that time times the speed. 1e6: never.
+  // The reaction radius (core/safety/reaction_meter.h): the time from a column's stamp to the first
+  // command whose path takes it into account, and that time times the speed. 1e6: never.
   float reaction_median_s = 0.0f;
   float reaction_p99_s = 0.0f;
   float reaction_median_m = 0.0f;
@@ -183,10 +184,10 @@ struct InsPart {
   bool has_position = false;
   int64_t latitude_ndeg = 0;
   int64_t longitude_ndeg = 0;
-  float position_uncertainty_m = 0.0f;  // 0: not told
+  float position_uncertainty_m = 0.0f;  // 0: not reported
 };
 
-// The parts of devices: `present` where the vehicle has such a device.
+// The parts of devices: `present` if the vehicle has such a device.
 struct InsStreamPart {
   bool present = false;
   uint64_t bytes = 0;
@@ -217,7 +218,7 @@ struct DrivePart {
   bool present = false;
   uint8_t state = 0;         // sevcon::DriveState
   uint8_t fault = 0;         // sevcon::DriveFault
-  uint8_t nmt_state = 0xff;  // CiA 301; ff: not heard
+  uint8_t nmt_state = 0xff;  // CiA 301; ff: none received
   uint16_t statusword = 0;
   uint16_t emergency_code = 0;
   uint8_t emergency_register = 0;
@@ -249,7 +250,7 @@ struct MotionControllerPart {
   float speed_mps = 0.0f;
   float yaw_rate_radps = 0.0f;
   Age feedback_age;
-  uint16_t controller_faults = 0;  // bits of its own
+  uint16_t controller_faults = 0;  // bits defined by the controller
   float battery_V = 0.0f;
   int32_t temperature_degC = 0;
   uint32_t frames_repeated = 0;
@@ -258,9 +259,9 @@ struct MotionControllerPart {
 
 struct CanPart {
   uint8_t state = 0;              // CanBusState
-  uint32_t bus_load_percent = 0;  // of what we send and ask for, as configured
+  uint32_t bus_load_percent = 0;  // from what we send and request, as configured
   CanBusCounters bus;
-  // What the drives took of it.
+  // How the drives handled the frames.
   uint32_t frames_taken = 0;
   uint32_t frames_ignored = 0;
   uint32_t frames_malformed = 0;
@@ -268,7 +269,7 @@ struct CanPart {
   uint32_t frames_old = 0;
 };
 
-// Of any lidar; what its packets cannot have wrong stays 0.
+// For any lidar; counters of errors that its packets cannot have stay 0.
 struct LidarPacketPart {
   uint64_t accepted = 0;
   uint64_t wrong_size = 0;
@@ -292,7 +293,7 @@ struct LidarPacketPart {
 struct LidarClockPart {
   bool started = false;
   bool suspect = false;
-  int64_t offset_ns = 0;  // smallest host minus device; 0 before it has started
+  int64_t offset_ns = 0;  // smallest difference host minus device; 0 before the start
   uint32_t observations = 0;
   uint32_t jumps = 0;
   uint32_t late = 0;
@@ -319,50 +320,50 @@ inline constexpr int kInputSourceCount = 3;  // INS, labels, lidar
 struct LoopPart {
   uint64_t ticks = 0;
   uint64_t missed_ticks = 0;   // gaps of the index
-  uint64_t refused_ticks = 0;  // input that no tick can have: time or index ran backwards
+  uint64_t refused_ticks = 0;  // impossible input: time or index ran backwards
   uint64_t datagrams[kInputSourceCount] = {};
   uint64_t refused_datagrams[kInputSourceCount] = {};
-  uint64_t refused_columns = 0;  // those beyond a tick's directions among them
-  uint64_t suspect_columns = 0;  // dropped while the lidar's clock was not to be relied upon
+  uint64_t refused_columns = 0;  // including those beyond a tick's directions
+  uint64_t suspect_columns = 0;  // dropped while the lidar's clock was unreliable
   uint64_t lidar_restarts = 0;
   uint64_t clock_jumps = 0;     // of the lidar
-  uint64_t untimed_ins = 0;     // INS messages dropped while its clock was not to be relied upon
-  uint64_t odometry_gaps = 0;   // pauses that odometry does not bridge: the map began anew
-  uint64_t odometry_jumps = 0;  // steps that no vehicle makes: the same
-  uint64_t refused_labels = 0;  // columns of labels that the map has no use for any more
+  uint64_t untimed_ins = 0;     // INS messages dropped while its clock was unreliable
+  uint64_t odometry_gaps = 0;   // pauses that odometry does not bridge: the map was restarted
+  uint64_t odometry_jumps = 0;  // steps that no vehicle can make: the map was restarted
+  uint64_t refused_labels = 0;  // label columns that the map can no longer use
   uint64_t commands = 0;
   uint64_t refused_commands = 0;
-  uint64_t plans = 0;           // rounds of planning that were judged
-  uint64_t refused_states = 0;  // that the planner would not take
+  uint64_t plans = 0;           // planning rounds that were judged
+  uint64_t refused_states = 0;  // not accepted by the planner
 };
 
-// What came over the control socket. The port counts it.
+// Traffic on the control socket, counted by the port.
 struct ControlCounters {
-  uint64_t clients = 0;        // connections taken, in all
+  uint64_t clients = 0;        // connections accepted, in total
   uint64_t connected = 0;      // of these, now
-  uint64_t turned_away = 0;    // connections for which there was no place
+  uint64_t turned_away = 0;    // connections refused for lack of a free place
   uint64_t displaced = 0;      // clients whose place was given to another
-  uint64_t messages = 0;       // given by Receive
-  uint64_t not_permitted = 0;  // commands of those who may not command
-  uint64_t malformed = 0;      // messages that are none, and what does not go over such a socket
-  uint64_t dropped_slow = 0;   // clients that did not take their answers
+  uint64_t messages = 0;       // returned by Receive
+  uint64_t not_permitted = 0;  // commands from clients without permission
+  uint64_t malformed = 0;      // invalid messages, and data that such a socket does not carry
+  uint64_t dropped_slow = 0;   // clients that did not read their answers
   uint64_t system_errors = 0;  // refusals of the operating system
 };
 
 // Where the lidar looks (core/scan/sight_watch.h). Parts of the circle: 0 begins straight behind,
-// anticlockwise, so that 7 and 8 are ahead.
+// counting anticlockwise, so 7 and 8 are ahead.
 struct SightPart {
   static constexpr int kParts = 16;
-  Age look_age;              // of the oldest look along the way
+  Age look_age;              // of the oldest look along the path
   uint32_t sectors = 0;      // around the vehicle
-  uint32_t old_sectors = 0;  // of them, not looked along lately
+  uint32_t old_sectors = 0;  // of these, not looked along recently
   uint32_t covered_sectors = 0;
   uint32_t frozen_sectors = 0;
   bool lidar_turned = false;  // in its mount
   float ground_tilt_rad = 0.0f;
   uint64_t revolution_ns = 0;
-  uint16_t columns_permille[kParts] = {};  // that came, of those expected
-  uint16_t returns_permille[kParts] = {};  // of beams that would meet the ground near by
+  uint16_t columns_permille[kParts] = {};  // received, of those expected
+  uint16_t returns_permille[kParts] = {};  // of beams that would hit the ground nearby
 };
 
 struct StatusReport {
@@ -394,16 +395,16 @@ struct StatusReport {
 };
 static_assert(std::is_trivially_copyable_v<StatusReport>);
 
-// Writes the answer to a kGetStatus of that number and sets `size_bytes`. kCapacityExceeded: the
-// buffer is too small; kInvalidArgument: the version or the vehicle is no text. Then nothing is
-// written, and size_bytes is 0. Cost: one pass over the fields.
+// Writes the answer to the kGetStatus with that sequence number and sets `size_bytes`.
+// kCapacityExceeded: the buffer is too small; kInvalidArgument: the version or the vehicle is not
+// valid text. On failure nothing is written, and size_bytes is 0. Cost: one pass over the fields.
 Status Encode(const StatusReport& report, uint32_t sequence, std::span<uint8_t> buffer,
               int& size_bytes);
 
 // Reads such an answer. The statuses of ReadHeader; kWrongPacketType: another kind of message;
-// kUnsupported: of a program with another table of fields; kTruncated, kOversized: not of the
-// table's size; kInvalidArgument: a flag that is neither 0 nor 1, a text that is none. Then
-// `report` is untouched. Other numbers are taken as they are, those that are not finite too.
+// kUnsupported: from a program with another table of fields; kTruncated, kOversized: not the
+// table's size; kInvalidArgument: a flag that is neither 0 nor 1, an invalid text. On failure
+// `report` is untouched. Other numbers are taken as they are, even if not finite.
 Status Decode(std::span<const uint8_t> message, StatusReport& report);
 
 }  // namespace hardpack::control

@@ -4,10 +4,10 @@
 #include "hal/onboard/control/status_field.h"
 #include "hal/onboard/control/status_report.h"
 
-// The one table of a StatusReport's fields: encoding, decoding, the operator's text and JSON all go
-// by it. VisitStatus calls visit.BeginGroup(name) for each part and visit(name, kind, concern,
-// value) for each of its fields, in the order of the wire; the value's type says how it is encoded.
-// Names are the members', with their units.
+// The one table of a StatusReport's fields: encoding, decoding, the operator's text and JSON all
+// use it. VisitStatus calls visit.BeginGroup(name) for each part and visit(name, kind, concern,
+// value) for each of its fields, in wire order; the value's type determines its encoding. Names are
+// those of the members, with their units.
 
 namespace hardpack::control {
 

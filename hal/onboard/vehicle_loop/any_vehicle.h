@@ -36,11 +36,11 @@ class AnyVehicle {
   // What the drives report, as of the last tick.
   virtual DriveFeedback Drives() const = 0;
 
-  // No drive produces torque: each says so itself, or has been silent for so long that it is not
-  // waited for. That it was told to, or that we want it to, does not count.
+  // No drive produces torque: each has reported so, or has been silent for so long that we no
+  // longer wait for it. A command or a wish to be off does not count.
   virtual bool DrivesAreOff() const = 0;
 
-  // Fills in the parts of its devices.
+  // Fills in the report parts of its devices.
   virtual void Report(control::StatusReport& report) const = 0;
 
   // The entire state, as a flight log copies it.
@@ -72,7 +72,7 @@ class VehicleOf final : public AnyVehicle {
  public:
   using Loop = BasicVehicleLoop<Vehicle>;
 
-  // To be configured before the first tick.
+  // Configure it before the first tick.
   Loop& loop() { return loop_; }
   const Loop& loop() const { return loop_; }
 

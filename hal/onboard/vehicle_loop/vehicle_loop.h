@@ -13,15 +13,14 @@
 #include "hal/onboard/vehicle_loop/tick.h"
 #include "hal/onboard/vehicle_loop/vehicles.h"
 
-// The whole system for one period: bytes in, CAN frames out. Makes no call through an interface and
-// reads no clock: everything that it takes is in TickInput, so that a recording of the inputs gives
-// the same outputs again, bit for bit. The state is one trivially copyable object without pointers.
-// What the vehicle's devices are is a type (vehicles.h), what is done with what they say is the
-// pilot's.
+// The whole system for one period: bytes in, CAN frames out. It makes no call through an interface
+// and reads no clock: all its input is in TickInput, so a recording of the inputs reproduces the
+// outputs bit for bit. The state is one trivially copyable object without pointers. The vehicle's
+// devices are given by a type (vehicles.h); the pilot decides what to do with their data.
 
 namespace hardpack {
 
-// Everything that decides how the vehicle behaves.
+// Everything that determines the vehicle's behaviour.
 template <VehicleType Vehicle>
 struct BasicVehicleConfig : PilotConfig {
   typename Vehicle::Lidar::Config lidar;
@@ -35,18 +34,18 @@ class BasicVehicleLoop : public Pilot, public TickLimits {
   using Drives = typename Vehicle::Drives;
   using Config = BasicVehicleConfig<Vehicle>;
 
-  // What of it does not go together, by name: config/conflicts.h, and a period that brings more
-  // columns of the lidar than a tick classes directions, or more of its datagrams than a tick
-  // takes. No name: nothing. Precondition: each parameter is within its range.
+  // Parameters that conflict, by name: those of config/conflicts.h, and a period in which the lidar
+  // sends more columns than a tick classes directions, or more datagrams than a tick takes. No
+  // name: no conflict. Precondition: each parameter is within its range.
   static ParameterConflict ConflictOf(const Config& config);
 
-  // Sets everything up and forgets what was. The statuses of the stages' Configure;
-  // kParameterOutOfRange too where there is a conflict. Cost: everything is cleared.
+  // Sets everything up and clears the state. The statuses of the stages' Configure; also
+  // kParameterOutOfRange if there is a conflict. Cost: everything is cleared.
   Status Configure(const Config& config);
 
   // One tick. kOk; kNotStarted: Configure has not succeeded; kInvalidArgument: the time or the
-  // index does not grow, or there is more than fits: then nothing has changed but a counter, and
-  // `output` has no frame but is valid. Cost: bounded, the sum of its stages'.
+  // index does not increase, or the input exceeds the limits. Then only a counter has changed, and
+  // `output` is valid but has no frames. Cost: bounded, the sum of its stages.
   Status Tick(const TickInput& input, TickOutput& output);
 
   const Drives& drives() const { return drives_; }
@@ -74,8 +73,8 @@ class BasicVehicleLoop : public Pilot, public TickLimits {
 
   bool configured_ = false;
   bool may_resume_ = true;    // the lidar has not restarted in this tick
-  int32_t columns_left_ = 0;  // of the lidar, that this tick takes ...
-  int32_t labels_left_ = 0;   // ... and of labels
+  int32_t columns_left_ = 0;  // lidar columns that this tick still takes ...
+  int32_t labels_left_ = 0;   // ... and label columns
   InsSample ins_sample_;      // just decoded
   LidarColumn column_;
   ColumnLabels labels_;
@@ -91,7 +90,7 @@ using VehicleLoop = BasicVehicleLoop<Warthog>;
 using VehicleConfig = BasicVehicleConfig<Warthog>;
 static_assert(std::is_trivially_copyable_v<VehicleLoop>);
 
-// What all of it may take: it is copied into a flight log at once.
+// Size limit of the whole state: it is copied into a flight log at once.
 inline constexpr int kStateBudget_bytes = 8 * 1024 * 1024 + 256 * 1024;
 static_assert(sizeof(VehicleLoop) <= kStateBudget_bytes);
 static_assert(sizeof(BasicVehicleLoop<WarthogVelodyne>) <= kStateBudget_bytes);

@@ -4,7 +4,7 @@
 #include "core/base/loop_bound.h"
 #include "hal/onboard/vehicle_loop/vehicle_loop.h"
 
-// The functions of BasicVehicleLoop, for the one source that instantiates it for a vehicle.
+// The functions of BasicVehicleLoop, for the one source file that instantiates it for a vehicle.
 
 namespace hardpack {
 
@@ -25,8 +25,8 @@ Status BasicVehicleLoop<Vehicle>::Configure(const Config& config) {
   return status;
 }
 
-// What a lidar sends in one period has to fit into what a tick may class, and into the datagrams
-// that it takes.
+// What a lidar sends in one period must fit into what a tick may class, and into the datagrams that
+// a tick takes.
 template <VehicleType Vehicle>
 ParameterConflict BasicVehicleLoop<Vehicle>::ConflictOf(const Config& config) {
   const ParameterConflict first = FirstConflict(config.planner, config.perception, config.onboard);
@@ -79,7 +79,7 @@ bool BasicVehicleLoop<Vehicle>::IsRefused(const TickInput& input) const {
          input.frames.size() > CanBus::kMaxFramesPerTick;
 }
 
-// What the drives and the INS say.
+// Takes the data of the drives and the INS.
 template <VehicleType Vehicle>
 DriveFeedback BasicVehicleLoop<Vehicle>::Sense(const TickInput& input) {
   HP_LOOP_BOUND(CanBus::kMaxFramesPerTick)
@@ -89,7 +89,7 @@ DriveFeedback BasicVehicleLoop<Vehicle>::Sense(const TickInput& input) {
   return drives_.State(now_ns());
 }
 
-// What the lidar sees, and what is said of that.
+// Takes the data of the lidar, and its labels.
 template <VehicleType Vehicle>
 void BasicVehicleLoop<Vehicle>::Map(const TickInput& input) {
   columns_left_ = config().onboard.tick.directions;
@@ -136,8 +136,8 @@ void BasicVehicleLoop<Vehicle>::TakeDatagram(const TickDatagram& datagram) {
   if (!IsUsable(status)) ++counters_.refused_datagrams[place];
 }
 
-// A bridge cuts the stream where it likes: what comes before and behind a message is counted by the
-// parser, and no reason to refuse a datagram.
+// A bridge cuts the stream anywhere: bytes before and after a message are counted by the parser and
+// are no reason to refuse a datagram.
 template <VehicleType Vehicle>
 Status BasicVehicleLoop<Vehicle>::TakeIns(std::span<const uint8_t> bytes) {
   if (bytes.size() > kMaxInsDatagram_bytes) return Status::kOversized;
@@ -159,8 +159,8 @@ Status BasicVehicleLoop<Vehicle>::TakeIns(std::span<const uint8_t> bytes) {
   return rest.empty() ? Status::kOk : Status::kCapacityExceeded;
 }
 
-// In our clock; now where the message has no stamp; 0: its clock is not to be relied upon, and the
-// message may be of any time.
+// Time of measurement in our clock; now if the message has no stamp; 0: its clock is unreliable,
+// and the message may be from any time.
 template <VehicleType Vehicle>
 uint64_t BasicVehicleLoop<Vehicle>::MeasuredAt(const InsSample& sample) {
   if (!sample.has_timestamp) return now_ns();
@@ -194,15 +194,15 @@ void BasicVehicleLoop<Vehicle>::TakeLabelColumn(const labels::Header& header,
 template <VehicleType Vehicle>
 Status BasicVehicleLoop<Vehicle>::ObserveLidarClock(std::span<const uint8_t> bytes) {
   const Status decoded = lidar_.Decode(bytes, lidar_.columns() - 1, column_);
-  if (!IsUsable(decoded)) return Status::kOk;  // what an invalid column says is no stamp
+  if (!IsUsable(decoded)) return Status::kOk;  // an invalid column has no stamp
   const Status status = lidar_time_.Observe(column_.timestamp_ns, now_ns(), MayFixClocks());
   if (status == Status::kClockJumped) ++counters_.clock_jumps;
   return status;
 }
 
-// A sensor whose clock began anew is taken to be what and where it was: the operator sees the
-// count, and has to arm again. Once in a tick: two sensors that send by turns are none that
-// restarts.
+// A sensor whose clock has restarted is assumed to be the same sensor in the same place: the
+// operator sees the count, and has to arm again. Once per tick: two sensors that send alternately
+// do not count as one that restarts.
 template <VehicleType Vehicle>
 Status BasicVehicleLoop<Vehicle>::CheckLidar(std::span<const uint8_t> bytes) {
   const Status status = lidar_.Check(bytes);

@@ -9,12 +9,12 @@
 #include "hal/vectornav/stream_parser.h"
 #include "hal/velodyne/lidar.h"
 
-// The vehicles that are built. One of your own is a struct of this form.
+// The vehicles that are built. Your own vehicle is a struct of this form.
 
 namespace hardpack {
 
-// Which devices make a vehicle, as types; kType: what vehicle.type in a configuration calls it, at
-// most kMaxVehicleType letters.
+// The devices of a vehicle, as types; kType: its name in the configuration (vehicle.type), at most
+// kMaxVehicleType letters.
 inline constexpr int kMaxVehicleType = 31;
 template <typename T>
 concept VehicleType = LidarDevice<typename T::Lidar> && InsDevice<typename T::Ins> &&
@@ -22,7 +22,7 @@ concept VehicleType = LidarDevice<typename T::Lidar> && InsDevice<typename T::In
   { T::kType } -> std::convertible_to<const char*>;
 };
 
-// Clearpath's Warthog as its operators fit it out: an Ouster, a VectorNav, two Sevcon Gen4.
+// Clearpath's Warthog as equipped by its operators: an Ouster, a VectorNav, two Sevcon Gen4.
 struct Warthog {
   static constexpr const char* kType = "warthog";
   using Lidar = ouster::Lidar;
@@ -40,8 +40,8 @@ struct WarthogVelodyne {
 };
 static_assert(VehicleType<WarthogVelodyne>);
 
-// Any vehicle with a motion controller of its own, skid-steered or with steered wheels (by
-// vehicle.kinematics), and any navigation system: a ROS 2 base, say (docs/twist_drive.md,
+// Any vehicle with its own motion controller, skid-steered or with steered wheels (by
+// vehicle.kinematics), and any navigation system: for example a ROS 2 base (docs/twist_drive.md,
 // docs/pose_datagram.md).
 struct TwistBase {
   static constexpr const char* kType = "twist_base";
@@ -54,7 +54,7 @@ static_assert(VehicleType<TwistBase>);
 template <VehicleType... Vehicle>
 struct VehicleList {};
 
-// All that one program can drive. Each is instantiated once, in vehicle_loop.cpp.
+// All vehicles that one program can drive. Each is instantiated once, in vehicle_loop.cpp.
 using Vehicles = VehicleList<Warthog, WarthogVelodyne, TwistBase>;
 
 }  // namespace hardpack

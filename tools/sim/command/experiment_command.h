@@ -5,7 +5,7 @@
 
 namespace hardpack::command {
 
-// hardpack experiment: missions over many seeds, and the table of what came of them.
+// hardpack experiment: missions over many seeds, and a table of their results.
 void AddExperimentCommand(CLI::App& app);
 
 }  // namespace hardpack::command

@@ -9,7 +9,7 @@
 #include "tools/sim/command/world_picture.h"
 #include "tools/sim/mission/mission.h"
 
-// What `hardpack sim` and `hardpack experiment` ask for of a mission.
+// Mission options of `hardpack sim` and `hardpack experiment`.
 
 namespace hardpack::command {
 
@@ -26,7 +26,7 @@ struct MissionOptions {
 // `options` outlives the command.
 void AddMissionOptions(CLI::App& command, MissionOptions& options);
 
-// Reads the files; everything but world and seed. Throws a CommandFailure (bad input).
+// Reads the files; sets everything but world and seed. Throws a CommandFailure (bad input).
 mission::MissionSettings SettingsOf(const MissionOptions& options);
 
 // What a picture shows of a mission.

@@ -16,7 +16,7 @@ struct ScenarioOptions {
   std::string goal;           // X,Y on a map; empty: the start
 };
 
-// "it is none" and what is wrong with a map or a place are a CommandFailure (bad input).
+// An unknown name and errors in a map or a place are a CommandFailure (bad input).
 world::Scenario ScenarioOf(const std::string& name, uint64_t seed, const ScenarioOptions& options);
 
 }  // namespace hardpack::command

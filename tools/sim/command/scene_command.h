@@ -5,7 +5,7 @@
 
 namespace hardpack::command {
 
-// hardpack scene: a recording of the project's own, for where there is no other.
+// hardpack scene: the project's own synthetic recording, for use when there is no other.
 void AddSceneCommand(CLI::App& app);
 
 }  // namespace hardpack::command

@@ -11,24 +11,24 @@ namespace hardpack::command {
 
 struct WireOptions {
   bool on = false;
-  mission::WireMissionSettings settings;  // but for `mission`
+  mission::WireMissionSettings settings;  // except `mission`
 };
 
 void AddWireOptions(CLI::App& sim, WireOptions& options);
 
-// Throws a CommandFailure where an option is about hardpackd, which nobody tells of it.
+// Throws a CommandFailure if an option concerns hardpackd, which does not receive it.
 void RequireFitting(const CLI::App& sim, const WireOptions& options);
 
 // The same mission over the wire; SIGINT and SIGTERM end it, with the vehicle at rest. Throws a
-// CommandFailure where hardpackd does not get as far as to drive.
+// CommandFailure if hardpackd does not get as far as driving.
 void RunOverWire(const WireOptions& options, const mission::MissionSettings& mission,
                  experiment::RunResult& result, mission::MissionTrace& trace,
                  mission::WireReport& report);
 
-// "wire" of run.json.
+// The "wire" object of run.json.
 nlohmann::ordered_json ToJson(const mission::WireReport& report, int lidar_columns);
 
-// Throws a CommandFailure where the simulation was too late to be what it stands for.
+// Throws a CommandFailure if the simulation was too late to be valid.
 void RequireRealTime(const mission::WireReport& report);
 
 }  // namespace hardpack::command

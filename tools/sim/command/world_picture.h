@@ -7,8 +7,8 @@
 #include "tools/sim/world/contact.h"
 #include "tools/sim/world/named_worlds.h"
 
-// A world from above: heights, what stands on it and who walks there, start and goal, and what one
-// revolution of a simulated lidar at the start returns.
+// A world from above: heights, bodies and people, start and goal, and the returns of one revolution
+// of a simulated lidar at the start.
 
 namespace hardpack::command {
 
@@ -20,19 +20,19 @@ struct WorldReturn {
 
 struct WorldScan {
   std::vector<WorldReturn> returns;
-  double cast_ms = 0.0;  // of the processor, to cast the rays and write the packets
+  double cast_ms = 0.0;  // processor time to cast the rays and write the packets
 };
 
-// The returns of one revolution of an OS1-64 (sim::NoisyLidar) on the vehicle that stands at the
-// start: cast, sent as packets, and read again with the library's own codec.
+// The returns of one revolution of an OS1-64 (sim::NoisyLidar) on a vehicle standing at the start:
+// cast, sent as packets, and read back with the library's own codec.
 WorldScan ScanFromStart(const world::Scenario& scenario, uint32_t seed);
 
-// What was driven there; nothing where it is empty.
+// The path driven there; not drawn if empty.
 struct DrivenWay {
-  world::Footprint footprint;  // of who has driven, or will
+  world::Footprint footprint;  // of the vehicle that has driven, or will
   std::vector<world::Point2> way;
-  std::vector<std::vector<world::Point2>> plans;  // each that was committed
-  double end_s = 0.0;                             // people are drawn as of then
+  std::vector<std::vector<world::Point2>> plans;  // all committed plans
+  double end_s = 0.0;                             // people are drawn at this time
 };
 
 picture::Canvas DrawWorld(const world::Scenario& scenario, uint64_t seed,

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-// How often values of at least zero were seen, in steps of one width: what a run keeps of a
-// quantity, so that quantiles of hundreds of runs are those of all their values together.
+// Counts of non-negative values in bins of equal width. A run stores a quantity this way, so that
+// quantiles over hundreds of runs are those of all their values together.
 
 namespace hardpack::experiment {
 
@@ -25,15 +25,15 @@ class Histogram {
       beyond_ += times;
     }
   }
-  // Precondition: the other one has the same width and number of bins.
+  // Precondition: the other histogram has the same width and number of bins.
   void Add(const Histogram& other) {
     for (size_t i = 0; i < counts_.size(); ++i) counts_[i] += other.counts_[i];
     beyond_ += other.beyond_;
     count_ += other.count_;
   }
 
-  // The least value that `share` of all values do not exceed, to the width of a bin (its upper
-  // edge); infinity where it is beyond all bins, NaN when there is no value.
+  // The smallest value that `share` of all values do not exceed, to the width of a bin (its upper
+  // edge); infinity if it is beyond all bins, NaN if there are no values.
   double Quantile(double share) const {
     if (count_ == 0) return std::nan("");
     const double wanted = share * static_cast<double>(count_);

@@ -4,19 +4,19 @@
 #include <cstdint>
 #include <string>
 
-// What a long command shows on a terminal: a bar that is drawn over itself. Nothing where standard
-// error is no terminal.
+// Progress of a long command on a terminal: a bar that is redrawn in place. Shows nothing if
+// standard error is not a terminal.
 
 namespace hardpack::experiment {
 
-// "gap  [=====>    ]  12/100  2 failed  1:05 left"; of the columns that there are.
+// "gap  [=====>    ]  12/100  2 failed  1:05 left", fitted to the columns available.
 std::string ProgressLine(const std::string& name, int64_t done, int64_t all, int64_t failed,
                          double elapsed_s, int columns);
 
 class Progress {
  public:
   Progress(std::string name, int64_t all);
-  ~Progress();  // the line is taken away
+  ~Progress();  // removes the line
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 

@@ -20,7 +20,7 @@ struct Shard {
   }
 };
 
-// "2/8". kInvalidArgument when it is no such thing.
+// Parses "2/8". kInvalidArgument: anything else.
 ReadOutcome ParseShard(const std::string& text, Shard& shard);
 
 }  // namespace hardpack::experiment

@@ -10,7 +10,7 @@
 #include "nlohmann/json.hpp"
 #include "tools/sim/experiment/run_result.h"
 
-// The table of an experiment: one row for each way that its missions were run.
+// The table of an experiment: one row per combination of settings.
 
 namespace hardpack::experiment {
 
@@ -38,9 +38,9 @@ struct Row {
   int64_t successes = 0;
   int64_t outcomes[kOutcomes] = {};
   int64_t replayed = 0;
-  std::vector<uint64_t> failed_seeds;  // growing
+  std::vector<uint64_t> failed_seeds;  // ascending
   double mean_time_s = 0.0;            // of the successes, like the three below
-  double mean_speed_mps = 0.0;         // way over time, of all together
+  double mean_speed_mps = 0.0;         // total distance over total time
   double mean_replans = 0.0;
   double mean_jerk_mps3 = 0.0;  // root mean square of a run, averaged
   double max_speed_mps = 0.0;   // of all runs, like all below
@@ -58,19 +58,19 @@ struct Row {
   double success_share() const {
     return runs > 0 ? static_cast<double>(successes) / static_cast<double>(runs) : 0.0;
   }
-  // What reaction_fast_s means at a speed.
+  // The distance for reaction_fast_s at a speed.
   double ReactionAt_m(double speed_mps, double share) const {
     return speed_mps * reaction_fast_s.Quantile(share);
   }
 };
 
-// Whether a stop reason, by its name, tells of a faulty sensor, drive, wheel, bus or clock. Where
-// nothing is faulty, such a stop is a false alarm, while those for the world, for the operator and
-// for want of a plan may be right.
+// Whether a stop reason, by its name, indicates a faulty sensor, drive, wheel, bus or clock. If
+// nothing is faulty, such a stop is a false alarm; stops due to the world, the operator or a
+// missing plan may be correct.
 bool IsFaultAlarm(std::string_view reason);
 
 // The interval that contains the true share of successes with 95 % confidence (Wilson 1927,
-// REFERENCES.md). 0 .. 1 where there were no runs.
+// REFERENCES.md). 0 .. 1 if there were no runs.
 struct Interval {
   double low = 0.0;
   double high = 1.0;
@@ -82,7 +82,7 @@ std::vector<Row> Summarise(const std::vector<RunResult>& results);
 
 nlohmann::ordered_json ToJson(const Row& row);
 
-// Two tables: what came of the runs, and what their way shows.
+// Two tables: the results of the runs, and the measures of their paths.
 std::string ToMarkdown(const std::vector<Row>& rows);
 
 }  // namespace hardpack::experiment

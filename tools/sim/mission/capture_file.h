@@ -8,16 +8,16 @@
 #include "hal/recorder.h"
 #include "port_linux/files/read_outcome.h"
 
-// A Recorder into one capture file that waits for the disk: for a simulation, which nothing hurries
-// and where nothing may be missing (port_linux/file_recorder.h is for a vehicle).
+// A Recorder into one capture file that waits for the disk: for a simulation, which has no deadline
+// and must not lose data (port_linux/file_recorder.h is for a vehicle).
 
 namespace hardpack::mission {
 
 class CaptureFile final : public Recorder {
  public:
-  // kInvalidArgument: it cannot be written. Once.
+  // kInvalidArgument: it cannot be written. Call once.
   ReadOutcome Open(const std::string& path);
-  // kInvalidArgument: something could not be written, so the file is of no use.
+  // kInvalidArgument: something could not be written, so the file is useless.
   ReadOutcome Close();
 
   Status Record(int64_t time_ns, std::span<const uint8_t> head,

@@ -6,8 +6,8 @@
 #include "tools/sim/vehicle/sim_vehicle.h"
 #include "tools/sim/world/world.h"
 
-// Between the simulated world and what the vehicle takes to be where: its odometry drifts, so a
-// path that it planned lies in the world where the odometry was when it was planned.
+// Converts between the simulated world and the vehicle's own odometry frame. The odometry drifts,
+// so a planned path is placed in the world by the odometry at the time of planning.
 
 namespace hardpack::mission {
 
@@ -15,7 +15,7 @@ namespace hardpack::mission {
 class WorldFromOdom {
  public:
   WorldFromOdom() = default;
-  // The one by which the vehicle is at both places at once.
+  // The motion that maps the vehicle's odometry pose to its pose in the world.
   WorldFromOdom(const sim::Pose& world, const StampedPose& odom)
       : turn_(world::TurnOf(world.theta_rad - static_cast<double>(odom.yaw_rad))),
         x_m_(world.x_m),

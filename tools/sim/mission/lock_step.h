@@ -17,10 +17,10 @@
 #include "tools/sim/mission/capture_file.h"
 #include "tools/sim/script/scripted_vehicle.h"
 
-// The onboard program's vehicle loop and a simulated vehicle in one process and in lock step, 100
-// ticks a second of simulated time, as fast as it goes: what the vehicle has sent by a tick is that
-// tick's input, and what the tick sends the vehicle hears at once. The same settings decide the
-// same, bit for bit, and the log that is written on the way replays (`hardpack replay`).
+// The onboard program's vehicle loop and a simulated vehicle in lock step in one process, with 100
+// ticks per simulated second, as fast as possible. Everything the vehicle has sent by a tick is
+// that tick's input, and the vehicle receives the tick's output immediately. The same settings give
+// the same decisions, bit for bit, and the log can be replayed (`hardpack replay`).
 
 namespace hardpack::mission {
 
@@ -31,7 +31,7 @@ struct LockStepSettings {
   std::string log;              // path of the flight log; empty: none is written
 };
 
-// What the vehicle is, as the onboard program has to be told.
+// Sets the drive parameters of the onboard program for the vehicle.
 void DescribeDrives(const sim::VehicleSettings& vehicle, DriveParams& drive);
 
 class LockStep {
@@ -40,12 +40,12 @@ class LockStep {
   static constexpr uint64_t kStart_ns = 100'000'000'000;  // of both clocks
 
   // Failures: a configuration that does not pass its own checks, a log that cannot be written.
-  // Once.
+  // Call once.
   ReadOutcome Start(const LockStepSettings& settings);
 
-  // One tick, with an operator's command or without.
+  // One tick, with or without an operator's command.
   Status Tick(std::span<const uint8_t> command = {});
-  // A tick with that command; what it was answered is in output().
+  // A tick with that command; the answer is in output().
   Status Say(const control::OperatorCommand& command);
 
   // Writes the log's end.
@@ -76,7 +76,7 @@ class LockStep {
   uint64_t index_ = 0;
   uint32_t sequence_ = 0;
   sim::Outgoing sent_;
-  // Of each source, what no tick has taken yet, and what the last one took.
+  // For each source, the input not taken by any tick yet, and the input of the last tick.
   std::deque<std::vector<uint8_t>> waiting_[kInputSources];
   std::vector<std::vector<uint8_t>> taken_;
   std::vector<TickDatagram> datagrams_;

@@ -8,25 +8,25 @@
 #include "hal/onboard/pilot/pilot.h"
 #include "tools/sim/vehicle/pose.h"
 
-// What the vehicle's costmap was at a few times of a mission, for pictures.
+// The vehicle's costmap at a few times during a mission, for pictures.
 
 namespace hardpack::mission {
 
 enum class MapCell : uint8_t { kUnknown, kFree, kCostly, kLethal, kSoft, kHard, kPerson };
 inline constexpr int kMapCellKinds = 7;
 
-// The part of a costmap of which something is known. It lies in the world where the odometry was.
+// The observed part of a costmap, placed in the world by the odometry at that time.
 struct MapRecord {
   double t_s = 0.0;
-  double x_m = 0.0;  // the corner of the first cell, in the world
+  double x_m = 0.0;  // corner of the first cell, in the world
   double y_m = 0.0;
-  double yaw_rad = 0.0;  // of its rows in the world
+  double yaw_rad = 0.0;  // of its rows, in the world
   int columns = 0;
   int rows = 0;
   std::vector<MapCell> cells;  // [rows x columns], rows along its y
 };
 
-// Keeps at most kMost maps, evenly spread over however long the mission lasts.
+// Keeps at most kMost maps, spread evenly over the mission, however long it lasts.
 class MapRecorder {
  public:
   static constexpr size_t kMost = 40;

@@ -16,7 +16,7 @@
 #include "tools/sim/world/named_worlds.h"
 
 // One mission in a simulated world, from power-on to rest: the drives boot, the operator arms and
-// gives the goal, the vehicle drives, and it is noted what became of it.
+// sends the goal, the vehicle drives, and the outcome is recorded.
 
 namespace hardpack::mission {
 
@@ -25,29 +25,28 @@ struct MissionSettings {
   std::string planner = "optimizer";  // or "astar": the base path as it is
   std::string tracker = "full";       // or "pursuit": pure pursuit without lag compensation
   std::string vehicle_name = "warthog_paper";
-  sim::UncertainBody vehicle;  // one of its kind is drawn by the seed
+  sim::UncertainBody vehicle;  // the seed draws one of its kind
   bool spread = true;          // false: the typical one
 
-  uint64_t seed = 1;  // of all that is random but the scenario
-  // External labels, which the vehicle then waits for (mapping.use_labels); none: it classes all
+  uint64_t seed = 1;  // of everything random except the scenario
+  // External labels, for which the vehicle then waits (mapping.use_labels); none: it classes all
   // returns itself.
   std::optional<sim::LabelSettings> labels;
   int lidar_columns = 1024;  // of an Ouster
   Configuration configuration;
-  std::string
-      script;  // events besides (tools/sim/script/script.h), counted from the goal's acceptance
+  std::string script;  // more events (tools/sim/script/script.h), timed from the goal's acceptance
   double limit_s = 120.0;  // from the goal on
   std::string log;         // path of the flight log; empty: none
 };
 
-// How the table of an experiment names them: "none", or by how much they are late, "100 ms".
+// Their name in the table of an experiment: "none", or their delay, "100 ms".
 std::string LabelsName(const std::optional<sim::LabelSettings>& labels);
 
-// A digest of everything that decides about a mission but the world, the methods' names and the
+// A digest of everything that determines a mission except the world, the methods' names and the
 // seed.
 uint64_t DigestOf(const MissionSettings& settings);
 
-// What the experiment of a world is to end in.
+// The outcome with which the experiment of a world should end.
 experiment::Outcome WantedOutcome(const std::string& world);
 
 // What happened, for pictures. Frame: the world's; times since the goal's acceptance.
@@ -58,16 +57,16 @@ struct MissionTrace {
     double y_m = 0.0;
     double yaw_rad = 0.0;
     double speed_mps = 0.0;
-    double commanded_mps = 0.0;  // that the tracker has told it to have by now
+    double commanded_mps = 0.0;  // the tracker's current reference
     double planned_mps = 0.0;    // by the committed plan at that place; 0 without one
     double yaw_rate_radps = 0.0;
-    double commanded_yaw_radps = 0.0;  // of the wheels' setpoints, without slip
+    double commanded_yaw_radps = 0.0;  // from the wheels' setpoints, without slip
     double commanded_curvature_per_m = 0.0;
     double cross_track_m = 0.0;
     double clearance_m = 0.0;        // to anything hard, now
-    double reaction_median_m = 0.0;  // of the columns of the second before; 0 without any
+    double reaction_median_m = 0.0;  // of the columns of the preceding second; 0 without any
     double reaction_p99_m = 0.0;
-    std::vector<world::Point2> people;  // as in the world's list
+    std::vector<world::Point2> people;  // in the order of the world's list
   };
   struct Plan {
     double t_s = 0.0;
@@ -79,27 +78,27 @@ struct MissionTrace {
   };
   world::Footprint footprint;  // of the vehicle
   std::vector<Sample> samples;
-  std::vector<Plan> plans;  // each that was committed
+  std::vector<Plan> plans;  // all committed plans
   std::vector<Event> events;
   std::vector<MapRecord> maps;  // by time
 };
 
 // Failures are settings that cannot be run; a mission that goes wrong is a result. `trace` may be
-// null. The map of the last tick is left in `map` where it is wanted.
+// null. The map of the last tick is left in `map` if it is given.
 ReadOutcome RunMission(const MissionSettings& settings, experiment::RunResult& result,
                        MissionTrace* trace);
 
-// What there is to drive, and the configuration of who drives it: `settings` with its names
-// resolved and its seed drawn. kInvalidArgument: a method that there is not; kUnsupported: labels
-// with a lidar that is no Ouster, whose columns they are named by.
+// The vehicle, and the configuration of the program that drives it: `settings` with its names
+// resolved and its seed drawn. kInvalidArgument: an unknown method; kUnsupported: labels with a
+// lidar other than an Ouster, because labels name the columns of an Ouster.
 ReadOutcome DescribeMission(const MissionSettings& settings, sim::ScriptedVehicleSettings& vehicle,
                             Configuration& configuration);
 
 // A result in which nothing has happened yet.
 experiment::RunResult ResultOf(const MissionSettings& settings);
 
-// Replays the log of a run that was written: true when every tick was decided the same, else what
-// was not in `difference`.
+// Replays the written log of a run: true if every tick was decided the same; otherwise `difference`
+// says what was not.
 ReadOutcome ReplaysTheSame(const std::string& log, uint64_t decision_hash, std::string& difference);
 
 }  // namespace hardpack::mission

@@ -7,8 +7,8 @@
 
 #include "tools/sim/mission/mission.h"
 
-// Many missions, several at a time. Each is on its own, so what comes of it does not depend on how
-// many run beside it; only the order in which they end does.
+// Many missions, several at a time. They are independent, so a result does not depend on how many
+// run in parallel; only the order in which they end does.
 
 namespace hardpack::mission {
 
@@ -20,16 +20,16 @@ struct MissionBatch {
   std::string log_folder;
   bool with_traces = false;
 
-  // Says what the mission of an index is. Called from any thread, several at a time.
+  // Sets up the mission of an index. Called from any thread, several at a time.
   std::function<ReadOutcome(size_t index, MissionSettings& settings)> prepare;
-  // Told of each that has ended; one at a time.
+  // Called for each mission that has ended; one at a time.
   std::function<ReadOutcome(size_t index, const MissionSettings& settings,
                             const experiment::RunResult& result, const MissionTrace& trace)>
       finished;
 };
 
-// The first failure of anything that is called ends it, with what runs at the moment. A log that
-// does not replay to what was decided is no failure: it stays in the folder, as
+// The first failure of anything that is called ends the batch, including the missions running then.
+// A log that does not replay to the same decisions is not a failure: it stays in the folder as
 // WORLD_SEED.pcap, and RunResult::replayed is false.
 ReadOutcome RunBatch(const MissionBatch& batch);
 

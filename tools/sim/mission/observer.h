@@ -16,33 +16,33 @@
 #include "tools/sim/mission/way_watch.h"
 #include "tools/sim/script/scripted_vehicle.h"
 
-// Watches a mission from outside, each 10 ms: contact, clearance, how far the vehicle is from the
-// path that it follows, how it came to a stop. Nothing of it goes back to the vehicle.
+// Watches a mission from outside, every 10 ms: contact, clearance, the vehicle's distance from the
+// path that it follows, how it came to a stop. Nothing is fed back to the vehicle.
 
 namespace hardpack::mission {
 
-// What there is to be seen at one moment: the vehicle and its world as they are in truth, what the
-// onboard program says of itself to everybody (its status), and what only who looks into it sees.
+// The observable data at one moment: the true state of the vehicle and its world, the onboard
+// program's public status, and its internal data.
 struct Moment {
   double time_s = 0.0;  // since the vehicle was switched on
   const sim::ScriptedVehicle* vehicle = nullptr;
-  // The status; of a program over the wire it may be some time old.
+  // The status; over the wire it may be some time old.
   Mode mode = Mode::kStandby;
   StopReason reason = StopReason::kNone;
   uint32_t goals = 0;
-  uint32_t plan = 0;           // number of the committed path; 0: there is none
-  double commanded_mps = 0.0;  // that the tracker has told it to have by now
+  uint32_t plan = 0;           // number of the committed path; 0: none
+  double commanded_mps = 0.0;  // the tracker's current reference
   double commanded_yaw_radps = 0.0;
   double reaction_m = 0.0;  // the median so far
-  // What is only known inside: paths, maps, odometry. Null over the wire: then there are no plans,
-  // no cross-track errors and no maps.
+  // Internal data: paths, maps, odometry. Null over the wire: then there are no plans, no
+  // cross-track errors and no maps.
   const Pilot* pilot = nullptr;
 };
 
 class Observer {
  public:
-  // `trace` may be null; the others outlive it. start_s: the moment's time at which the goal was
-  // accepted.
+  // `trace` may be null; the others must outlive the observer. start_s: the Moment time at which
+  // the goal was accepted.
   Observer(const world::Scenario& scenario, experiment::RunResult& result, MissionTrace* trace,
            double start_s)
       : result_(result),
@@ -54,26 +54,26 @@ class Observer {
   }
 
   void Watch(const Moment& now);
-  // After the end: contact on the way to rest still makes it one.
+  // After the end: contact while coming to rest still counts.
   void WatchRest(const Moment& now);
   void Finish(uint64_t decision_hash);
 
-  // So near to the goal, the odometry's drift included, a mission that is over has reached it.
+  // A mission that ends this close to the goal, including odometry drift, has reached it.
   static constexpr double kAtGoal_m = 3.0;
-  // So near to it a vehicle that has not moved was at it from the start; after so long the status
-  // is from after the goal was accepted.
+  // A vehicle that has not moved and is this close was at the goal from the start; after this time
+  // the status is from after the goal was accepted.
   static constexpr double kHere_m = 0.5;
   static constexpr double kAccepted_s = 1.0;
-  // It stands, and has said the same reason for so long.
+  // It stands, and has given the same reason for this long.
   static constexpr double kSaid_s = 5.0;
-  // People who stand in the way go on again.
+  // Longer, because people who stand in the way move on.
   static constexpr double kSaidAmongPeople_s = 30.0;
-  // It stands, and says nothing.
+  // It stands, and gives no reason.
   static constexpr double kStuck_s = 20.0;
   static constexpr double kPersonSpeed_mps = 0.3;
   static constexpr double kFast_mps = 4.0;
 
-  // Whether it is known what became of the mission.
+  // Whether the outcome of the mission is known.
   bool ended() const { return ended_; }
 
  private:
@@ -103,8 +103,8 @@ class Observer {
   std::string said_;
   Mode mode_ = Mode::kStandby;
   uint32_t plan_ = 0;                   // number of the committed path
-  std::vector<world::Point2> path_;     // of it, in the odometry's frame
-  std::optional<WorldFromOdom> first_;  // where that lay when the goal was accepted
+  std::vector<world::Point2> path_;     // the committed path, in the odometry's frame
+  std::optional<WorldFromOdom> first_;  // position of that frame when the goal was accepted
   double cross_track_m_ = 0.0;
   std::deque<double> speeds_mps_;  // of the last ticks, for the jerk
   double jerk2_sum_ = 0.0;

@@ -8,16 +8,16 @@
 #include "tools/sim/mission/mission.h"
 
 // A mission as one HTML page that loads nothing: map, plans and plots over time
-// (docs/simulation.md). The page itself is in tools/sim/mission/page; here is what it shows.
+// (docs/simulation.md). The page itself is in tools/sim/mission/page; this is its data.
 
 namespace hardpack::mission {
 
-// All that the page shows: `run` is run.json, the rest is named as in MissionTrace. Lengths are
+// All data of the page: `run` is run.json, the rest is named as in MissionTrace. Lengths are
 // rounded to centimetres, other numbers to thousandths.
 nlohmann::ordered_json PageData(const MissionSettings& settings,
                                 const experiment::RunResult& result, const MissionTrace& trace);
 
-// The page around that data. No text in it can end the element that it stands in.
+// The page around that data. No text in the data can end the element that contains it.
 std::string PageOf(const nlohmann::ordered_json& data);
 
 }  // namespace hardpack::mission

@@ -11,24 +11,24 @@
 
 #include "core/safety/reaction_meter.h"
 
-// The reaction radius of late: the meter on board counts from the start of a mission, this tells
-// the columns that were counted since a while ago.
+// The recent reaction radius: the meter on board counts from the start of a mission; this extracts
+// the columns counted within a recent window.
 
 namespace hardpack::mission {
 
 class ReactionWindow {
  public:
-  static constexpr size_t kSamples = 20;  // at 0.05 s: a second
+  static constexpr size_t kSamples = 20;  // at 0.05 s: one second
 
-  // The meter's bins, which only grow. Once a sample.
+  // Adds the meter's bins, which only grow. Call once per sample.
   void Add(std::span<const uint32_t> bins) {
     counted_.emplace_back(bins.begin(), bins.end());
     if (counted_.size() > kSamples + 1) counted_.pop_front();
   }
 
-  // The smallest upper edge of a bin up to which at least this share (0 to 1) of the columns lies
-  // that were counted since the first sample of the window. Beyond the last bin: its edge, 5 m. 0
-  // where none was counted.
+  // The smallest upper edge of a bin below which lies at least this share (0 to 1) of the columns
+  // counted since the first sample of the window. Beyond the last bin: its edge, 5 m. 0 if none was
+  // counted.
   double Radius_m(double share) const {
     if (counted_.empty()) return 0.0;
     const std::vector<uint32_t>& before = counted_.front();

@@ -8,35 +8,36 @@
 #include "tools/sim/experiment/run_result.h"
 #include "tools/sim/world/named_worlds.h"
 
-// What the worlds of the experiments are to show of the way: how far a plan was bent from its base
-// path, on which side it leads around the thing in the middle, whether an overshoot was corrected,
-// how near to the middle of a corridor it was driven. Frame: the world's.
+// Measures of the path for the experiments: how far a plan was bent from its base path, on which
+// side it passes the obstacle in the middle, whether an overshoot was corrected, how close to the
+// middle of a corridor the vehicle drove. Frame: the world's.
 
 namespace hardpack::mission {
 
-// Of a point to a path: the distance to its nearest chord; infinite where there is none.
+// Distance from a point to the nearest chord of a path; infinite if there is none.
 double DistanceToPath_m(world::Point2 point, std::span<const world::Point2> path);
 
-// How far beside it: the same, but the path goes on straight behind its ends.
+// The same, but with the path extended in a straight line beyond its ends.
 double CrossTrack_m(world::Point2 point, std::span<const world::Point2> path);
 
-// The largest distance of a point of the plan's path from its base path [m]; 0 without one of both.
+// The largest distance of a point of the plan's path from its base path [m]; 0 if either is
+// missing.
 double OffBase_m(const Plan& plan);
 
 class WayWatch {
  public:
-  // An overshoot is further from the committed path than this, and is over below the other.
+  // An overshoot begins further than this from the committed path, and ends below the second limit.
   static constexpr double kOvershoot_m = 0.2;
   static constexpr double kRecovered_m = 0.1;
 
-  // Both outlive it.
+  // Both must outlive it.
   WayWatch(const world::Scenario& scenario, experiment::WayResult& result);
 
-  // A path was committed while the vehicle was at `here`; is_replan: it took the place of another.
+  // A path was committed while the vehicle was at `here`; is_replan: it replaced another.
   void Committed(std::span<const world::Point2> path, world::Point2 here, bool is_replan);
   // The vehicle is at `here`.
   void Moved(world::Point2 here);
-  // It follows a path, and is so far beside it.
+  // The vehicle follows a path, at this distance from it.
   void Followed(double t_s, double cross_track_m);
 
  private:

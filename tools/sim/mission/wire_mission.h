@@ -12,10 +12,10 @@
 #include "tools/sim/wire/real_time.h"
 
 // The mission of tools/sim/mission/mission.h over real sockets and in real time, against a
-// hardpackd that somebody else has started and that does not know it from a vehicle. What
-// RunMission sees inside the loop is not known here: there are no planned paths, no cross-track
-// errors and no histograms of the reaction, and the mode is as old as the newest status
-// (WireOperator::kPeriod). The flight log that hardpackd writes has all of it (`hardpack replay`).
+// separately started hardpackd that cannot tell it from a real vehicle. Data that RunMission sees
+// inside the loop is not available here: there are no planned paths, no cross-track errors and no
+// reaction histograms, and the mode is as old as the newest status (WireOperator::kPeriod). The
+// flight log that hardpackd writes has all of it (`hardpack replay`).
 
 namespace hardpack::mission {
 
@@ -27,22 +27,22 @@ struct WireMissionSettings {
   int label_port = 7510;
   std::string control = ControlConfiguration{}.socket;
   double wait_s = 60.0;  // for hardpackd, until it can be armed
-  // The configuration for hardpackd, with which it takes the simulated vehicle for its own, is
-  // written there, and the lidar's metadata beside it; empty: neither is.
+  // Where to write the configuration with which hardpackd drives the simulated vehicle, with the
+  // lidar's metadata beside it; empty: neither is written.
   std::string write_configuration;
   std::function<bool()> interrupted;  // to end before the mission's own end
 };
 
-// What there is to be said of the coupling.
+// Report on the coupling.
 struct WireReport {
   wire::Lateness lateness;       // from the goal's acceptance to the mission's end
-  uint64_t reports = 0;          // of the status
+  uint64_t reports = 0;          // status reports received
   control::StatusReport status;  // the last one
 };
 
-// Failures are settings that cannot be run, and a hardpackd that does not get as far as to accept
-// the goal; a mission that goes wrong is a result. One that hardpackd did not live to see the end
-// of is a fault, its reason "hardpackd is gone". `trace` may be null.
+// Failures are settings that cannot be run, and a hardpackd that does not get as far as accepting
+// the goal; a mission that goes wrong is a result. If hardpackd ends before the mission, the result
+// is a fault with the reason "hardpackd is gone". `trace` may be null.
 ReadOutcome RunWireMission(const WireMissionSettings& settings, experiment::RunResult& result,
                            MissionTrace* trace, WireReport& report);
 

@@ -13,9 +13,9 @@
 #include "tools/sim/vehicle/pose.h"
 #include "tools/sim/world/world.h"
 
-// The operator of a mission over the wire: says to a hardpackd over its control socket what
-// `hardpack ctl` would, and keeps its newest status. In a thread of its own, since an answer is
-// waited for and the vehicle's clock does not wait.
+// The operator of a mission over the wire: sends a hardpackd over its control socket what
+// `hardpack ctl` would send, and keeps its newest status. It runs in its own thread, because it
+// waits for answers and the vehicle's clock must not wait.
 
 namespace hardpack::mission {
 
@@ -24,21 +24,21 @@ class WireOperator {
   enum class Phase : uint8_t {
     kWaiting,  // for hardpackd, its drives and its sensors; then it is armed
     kDriving,  // the goal was accepted
-    kRefused,  // it did not come to that; `message` says why
-    kLost,     // hardpackd does not answer any more
-    kLeft,     // disarmed, the drives are off; or they did not become so in kLeave_s
+    kRefused,  // the goal was not accepted; `message` says why
+    kLost,     // hardpackd no longer answers
+    kLeft,     // disarmed and the drives are off, or they did not turn off within kLeave_s
   };
   struct Said {
     Phase phase = Phase::kWaiting;
     std::string message;
-    uint64_t reports = 0;  // how many there were
+    uint64_t reports = 0;  // number received
     control::StatusReport status;
   };
-  // Between two questions for the status: a mode that lasts for less is not seen.
+  // Between two status requests: a mode that lasts for less is not seen.
   static constexpr std::chrono::milliseconds kPeriod{50};
   static constexpr double kLeave_s = 12.0;
 
-  // The vehicle stands at `start` until the goal is accepted; both are of the world.
+  // The vehicle stands at `start` until the goal is accepted; both are in the world frame.
   WireOperator(std::string socket, double wait_s, const sim::Pose& start, world::Point2 goal)
       : socket_(std::move(socket)), wait_s_(wait_s), start_(start), goal_(goal) {}
   ~WireOperator();
@@ -47,7 +47,7 @@ class WireOperator {
 
   void Start();
   Said said() const;
-  // Disarms, and waits until the drives are off; to be called once.
+  // Disarms, and waits until the drives are off; call once.
   void Leave() { leaving_ = true; }
 
  private:

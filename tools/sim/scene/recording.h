@@ -9,9 +9,10 @@
 #include "tools/sim/scene/world.h"
 
 // What an Ouster OS1-64 (first generation, LEGACY profile, 1024 x 10) on the vehicle's roof would
-// send of a World: its datagrams, its metadata and the class of every return. Geometry and packet
-// layout are written here anew from the maker's description (docs/algorithm.md, REFERENCES.md), in
-// double precision, so that they test the library's instead of repeating it.
+// send in a World: its datagrams, its metadata and the class of every return. Geometry and packet
+// layout are written independently from the manufacturer's description (docs/algorithm.md,
+// REFERENCES.md), in double precision, so that they test the library's code instead of repeating
+// it.
 
 namespace hardpack::scene {
 
@@ -26,17 +27,16 @@ struct Datagram {
 };
 
 struct Recording {
-  std::vector<Datagram>
-      datagrams;  // a bit of a revolution, a whole one, a bit of the next; and IMU
+  std::vector<Datagram> datagrams;  // part of a revolution, a whole one, part of the next; and IMU
   std::string metadata_json;
-  std::string labels_csv;  // of the whole revolution
+  std::string labels_csv;  // for the whole revolution
 };
 
-// Ranges carry 1.5 cm of noise, and 0.5 % of the returns are lost; both follow the seed.
+// Ranges have 1.5 cm of noise, and 0.5 % of the returns are lost; both depend on the seed.
 Recording Record(const World& world, uint32_t seed);
 
 // Writes folder/scan.pcap (Ethernet; a lidar datagram is nine IPv4 fragments), scan.json and
-// labels.csv. kInvalidArgument, naming the file, when one cannot be written.
+// labels.csv. kInvalidArgument, naming the file, if one cannot be written.
 ReadOutcome WriteRecording(const Recording& recording, const std::string& folder);
 
 }  // namespace hardpack::scene

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-// A small off-road world of simple bodies, to be seen by rays. It stands in for a recording where
-// there is none: the demonstration, the benchmarks and the tests need nothing but the project.
-// Frame: odom, metres, z up; the vehicle stands at the origin and looks along +x.
+// A small off-road world of simple bodies for ray casting. It replaces a recording: the
+// demonstration, the benchmarks and the tests need nothing but the project. Frame: odom, metres, z
+// up; the vehicle stands at the origin, facing +x.
 
 namespace hardpack::scene {
 
@@ -42,7 +42,7 @@ struct Sphere {
   Vector center;
   double radius_m;
   Label label;
-  double share_seen = 1.0;  // of the rays that meet it; the others pass through the leaves
+  double share_seen = 1.0;  // of the rays that hit it; the others pass through the leaves
 };
 
 struct Hit {
@@ -58,7 +58,7 @@ struct World {
   // Height of the ground: a slope of a few percent with gentle waves, 0 at the origin.
   static double Ground(double x_m, double y_m);
 
-  // The first thing that the ray meets within reach_m. direction has length 1. luck, within 0 .. 1,
+  // The first thing that the ray hits within reach_m. direction has length 1. luck, within 0 .. 1,
   // decides whether leaves stop it.
   std::optional<Hit> Cast(const Vector& origin, const Vector& direction, double reach_m,
                           double luck) const;

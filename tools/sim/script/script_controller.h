@@ -6,7 +6,7 @@
 
 #include "tools/sim/script/script_words.h"
 
-// The commands of a script that are about a vehicle's motion controller (script.h).
+// The script commands for a vehicle's motion controller (script.h).
 
 namespace hardpack::sim::script {
 

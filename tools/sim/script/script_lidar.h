@@ -6,7 +6,7 @@
 
 #include "tools/sim/script/script_words.h"
 
-// The commands that are the lidar's alone: its clock, its faults and the weather.
+// The script commands for the lidar only: its clock, its faults and the weather.
 
 namespace hardpack::sim::script {
 

@@ -12,7 +12,7 @@
 
 #include "tools/sim/script/scripted_vehicle.h"
 
-// What the commands of a script (tools/sim/script/script.h) are parsed with.
+// Parsing of script commands (tools/sim/script/script.h).
 
 namespace hardpack::sim::script {
 
@@ -21,7 +21,7 @@ using MaybeAction = std::optional<Action>;
 // The arguments of a command.
 using Words = std::vector<std::string>;
 
-// Decimal or 0x hexadecimal, the whole word; none otherwise.
+// Decimal or 0x hexadecimal; the whole word must match, otherwise nothing.
 inline std::optional<int64_t> Integer(const std::string& word) {
   const bool negative = word.starts_with("-");
   const std::string_view digits = std::string_view(word).substr(negative ? 1 : 0);
@@ -41,7 +41,7 @@ inline std::optional<double> Real(const std::string& word) {
   return value;
 }
 
-// Of Integer what the type holds.
+// Integer, if the type can hold it.
 template <typename Unsigned>
 std::optional<Unsigned> Bounded(const std::string& word) {
   const auto value = Integer(word);
@@ -58,7 +58,7 @@ inline std::optional<bool> Switch(const std::string& word) {
   return std::nullopt;
 }
 
-// What a command does with arguments of that number; none: they are not its arguments.
+// A command's action for a given number of arguments; none: the arguments are invalid.
 struct Command {
   size_t least_words;
   size_t most_words;

@@ -16,8 +16,8 @@
 #include "tools/sim/vehicle/sim_vehicle.h"
 #include "tools/sim/world/world.h"
 
-// A whole vehicle on the far side of the wires: two drives, a lidar, an INS and maybe a
-// segmentation computer in a world, with faults that come at set times. In lock step with a
+// A complete vehicle at the other end of the wires: two drives, a lidar, an INS and optionally a
+// segmentation computer in a world, with faults at set times. It runs in lock step with the
 // caller's time: the same calls give the same bytes. tools/sim/wire runs it on real sockets.
 
 namespace hardpack::sim {
@@ -27,11 +27,12 @@ inline constexpr int kSensors = 3;
 
 struct SensorDatagram {
   Sensor sensor = Sensor::kLidar;
-  bool foreign = false;  // to be sent from an address that is not the sensor's
+  bool foreign = false;  // sent from an address other than the sensor's
   std::vector<uint8_t> bytes;
 };
 
-// What a controller reports of itself, in the terms of linux/can/error.h: not a frame on the bus.
+// An error that a CAN controller reports, in the terms of linux/can/error.h: not a frame on the
+// bus.
 struct BusError {
   uint32_t error_class = 0;
   uint8_t controller = 0;  // data byte 1
@@ -41,18 +42,18 @@ struct Outgoing {
   std::vector<CanFrame> frames;
   std::vector<BusError> bus_errors;
   std::vector<SensorDatagram> datagrams;
-  std::vector<std::string> trace;  // JSON objects, one a line
+  std::vector<std::string> trace;  // JSON objects, one per line
 };
 
 struct SensorFaults {
   bool silent = false;
-  bool foreign = false;       // everything comes from another address instead
-  bool duplicated = false;    // everything comes twice
-  bool garbage = false;       // random bytes besides each datagram, from the right address
+  bool foreign = false;       // everything arrives from another address instead
+  bool duplicated = false;    // everything arrives twice
+  bool garbage = false;       // random bytes with each datagram, from the right address
   int loss_permille = 0;      // of its datagrams
-  double delay_s = 0.0;       // each comes so much later; none overtakes another by it
-  double delay_growth = 0.0;  // what that delay grows by in a second, in seconds
-  int reordered = 0;  // so many at a time come together, in an order drawn at random; 0, 1: none
+  double delay_s = 0.0;       // delay of each; the delay does not change their order
+  double delay_growth = 0.0;  // growth of that delay, in seconds per second
+  int reordered = 0;          // this many at a time arrive together, in random order; 0, 1: none
 };
 
 class ScriptedVehicle;
@@ -68,11 +69,11 @@ struct ScriptedVehicleSettings {
   VehicleSettings vehicle = DefaultVehicle();
   LidarSettings lidar;
   InsSettings ins;
-  std::optional<LabelSettings> labels;  // none: nobody names the returns
+  std::optional<LabelSettings> labels;  // none: the returns are not labelled
   world::World world;
-  double brake_pitch_rad = 0.0;  // how far its nose goes down when it brakes at 2 m/s2
+  double brake_pitch_rad = 0.0;  // how far its nose dips when it brakes at 2 m/s2
   double trace_period_s = 0.02;  // of the samples; events are traced when they happen
-  uint32_t seed = 1;             // of losses and garbage
+  uint32_t seed = 1;             // for losses and garbage
 };
 
 class ScriptedVehicle {
@@ -83,11 +84,11 @@ class ScriptedVehicle {
   ScriptedVehicle(const ScriptedVehicleSettings& settings, std::vector<ScriptEvent> script,
                   uint64_t start_ns);
 
-  // A frame that somebody else sent. Time does not run backwards.
+  // A frame sent by another node. Time does not run backwards.
   void TakeFrame(const CanFrame& frame, uint64_t now_ns);
-  // Makes an event of a script happen now, and traces it.
+  // Executes a script event now, and traces it.
   void Act(const ScriptEvent& event);
-  // Appends what was sent until now_ns: CAN and datagrams each in their order.
+  // Appends everything sent until now_ns: CAN and datagrams each in order.
   void Advance(uint64_t now_ns, Outgoing& out);
 
   SimVehicle& vehicle() { return vehicle_; }
@@ -99,7 +100,7 @@ class ScriptedVehicle {
   const world::World& world() const { return world_; }
   SensorFaults& faults(Sensor sensor) { return sensor_faults_[static_cast<size_t>(sensor)]; }
 
-  // A frame of a node that should not be, `count` times; the drives hear it too.
+  // Sends a frame from a node that should not exist, `count` times; the drives receive it too.
   void SendForeignFrame(const CanFrame& frame, double period_s, int count);
   void SendBusError(const BusError& error) { pending_.bus_errors.push_back(error); }
   void RestartLidar() { lidar_.Restart(now_ns_); }
@@ -121,7 +122,7 @@ class ScriptedVehicle {
     uint64_t arrives_ns;
     SensorDatagram datagram;
   };
-  struct Seen {  // of a drive, so that changes are traced
+  struct Seen {  // last state of a drive, to trace changes
     NmtState nmt = NmtState::kInitialising;
     PowerState power = PowerState::kNotReady;
     uint32_t emergencies = 0;
@@ -152,7 +153,7 @@ class ScriptedVehicle {
   world::World world_;
   SensorFaults sensor_faults_[kSensors];
   std::deque<UnderWay> under_way_[kSensors];        // delayed
-  std::vector<SensorDatagram> together_[kSensors];  // to be reordered
+  std::vector<SensorDatagram> together_[kSensors];  // waiting to be reordered
   std::deque<ForeignFrame> foreign_frames_;
   std::mt19937 random_;
   uint64_t start_ns_;

@@ -7,7 +7,7 @@
 
 namespace hardpack::sim {
 
-// The low `size` bytes of a number, the lowest first.
+// The low `size` bytes of a number, lowest first.
 template <typename Unsigned>
 void Put(std::vector<uint8_t>& bytes, Unsigned value, size_t size = sizeof(Unsigned)) {
   for (size_t i = 0; i < size; ++i) {

@@ -7,17 +7,17 @@
 
 #include "tools/sim/sensors/sim_lidar.h"
 
-// A segmentation computer beside the lidar: names what each return is, sometimes wrongly and always
-// later, in datagrams as docs/label_datagram.md says (hal/labels writes them).
+// A segmentation computer beside the lidar: labels each return, sometimes wrongly and always with a
+// delay, in the datagrams of docs/label_datagram.md (hal/labels writes them).
 
 namespace hardpack::sim {
 
 struct LabelSettings {
-  double accuracy = 1.0;  // share of returns that are named right; the others get another class
+  double accuracy = 1.0;  // share of returns labelled correctly; the others get another class
   double delay_s = 0.06;  // from a datagram's last column to its sending
-  int columns = 16;       // in a datagram, 1 .. 64
+  int columns = 16;       // per datagram, 1 .. 64
   uint32_t seed = 1;
-  // Faults: every return gets this name; and a return of one class gets that of another. 0: not.
+  // Faults: every return gets this label; and returns of one class get that of another. 0: off.
   uint8_t all_are = 0;
   uint8_t mistaken = 0;
   uint8_t mistaken_for = 0;
@@ -27,8 +27,8 @@ class SimLabels {
  public:
   explicit SimLabels(const LabelSettings& settings) : settings_(settings) {}
 
-  // Takes what the lidar cast since the call before, in order, and appends the datagrams that were
-  // sent up to now_ns. A datagram ends early where the lidar's frame does.
+  // Takes the columns cast since the previous call, in order, and appends the datagrams sent up to
+  // now_ns. A datagram ends early at the end of the lidar's frame.
   void Advance(uint64_t now_ns, const std::vector<CastColumn>& columns,
                std::vector<std::vector<uint8_t>>& datagrams);
 

@@ -13,48 +13,46 @@
 #include "tools/sim/world/contact.h"
 #include "tools/sim/world/world.h"
 
-// A lidar on the moving vehicle's roof, as its datagrams: an Ouster OS1-64, or a Velodyne VLP-16 or
-// VLP-32C. Each beam is cast from the place where the vehicle is when it fires: all beams of an
-// Ouster's column at once, those of a Velodyne's sequence one after another while the head turns
-// on. The same settings, poses and times give the same bytes on every machine
-// (tools/sim/world/portable_math.h). The geometry is written anew from the makers' descriptions
-// (REFERENCES.md), so that it tests the library's instead of repeating it. A column here is what an
-// Ouster calls so, and a Velodyne's firing sequence.
+// The datagrams of a lidar on the moving vehicle's roof: an Ouster OS1-64, or a Velodyne VLP-16 or
+// VLP-32C. Each beam is cast from the vehicle's pose at the time it fires: all beams of an Ouster's
+// column at once, those of a Velodyne's sequence one after another while the head turns. The same
+// settings, poses and times give the same bytes on every machine (tools/sim/world/portable_math.h).
+// The geometry is written independently from the manufacturers' descriptions (REFERENCES.md), so
+// that it tests the library's code instead of repeating it. A column here is an Ouster's column or
+// a Velodyne's firing sequence.
 
 namespace hardpack::sim {
 
-// What is wrong with the sensor, from now on.
+// Faults of the sensor, from now on.
 enum class SectorFault : uint8_t {
   kNone,
   kLost,     // packets with a column of the sector are not sent
-  kInvalid,  // its columns are marked as such, by what they say of themselves; a Velodyne's say
-             // nothing of themselves: kDark
-  kDark,     // nothing comes back: a cover that swallows the light
+  kInvalid,  // its columns are marked as invalid; a Velodyne's columns cannot be marked: as kDark
+  kDark,     // nothing comes back: a cover that absorbs the light
   kCovered,  // everything comes back from the window
 };
 
 struct LidarFaults {
   SectorFault sector = SectorFault::kNone;
-  // From one direction of the body frame anticlockwise to the other, ahead is 0.
+  // From one direction of the body frame anticlockwise to another; ahead is 0.
   double from_deg = 0.0;
   double to_deg = 0.0;
-  bool frozen = false;  // each column says again what it said in the revolution before
-  // Of its mount, besides what the settings say, about its own axes.
+  bool frozen = false;  // each column repeats its data from the previous revolution
+  // Rotation of its mount about its own axes, in addition to the settings.
   double turned_yaw_rad = 0.0;
   double turned_pitch_rad = 0.0;
   double turned_roll_rad = 0.0;
 };
 
-// What hangs in the air, from now on. Each return of each revolution is drawn by itself: a drop or
-// a grain of dust is where it was seen once and nowhere later. What is drawn has no part in the
-// other random numbers, so that without weather the bytes are the same as if there were no such
-// thing.
+// Rain and dust, from now on. Each return of each revolution is drawn independently: a drop or a
+// grain of dust is seen once and not again at the same place. These draws are independent of the
+// other random numbers, so that without weather the bytes do not change.
 struct LidarWeather {
-  // Of the rays, in all directions: so many see a drop instead of what is behind it, and while it
-  // rains kRainLost of the returns besides do not come back.
+  // Share of the rays, in all directions, that hit a drop instead of what is behind it; while it
+  // rains, kRainLost of the other returns are lost.
   int rain_permille = 0;
-  // A cloud that moves with the vehicle, from one direction of the body frame anticlockwise to the
-  // other, at all heights, from kDustNearest_m to so far away: of its rays so many see dust.
+  // A cloud that moves with the vehicle, from one direction of the body frame anticlockwise to
+  // another, at all heights, from kDustNearest_m to a given range: share of its rays that hit dust.
   int dust_permille = 0;
   double dust_from_deg = 0.0;
   double dust_to_deg = 0.0;
@@ -66,13 +64,13 @@ struct LidarWeather {
   static constexpr double kDustNearest_m = 1.5;
 };
 
-// What a column of an Ouster met in truth, for SimLabels.
+// What a column of an Ouster truly hit, for SimLabels.
 struct CastColumn {
-  uint64_t time_ns = 0;        // of ours
+  uint64_t time_ns = 0;        // our clock
   uint64_t lidar_time_ns = 0;  // as the sensor stamped it
   uint16_t frame_id = 0;
   uint16_t measurement_id = 0;
-  std::array<uint8_t, LidarBeams::kMost> labels = {};  // 0 where nothing came back
+  std::array<uint8_t, LidarBeams::kMost> labels = {};  // 0 if nothing came back
 };
 
 class SimLidar {
@@ -82,30 +80,30 @@ class SimLidar {
 
   SimLidar(const LidarSettings& settings, uint64_t start_ns);
 
-  // Casts the columns whose last beam fired up to now_ns, and appends the packets that became
-  // whole. The vehicle moves evenly from the pose of the call before to `pose`, where it is at
-  // now_ns. People are where they are so many seconds after the start. truth: the columns of an
-  // Ouster that were cast are appended to it; a Velodyne's are not, as no labels go with them.
+  // Casts the columns whose last beam fired up to now_ns, and appends the packets completed. The
+  // vehicle moves uniformly from the pose of the previous call to `pose`, which holds at now_ns.
+  // People are placed by the time in seconds since the start. truth: the cast columns of an Ouster
+  // are appended to it; a Velodyne's are not, because it has no labels.
   void Advance(uint64_t now_ns, const world::BodyPose& pose, const world::World& world,
                std::vector<std::vector<uint8_t>>& packets,
                std::vector<CastColumn>* truth = nullptr);
 
-  // As after a loss of power: its clock and its count of frames begin anew; an Ouster has another
-  // init id, and a Velodyne's clock knows no hour and begins at 0.
+  // As after a loss of power: its clock and its frame count restart; an Ouster gets another init
+  // id, and a Velodyne's clock does not know the hour and starts at 0.
   void Restart(uint64_t now_ns);
-  // Its clock goes on from another time, and everything else as before.
+  // Its clock continues from another time; everything else is unchanged.
   void JumpClock(int64_t jump_ns);
 
   LidarFaults& faults() { return faults_; }
   LidarWeather& weather() { return weather_; }
 
-  // What describes the sensor to the onboard program: an Ouster's metadata. Empty for a Velodyne,
-  // whose packets name its model.
+  // The sensor's description for the onboard program: an Ouster's metadata. Empty for a Velodyne,
+  // whose packets contain its model.
   std::string MetadataJson() const;
   const LidarSettings& settings() const { return settings_; }
 
  private:
-  // Where the head is when a beam fires, and how it stands.
+  // Position and orientation of the head when a beam fires.
   struct Stand {
     world::Turn encoder;
     world::Rotation to_world;
@@ -134,22 +132,22 @@ class SimLidar {
   LidarHead head_;
   OusterPackets ouster_;
   VelodynePackets velodyne_;
-  std::vector<LidarReturns> said_;  // by each place of the head, the last time
-  bool loses_packet_ = false;       // the one under way
-  uint64_t foliage_key_;            // of the random numbers
+  std::vector<LidarReturns> said_;  // for each place of the head, the last data
+  bool loses_packet_ = false;       // the current one
+  uint64_t foliage_key_;            // for the random numbers
   uint64_t range_key_;
   uint64_t drop_out_key_;
   uint64_t rain_key_;
   uint64_t dust_key_;
-  std::array<world::Vector, kBeams> beams_;  // directions where the head looks along x
+  std::array<world::Vector, kBeams> beams_;  // directions when the head looks along x
   uint64_t first_start_ns_;
   uint64_t start_ns_;
   uint64_t columns_sent_ = 0;  // since start_ns_
   uint64_t columns_cast_ = 0;  // ever: counts the random numbers
   bool has_pose_ = false;
   uint64_t pose_ns_ = 0;
-  world::BodyPose pose_;  // of the call before
-  // Of the column under way, which is the one after those that were sent.
+  world::BodyPose pose_;  // of the previous call
+  // Of the current column, the one after those that were sent.
   LidarReturns returns_;
   std::array<uint8_t, kBeams> labels_ = {};
 };

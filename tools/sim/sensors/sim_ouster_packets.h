@@ -7,9 +7,9 @@
 
 #include "tools/sim/sensors/lidar_settings.h"
 
-// The datagrams of an OS1-64, and the description that goes with them. Layouts are written anew
-// from the maker's description (REFERENCES.md), so that they test the library's instead of
-// repeating it.
+// The datagrams of an OS1-64, and the description that goes with them. Layouts are written
+// independently from the manufacturer's description (REFERENCES.md), so that they test the
+// library's code instead of repeating it.
 
 namespace hardpack::sim {
 
@@ -26,10 +26,10 @@ class OusterPackets {
 
   explicit OusterPackets(const LidarSettings& settings);
 
-  // True: the packet is whole, and bytes() are it.
+  // True: the packet is complete, and bytes() returns it.
   bool Append(const Column& column, const LidarReturns& returns);
   const std::vector<uint8_t>& bytes() const { return bytes_; }
-  // With another init id, and nothing of what was under way.
+  // Restarts with another init id; an incomplete packet is dropped.
   void Restart();
 
   std::string MetadataJson(const LidarSettings& settings) const;

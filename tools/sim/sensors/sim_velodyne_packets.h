@@ -7,10 +7,10 @@
 
 #include "tools/sim/sensors/lidar_settings.h"
 
-// The data packets of a VLP-16 or a VLP-32C in its mode of one return, the strongest: 12 blocks of
-// 32 returns each under the azimuth of the block's first laser, the time of the packet's first
-// laser, and what the sensor is. Written from the maker's manuals (REFERENCES.md) on its own, so
-// that it tests the library's instead of repeating it.
+// The data packets of a VLP-16 or a VLP-32C in strongest-return mode: 12 blocks of 32 returns, each
+// with the azimuth of the block's first laser, the time of the packet's first laser, and the
+// product code. Written independently from the manufacturer's manuals (REFERENCES.md), so that it
+// tests the library's code instead of repeating it.
 
 namespace hardpack::sim {
 
@@ -22,16 +22,17 @@ class VelodynePackets {
 
   explicit VelodynePackets(LidarModel model);
 
-  // A firing sequence: of 16 lasers, two in a block, or of 32. azimuth_turns: [0, 1), where its
-  // first laser finds the head, and stamp_ns when. True: the packet is whole, and bytes() are it.
+  // A firing sequence of 16 lasers, two per block, or of 32. azimuth_turns: [0, 1), the head's
+  // azimuth at its first laser, and stamp_ns the time. True: the packet is complete, and bytes()
+  // returns it.
   bool Append(double azimuth_turns, uint64_t stamp_ns, const LidarReturns& returns);
   const std::vector<uint8_t>& bytes() const { return bytes_; }
-  // Nothing is under way any more.
+  // Drops an incomplete packet.
   void Restart();
 
  private:
   LidarModel model_;
-  int returns_ = 0;  // in the packet under way
+  int returns_ = 0;  // in the current packet
   uint32_t first_us_ = 0;
   std::vector<uint8_t> bytes_;
 };

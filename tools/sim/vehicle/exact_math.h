@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Sine and cosine in double precision that give the same bits on every processor: libm's
-// differ. Built from IEEE-754 +, -, *, / and sqrt alone, in a fixed order, never fused
-// (-ffp-contract=off). What is stated and tested (test/tools/sim) is an error
-// against libm's. (core/base/math.h is the same in single precision.)
+// Sine and cosine in double precision that give the same bits on every processor, which libm's do
+// not. Built only from IEEE-754 +, -, *, / and sqrt, in a fixed order, never fused
+// (-ffp-contract=off). The error relative to libm's is stated and tested (test/tools/sim).
+// (core/base/math.h is the same in single precision.)
 
 namespace hardpack::sim {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 // The object dictionary of a CANopen device (CiA 301): numbers of 1, 2 or 4 bytes under an index
-// and a sub-index, with the rules of access that the maker states for each.
+// and a sub-index, with the access rules that the manufacturer states for each.
 
 namespace hardpack::sim {
 
@@ -18,25 +18,25 @@ struct ObjectEntry {
   bool is_signed = false;
   bool readable = true;
   bool writable = false;
-  bool in_pre_operational_only = false;  // to be written
-  uint8_t write_level = 0;               // of access that writing takes
+  bool in_pre_operational_only = false;  // for writing
+  uint8_t write_level = 0;               // access level needed for writing
   bool mappable = false;                 // into process data
-  int64_t low = 0;                       // of what may be written
+  int64_t low = 0;                       // limits for writing
   int64_t high = 0;
   int64_t value = 0;
 };
 
 class ObjectDictionary {
  public:
-  // Replaces what was there.
+  // Replaces an existing entry.
   void Add(const ObjectEntry& entry);
 
   bool HasIndex(uint16_t index) const;
   const ObjectEntry* Find(uint16_t index, uint8_t sub_index) const;  // nullptr: none
 
-  // 0 where there is no such object.
+  // 0 if there is no such object.
   int64_t Get(uint16_t index, uint8_t sub_index) const;
-  // No rule of access is asked; nothing happens where there is no such object.
+  // Ignores access rules; does nothing if there is no such object.
   void Set(uint16_t index, uint8_t sub_index, int64_t value);
 
  private:
@@ -47,7 +47,7 @@ class ObjectDictionary {
 std::vector<uint8_t> ToBytes(int64_t value, int size_bytes);
 int64_t FromBytes(std::span<const uint8_t> bytes, bool is_signed);
 
-// The objects of a Sevcon Gen4 that a vehicle's computer has to do with: sizes, access, ranges and
+// The objects of a Sevcon Gen4 that a vehicle's computer uses: sizes, access, ranges and
 // defaults as in the published EDS (REFERENCES.md), the process data of docs/vehicle.md, each PDO
 // enabled. The EDS has no event timer (1400h:5) for an RPDO; CiA 301 has.
 struct Gen4Identity {

@@ -3,7 +3,7 @@
 
 namespace hardpack::sim {
 
-// In the frame of the world that is driven in: metres, x and y level, anticlockwise.
+// A pose in the world's frame: metres, x and y level, anticlockwise.
 struct Pose {
   double x_m = 0.0;
   double y_m = 0.0;

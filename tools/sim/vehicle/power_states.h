@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-// The power drive system's state machine of CiA 402, as a device follows it: one transition at a
-// time, each of which takes a while (contactors, brake).
+// The state machine of the power drive system (CiA 402), as a device follows it: one transition at
+// a time, each of which takes a while (contactors, brake).
 //
 //                        shutdown          switch on            enable operation
 //   switch on disabled ------------> ready ----------> switched on ------------> enabled
@@ -34,16 +34,16 @@ class PowerStates {
   // As received; a rising edge of bit 7 resets a fault.
   void SetControlword(uint16_t controlword);
 
-  // `permitted`: the device is operational and has its supply. `at_rest`: the motor stands.
+  // `permitted`: the device is operational and has its supply. `at_rest`: the motor stands still.
   void Step(uint64_t now_ns, bool permitted, bool at_rest);
 
   void RaiseFault();
-  // Leaves whatever is enabled, without a fault.
+  // Leaves any enabled state, without a fault.
   void Disable();
   void Restart();
 
   PowerState state() const { return state_; }
-  bool driven() const;  // the motor is fed: it follows a speed, be it zero
+  bool driven() const;  // the motor is powered: it follows a speed, even zero
   uint16_t controlword() const { return controlword_; }
   uint16_t statusword(bool voltage, bool warning, bool remote, bool target_reached) const;
 
@@ -54,7 +54,7 @@ class PowerStates {
   uint64_t changed_ns_ = 0;
   PowerState state_ = PowerState::kNotReady;
   uint16_t controlword_ = 0;
-  bool reset_ = false;  // asked for, not yet taken
+  bool reset_ = false;  // requested, not yet executed
 };
 
 }  // namespace hardpack::sim

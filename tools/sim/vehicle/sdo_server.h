@@ -29,12 +29,12 @@ inline constexpr uint32_t kGeneral = 0x08000000;
 inline constexpr uint32_t kDeviceState = 0x08000022;
 }  // namespace sdo_abort
 
-// What the transfers reach. Each answers with an abort code, or kNone.
+// The objects that transfers access. Each call returns an abort code, or kNone.
 class SdoObjects {
  public:
   virtual uint32_t Read(uint16_t index, uint8_t sub_index, std::vector<uint8_t>& bytes) = 0;
-  // `sized`: the client said how many bytes it means; otherwise there are four, and the object
-  // takes as many as it has.
+  // `sized`: the client stated the number of bytes; otherwise there are four, and the object takes
+  // as many as its size.
   virtual uint32_t Write(uint16_t index, uint8_t sub_index, std::span<const uint8_t> bytes,
                          bool sized) = 0;
 
@@ -44,10 +44,10 @@ class SdoObjects {
 
 class SdoServer {
  public:
-  // The eight bytes of a request; the answer's, or nothing where none is due.
+  // Takes the eight bytes of a request; returns those of the answer, or nothing if none is due.
   std::optional<std::vector<uint8_t>> Answer(std::span<const uint8_t> request, SdoObjects& objects);
 
-  // Forgets a transfer under way.
+  // Drops a transfer in progress.
   void Reset() { left_.clear(); }
 
  private:
@@ -55,7 +55,7 @@ class SdoServer {
   std::vector<uint8_t> Upload(std::span<const uint8_t> request, SdoObjects& objects);
   std::vector<uint8_t> Segment(std::span<const uint8_t> request);
 
-  uint16_t index_ = 0;  // of the segmented upload under way
+  uint16_t index_ = 0;  // of the segmented upload in progress
   uint8_t sub_index_ = 0;
   bool toggle_ = false;
   std::vector<uint8_t> left_;

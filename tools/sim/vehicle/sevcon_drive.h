@@ -16,12 +16,12 @@
 
 // One simulated Sevcon Gen4 traction controller with its motor and wheels: a CANopen node (CiA 301)
 // with a drive profile (CiA 402), written from the standards and the controller's published EDS
-// (REFERENCES.md, docs/vehicle.md), not from hal/sevcon, which is to be tested by it. Time and
-// frames come in as arguments; the same calls give the same frames.
+// (REFERENCES.md, docs/vehicle.md), not from hal/sevcon, which it tests. Time and frames are
+// arguments; the same calls give the same frames.
 //
-// What no public document says and is a choice here: how long booting and the transitions of the
-// state machine take, the time of the RPDO time-out (the EDS has but its severity, 5902h), and that
-// each of its severities 2 and 3 can be reset.
+// Assumptions made here, because no public document states them: how long booting and the
+// transitions of the state machine take, the RPDO time-out (the EDS has only its severity, 5902h),
+// and that its severities 2 and 3 can both be reset.
 
 namespace hardpack::sim {
 
@@ -30,16 +30,16 @@ enum class NmtState : uint8_t {  // as in a heartbeat
   kStopped = 4,
   kOperational = 5,
   kPreOperational = 0x7f,
-  kOff = 0xff,  // no supply: not on the bus at all
+  kOff = 0xff,  // no supply: not on the bus
 };
 const char* Name(NmtState state);
 
 struct DriveSettings {
   Gen4Identity identity;
-  uint16_t login_user = 1;  // made up, as the password: neither is public
+  uint16_t login_user = 1;  // invented, like the password: neither is public
   uint16_t login_password = 0x1234;
   double gear_ratio = 1.0;  // motor turns per wheel turn
-  int sign = 1;             // of the motor's turning when the wheel drives forward
+  int sign = 1;             // of the motor's rotation when the wheel drives forward
   double boot_s = 0.3;
   double transition_s = 0.02;
   double rpdo_timeout_s = 0.2;
@@ -48,25 +48,25 @@ struct DriveSettings {
   MotorModel motor;
 };
 
-// What a test has gone wrong.
+// Faults injected by a test.
 struct DriveFaults {
-  bool silent = false;  // neither sends nor hears
+  bool silent = false;  // neither sends nor receives
   bool no_heartbeat = false;
   bool no_process_data = false;             // sends none
-  bool mode_refused = false;                // 6061h stays what it is
+  bool mode_refused = false;                // 6061h does not change
   bool opposite = false;                    // the motor turns against its command
   bool blocked = false;                     // the wheels do not turn
-  bool frozen = false;                      // the reported speed stays what it is
+  bool frozen = false;                      // the reported speed does not change
   int32_t speed_offset_rpm = 0;             // of the reported speed
   std::map<uint16_t, uint32_t> sdo_aborts;  // index: code of each answer
   std::set<uint16_t> sdo_silent;            // never answered
-  std::set<uint16_t> sdo_kept;              // writing is answered, and nothing is written
+  std::set<uint16_t> sdo_kept;              // writes are answered, but nothing is written
 };
 
 struct Emergency {
   uint16_t code = 0;
   uint8_t error_register = 1;
-  uint16_t fault_id = 0;  // the maker's
+  uint16_t fault_id = 0;  // the manufacturer's
 };
 
 class SevconDrive final : private SdoObjects {
@@ -76,9 +76,9 @@ class SevconDrive final : private SdoObjects {
   // Off until power_on_ns.
   SevconDrive(const DriveSettings& settings, uint64_t power_on_ns);
 
-  // A frame that was on the bus at now_ns. Time does not run backwards.
+  // Takes a frame that was on the bus at now_ns. Time does not run backwards.
   void TakeFrame(const CanFrame& frame, uint64_t now_ns);
-  // Appends what it has sent until now_ns, in order.
+  // Appends the frames it has sent until now_ns, in order.
   void Advance(uint64_t now_ns, std::vector<CanFrame>& sent);
 
   // Faults.
@@ -89,11 +89,11 @@ class SevconDrive final : private SdoObjects {
   void RaiseFault(const Emergency& emergency);
   void LoseEnable() { power_.Disable(); }
   void EnterNmtState(NmtState state);
-  // As if it had been made so: also after a reboot.
+  // As if built that way: also after a reboot.
   void SetObject(uint16_t index, uint8_t sub_index, int64_t value);
 
-  // From here on its wheels are turned by somebody else, step by step: to setpoint_radps() if it
-  // turns() them, else they are braked.
+  // From now on the caller turns its wheels, step by step: to setpoint_radps() if it turns() them,
+  // otherwise they are braked.
   void LeaveMotor() { has_motor_ = false; }
   double setpoint_radps() const { return faults_.opposite ? -command_radps_ : command_radps_; }
   bool turns() const { return turns_ && !faults_.blocked; }
@@ -121,7 +121,7 @@ class SevconDrive final : private SdoObjects {
     int64_t value;
   };
   struct HeartbeatConsumer {
-    bool heard = false;  // since it was set up, or since it was missed
+    bool heard = false;  // since it was configured, or since it was missed
     uint64_t heard_ns = 0;
   };
 
@@ -171,7 +171,7 @@ class SevconDrive final : private SdoObjects {
   bool boot_up_message_ = true;
   uint64_t boot_ups_ = 0;
   uint64_t heartbeat_ns_ = 0;  // last sent
-  uint64_t sync_ns_ = 0;       // last sent, where it is the producer
+  uint64_t sync_ns_ = 0;       // last sent, if it is the producer
   uint64_t tpdo_ns_ = 0;
   std::vector<uint8_t> tpdo_sent_;
   int64_t syncs_ = 0;                // since the last TPDO
@@ -184,7 +184,7 @@ class SevconDrive final : private SdoObjects {
   double command_radps_ = 0.0;
   bool has_motor_ = true;
   bool turns_ = false;
-  double turned_radps_ = 0.0;  // by somebody else
+  double turned_radps_ = 0.0;  // by the caller
   int32_t reported_rpm_ = 0;
   Emergency emergency_;
   uint32_t emergencies_ = 0;

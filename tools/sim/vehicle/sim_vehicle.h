@@ -13,13 +13,12 @@
 #include "tools/sim/vehicle/vehicle_model.h"
 #include "tools/sim/world/contact.h"
 
-// Two simulated drives, and how a skid-steered vehicle moves over level ground by their wheels:
+// Two simulated drives, and the motion of a skid-steered vehicle on level ground from their wheels:
 //   v = ground_per_wheel r (w_l + w_r) / 2,  w = r (w_r - w_l) / baseline
-// or, where VehicleSettings has a model, as that model does (vehicle_model.h), which then moves the
-// wheels too. No wheel slips otherwise, nothing is hit. A vehicle may have a motion controller in
-// place of the drives (twist_controller.h), and then steered wheels in place of such a body
-// (steered_model.h). Frame: that of the world it drives in, metres, x and y level, angles
-// anticlockwise.
+// or, if VehicleSettings has a model, by that model (vehicle_model.h), which then also moves the
+// wheels. Otherwise no wheel slips; there are no collisions. A vehicle may have a motion controller
+// in place of the drives (twist_controller.h), and then steered wheels in place of a skid-steered
+// body (steered_model.h). Frame: the world's, metres, x and y level, angles anticlockwise.
 
 namespace hardpack::sim {
 
@@ -35,7 +34,7 @@ struct VehicleSettings {
   GroundModel ground;
   Pose start;
   std::optional<VehicleModelParams> model;  // in place of the drives' motors and of `ground`
-  // In place of the drives, which are then switched off; without `model` its body is a Warthog's.
+  // In place of the drives, which are then off; without `model` its body is a Warthog's.
   std::optional<TwistControllerSettings> controller;
   std::optional<SteeredModelParams> steered;  // in place of `model`
 };
@@ -52,17 +51,17 @@ class SimVehicle {
 
   SimVehicle(const VehicleSettings& settings, uint64_t start_ns);
 
-  // A frame that somebody else sent: each drive hears it. Time does not run backwards.
+  // A frame sent by another node: each drive receives it. Time does not run backwards.
   void TakeFrame(const CanFrame& frame, uint64_t now_ns);
-  // Appends what the drives have sent until now_ns; they hear each other.
+  // Appends what the drives have sent until now_ns; they receive each other's frames.
   void Advance(uint64_t now_ns, std::vector<CanFrame>& sent);
 
-  // Null: it has drives.
+  // Null if it has drives.
   TwistController* controller() { return controller_ ? &*controller_ : nullptr; }
   const TwistController* controller() const { return controller_ ? &*controller_ : nullptr; }
 
-  // How much of what its wheels turn the vehicle moves by from now on: 1 all of it, 0 none (they
-  // spin in place).
+  // Share of the wheels' motion that moves the vehicle from now on: 1 all of it, 0 none (they spin
+  // in place).
   void SetTraction(double share) { traction_ = share; }
 
   SevconDrive& drive(Side side) { return side == Side::kLeft ? left_ : right_; }
@@ -70,7 +69,7 @@ class SimVehicle {
   const Pose& pose() const { return pose_; }
   double speed_mps() const { return speed_mps_; }
   double yaw_rate_radps() const { return yaw_rate_radps_; }
-  double driven_m() const { return driven_m_; }  // way covered, forwards or backwards
+  double driven_m() const { return driven_m_; }  // distance covered, forwards or backwards
   const world::Footprint& footprint() const { return footprint_; }
 
  private:

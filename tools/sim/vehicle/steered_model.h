@@ -6,22 +6,22 @@
 #include "tools/sim/vehicle/wheel_dynamics.h"
 
 // A vehicle with steered front wheels (Ackermann) on level ground. With v the speed of the rear
-// axle's middle, delta the mean steering angle, L the wheelbase, u what each is told, after its
-// dead time:
+// axle's middle, delta the mean steering angle, L the wheelbase, and u the setpoint of each after
+// its dead time:
 //
 //   v'     = clamp((u_v - v) / tau_v, -deceleration, acceleration)     toward or away from rest
 //   delta' = clamp((u_delta - delta) / tau_delta, -rate, rate),  |delta| <= max_steering
 //   w      follows v tan(delta) / (L (1 + understeer v^2))  after a first-order lag
 //
-// The rear axle's middle is the origin of the body frame and does not slip sideways; at speed the
-// tyres of the front axle do, which turns it less than its wheels point (understeer, a linear
+// The rear axle's middle is the origin of the body frame and does not slip sideways. At speed the
+// front tyres do, so the vehicle turns less than its wheels point (understeer, a linear
 // single-track model in a steady turn). Explicit Euler steps; the same calls give the same bits on
 // every processor.
 
 namespace hardpack::sim {
 
 struct SteeredSetpoints {
-  bool driven = false;  // false: its brake holds, and the wheels stay where they point
+  bool driven = false;  // false: its brake holds, and the wheels keep their angle
   double speed_mps = 0.0;
   double steering_rad = 0.0;
 };
@@ -38,7 +38,7 @@ class SteeredModel {
   double speed_mps() const { return speed_mps_; }
   double yaw_rate_radps() const { return yaw_rate_radps_; }
   double driven_m() const { return driven_m_; }
-  // As its own sensors have them.
+  // As measured by its own sensors.
   double measured_speed_mps() const { return params_.measured_speed_share * speed_mps_; }
   double steering_rad() const { return steering_rad_; }
 

@@ -5,8 +5,8 @@
 
 #include "tools/sim/vehicle/vehicle_model_params.h"
 
-// The numbers of a simulated vehicle with steered wheels (tools/sim/vehicle/steered_model.h says
-// what each does); config/vehicles/ackermann.toml has one with the source of each.
+// The parameters of a simulated vehicle with steered wheels (tools/sim/vehicle/steered_model.h
+// explains each); config/vehicles/ackermann.toml has a set with the source of each.
 
 namespace hardpack::sim {
 

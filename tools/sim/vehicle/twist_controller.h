@@ -7,10 +7,10 @@
 
 #include "hal/can_frame.h"
 
-// A motion controller that takes a speed and a turn over CAN, as docs/twist_drive.md asks for one:
-// it boots, follows, brakes by itself when nothing comes, and says how it moves. The bytes are
-// written from that page, independent of hal/twist_drive. What moves is another's: motion() is what
-// the controller asks of it, SetMeasured what it then does.
+// A motion controller that takes a speed and a turn over CAN, as required by docs/twist_drive.md:
+// it boots, follows, brakes on its own when commands cease, and reports its motion. The bytes are
+// written from that page, independent of hal/twist_drive. The body is simulated elsewhere: motion()
+// is what the controller demands of it, SetMeasured what it then does.
 
 namespace hardpack::sim {
 
@@ -25,14 +25,14 @@ struct TwistControllerSettings {
   uint64_t command_timeout_ns = 200'000'000;
 };
 
-// What is wrong with it, from now on.
+// Its faults, from now on.
 struct TwistControllerFaults {
-  bool silent = false;   // it neither sends nor hears
-  bool deaf = false;     // it hears nothing
-  bool frozen = false;   // it reports the same motion again and again
+  bool silent = false;   // it neither sends nor receives
+  bool deaf = false;     // it receives nothing
+  bool frozen = false;   // it reports the same motion forever
   bool refuses = false;  // it does not follow
-  bool bad_crc = false;  // of all that it sends
-  uint8_t version = 1;   // of the protocol, that it says it has
+  bool bad_crc = false;  // in everything it sends
+  uint8_t version = 1;   // the protocol version that it reports
 };
 
 // docs/twist_drive.md.
@@ -42,26 +42,27 @@ const char* Name(TwistState state);
 class TwistController {
  public:
   struct Motion {
-    bool driven = false;  // false: it pushes nothing, and the brake holds
+    bool driven = false;  // false: it applies no torque, and the brake holds
     double speed_mps = 0.0;
     double turn = 0.0;  // rad/s, or rad
   };
 
   TwistController(const TwistControllerSettings& settings, uint64_t start_ns);
 
-  // A frame that somebody else sent. Time does not run backwards.
+  // Takes a frame sent by another node. Time does not run backwards.
   void TakeFrame(const CanFrame& frame, uint64_t now_ns);
-  // Appends what it has sent until now_ns.
+  // Appends the frames it has sent until now_ns.
   void Advance(uint64_t now_ns, std::vector<CanFrame>& sent);
 
   Motion motion() const;
-  // Of the vehicle, now.
+  // The vehicle's current motion.
   void SetMeasured(double speed_mps, double turn) {
     speed_mps_ = speed_mps;
     turn_ = turn;
   }
 
-  // A fault of its own, by the bits that it reports; cleared by the command to reset faults.
+  // Raises one of its own faults, by the bits that it reports; cleared by the command to reset
+  // faults.
   void RaiseFault(uint16_t bits) { fault_bits_ = bits; }
   void Reboot() { boots_ = true; }
 
@@ -86,7 +87,7 @@ class TwistController {
   TwistControllerFaults faults_;
   TwistState state_ = TwistState::kStarting;
   bool boots_ = true;
-  uint64_t booted_ns_ = 0;  // when it will have
+  uint64_t booted_ns_ = 0;  // end of booting
   uint64_t next_feedback_ns_;
   uint64_t next_status_ns_;
   uint16_t fault_bits_ = 0;

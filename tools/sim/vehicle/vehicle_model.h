@@ -13,14 +13,14 @@
 //   w   follows 2 r d / skid_baseline                                    after a first-order lag
 //   v_y = -w turning_point v_x / sqrt(v_x^2 + turning_point_speed^2)
 //
-// A lag of 0 s is none. The last line is the sideways slip of turns: the faster it drives, the
-// further ahead of its middle lies the point about which it turns (its hind part swings out). Frame
-// of the body: x forward, y left; yaw rate and angles anticlockwise; metres, seconds, radians.
+// A lag of 0 s means no lag. The last line is the sideways slip in turns: the faster it drives, the
+// further ahead of its middle lies the centre of rotation (its rear swings out). Body frame: x
+// forward, y left; yaw rate and angles anticlockwise; metres, seconds, radians.
 //
-// One instance is one vehicle: no clock, no chance. A vehicle of another kind is other parameters,
-// one of many is Draw(). Same calls, same bits, on every processor.
+// One instance is one vehicle, without clock or randomness. For another kind of vehicle use other
+// parameters, for one of many use Draw(). The same calls give the same bits on every processor.
 //
-// For a simulator with drives: setpoints at 1 ms, speeds() is what the drives' encoders see.
+// For a simulator with drives: setpoints at 1 ms; speeds() is what the drives' encoders measure.
 
 namespace hardpack::sim {
 
@@ -32,11 +32,11 @@ class VehicleModel {
   explicit VehicleModel(const VehicleModelParams& params, const Pose& start = {},
                         double step_s = kStep_s);
 
-  // As if it had driven with its wheels at `speeds` for a while, the setpoints at `command`.
+  // As if it had driven for a while with its wheels at `speeds` and the setpoints at `command`.
   void Settle(const WheelSpeeds& speeds, const WheelSpeeds& command);
   void Settle(const WheelSpeeds& speeds, const WheelSpeeds& command, double integral_radps);
   void Step(const WheelSetpoints& setpoints);
-  // The same step of the body alone, its wheels turning at `speeds`.
+  // The same step for the body only, with its wheels turning at `speeds`.
   void StepBody(const WheelSpeeds& speeds);
 
   const WheelSpeeds& wheels() const { return wheels_.speeds(); }  // true, forward positive
@@ -45,11 +45,11 @@ class VehicleModel {
   double speed_mps() const { return speed_mps_; }                  // v_x
   double lateral_speed_mps() const { return lateral_speed_mps_; }  // v_y, to the left
   double yaw_rate_radps() const { return yaw_rate_radps_; }
-  // Of the body's middle over ground, in the body's axes, as an accelerometer there sees it on
-  // level ground; over the last step.
+  // Acceleration of the body's middle over ground, in the body's axes, as an accelerometer there
+  // measures it on level ground; over the last step.
   double acceleration_x_mps2() const { return acceleration_x_mps2_; }
   double acceleration_y_mps2() const { return acceleration_y_mps2_; }
-  double driven_m() const { return driven_m_; }  // way covered, forwards or backwards
+  double driven_m() const { return driven_m_; }  // distance covered, forwards or backwards
 
  private:
   void SettleBody();

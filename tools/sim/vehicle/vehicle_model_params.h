@@ -6,9 +6,9 @@
 
 #include "port_linux/files/read_outcome.h"
 
-// The numbers of a simulated skid-steered vehicle (tools/sim/vehicle/vehicle_model.h says what each
-// does), what is known of how they vary, and vehicles drawn from that. Fitted to a recording by
-// `hardpack fit`, kept in config/vehicles (vehicle_model_file.h).
+// The parameters of a simulated skid-steered vehicle (tools/sim/vehicle/vehicle_model.h explains
+// each), their known variation, and vehicles drawn from it. Fitted to a recording by
+// `hardpack fit`, stored in config/vehicles (vehicle_model_file.h).
 
 namespace hardpack::sim {
 
@@ -39,7 +39,7 @@ struct VehicleModelParams {
   double turning_point_speed_mps = 1.67;
 };
 
-// Params: of a kind of vehicle, a struct of doubles.
+// Params: the parameters of a kind of vehicle, a struct of doubles.
 template <typename Params>
 struct ModelParameter {
   const char* name;
@@ -49,7 +49,7 @@ struct ModelParameter {
   const char* description;
 };
 
-// One row a member, in the order of the struct.
+// One row per member, in the order of the struct.
 template <typename Params>
 std::span<const ModelParameter<Params>> ParametersOf();
 template <>
@@ -64,8 +64,8 @@ inline std::span<const VehicleParameter> VehicleParameters() {
 template <typename Params>
 ReadOutcome CheckVehicleModel(const Params& params);
 
-// What is known of a vehicle: `typical`, and the standard deviation of each number about it; 0:
-// taken as exact.
+// What is known about a vehicle: `typical`, and the standard deviation of each number from it; 0:
+// exact.
 template <typename Params>
 struct Uncertain {
   Params typical;
@@ -75,9 +75,9 @@ struct Uncertain {
 };
 using UncertainVehicle = Uncertain<VehicleModelParams>;
 
-// One such vehicle: each number from a normal distribution (a sum of twelve uniform ones) cut off
-// at two deviations and at its range. The same seed gives the same bits everywhere; a number's draw
-// depends on its name, not on what other numbers there are.
+// Draws one such vehicle: each number from a normal distribution (a sum of twelve uniform ones),
+// truncated at two deviations and at its range. The same seed gives the same bits everywhere; the
+// draw of a number depends on its name, not on the other numbers.
 template <typename Params>
 Params Draw(const Uncertain<Params>& vehicle, uint64_t seed);
 

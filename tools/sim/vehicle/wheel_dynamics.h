@@ -6,10 +6,10 @@
 
 #include "tools/sim/vehicle/vehicle_model_params.h"
 
-// How the wheels of a skid-steered vehicle follow their setpoints. The two sides are not two equal
-// motors: turning scrubs all tyres sideways, driving straight does not, so what is modelled is the
-// common wheel speed c = (r + l) / 2 and the differential one d = (r - l) / 2, each from its own
-// setpoint u after its own dead time:
+// How the wheels of a skid-steered vehicle follow their setpoints. The two sides do not act as two
+// independent motors: turning scrubs all tyres sideways, driving straight does not. So the model
+// uses the common wheel speed c = (r + l) / 2 and the differential one d = (r - l) / 2, each from
+// its own setpoint u after its own dead time:
 //
 //   c' = clamp((u_c (1 - turn_loss d^2 / (c^2 + d^2)) - c) / tau_c, -slew_c, slew_c)
 //   d' = clamp((s - F(d) + i - d) / tau_d, -slew_d, slew_d)
@@ -18,12 +18,12 @@
 //   i' = (s - d) / integral_time, |i| <= scrub      the drives' integral action
 //   |l|, |r| <= wheel_limit
 //
-// Setpoints of zero let go of i, with tau_d: a vehicle that is to stand would else go on turning a
-// little for seconds. Nothing recorded shows what the drives do then; this is a choice.
+// Zero setpoints release i, with tau_d: otherwise a stopping vehicle would keep turning a little
+// for seconds. The recording does not show what the drives do then; this is an assumption.
 //
-// So a turn starts with what the setpoint exceeds the resistance by, and creeps to the rest of it:
-// this is what was recorded (docs/simulation.md). Explicit Euler steps. The same calls give the
-// same bits on every processor, and mirrored setpoints give mirrored speeds, exactly.
+// So a turn starts with only the part of the setpoint that exceeds the resistance, and the rest
+// builds up slowly, as recorded (docs/simulation.md). Explicit Euler steps. The same calls give the
+// same bits on every processor, and mirrored setpoints give exactly mirrored speeds.
 
 namespace hardpack::sim {
 
@@ -37,14 +37,14 @@ struct WheelSpeeds {
   friend bool operator==(const WheelSpeeds&, const WheelSpeeds&) = default;
 };
 
-// A side that is not driven is braked by its spring, and what was commanded is forgotten.
+// A side that is not driven is braked by its spring, and its earlier commands are dropped.
 struct WheelSetpoints {
   WheelSpeeds speeds;
   bool left_driven = true;
   bool right_driven = true;
 };
 
-// A signal some time ago: of the values at whole steps, straight lines between them.
+// A delayed signal: values at whole steps, linearly interpolated between them.
 class DelayLine {
  public:
   DelayLine(double delay_s, double step_s);
@@ -61,15 +61,15 @@ class DelayLine {
 
 class WheelDynamics {
  public:
-  // Standing. The parameters have passed CheckVehicleModel; step_s > 0, 0.001 as a rule.
+  // At rest. The parameters have passed CheckVehicleModel; step_s > 0, normally 0.001.
   WheelDynamics(const VehicleModelParams& params, double step_s);
 
   // As if it had turned at `speeds` for a while with the setpoints at `command`.
   void Settle(const WheelSpeeds& speeds, const WheelSpeeds& command);
-  // The same, but the integral is known.
+  // The same, with a known integral.
   void Settle(const WheelSpeeds& speeds, const WheelSpeeds& command, double integral_radps);
   void Step(const WheelSetpoints& setpoints);
-  // The wheels turn so, whatever drives them; all else stays.
+  // Sets the wheel speeds, whatever drives them; nothing else changes.
   void Force(const WheelSpeeds& speeds) { speeds_ = speeds; }
 
   const WheelSpeeds& speeds() const { return speeds_; }

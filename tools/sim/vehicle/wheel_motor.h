@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <vector>
 
-// How the wheels of one side follow a commanded speed: dead time, a first-order lag whose change is
-// limited, a speed that they do not exceed; and a spring-applied brake where they are not driven.
+// How the wheels of one side follow a commanded speed: dead time, a first-order lag with limited
+// slew, a maximum speed; and a spring-applied brake when they are not driven.
 //
 //   w' = clamp((u(t - dead time) - w) / tau, -slew, slew),  |w| <= limit
 //
-// Defaults near what was recorded on the vehicle (docs/vehicle.md), each side by itself.
+// Defaults close to the recording of the vehicle (docs/vehicle.md), each side independently.
 
 namespace hardpack::sim {
 
@@ -26,7 +26,7 @@ class WheelMotor {
  public:
   WheelMotor(const MotorModel& model, double step_s);
 
-  // One step. Not driven: the brake holds, and what was commanded is forgotten.
+  // One step. Not driven: the brake holds, and earlier commands are dropped.
   void Step(bool driven, double target_radps);
 
   double speed_radps() const { return speed_radps_; }

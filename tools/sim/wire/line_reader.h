@@ -5,13 +5,13 @@
 
 namespace hardpack::wire {
 
-// Lines that come one after another from a descriptor which is not to be waited for.
+// Reads lines from a descriptor without blocking.
 class LineReader {
  public:
-  // Makes reads of the descriptor return at once.
+  // Makes the descriptor non-blocking.
   void Open(int descriptor);
 
-  // The next whole line, without its end. False: there is none yet, or there will be none.
+  // The next complete line, without its line end. False: there is none yet, or no more will come.
   bool Next(std::string& line);
 
  private:

@@ -12,15 +12,15 @@
 #include "tools/sim/wire/line_reader.h"
 #include "tools/sim/wire/sockets.h"
 
-// A simulated vehicle in real time: its drives on a SocketCAN interface, its sensors by UDP,
-// against an onboard program that does not know it from a real one. Steps of 1 ms follow the
-// monotonic clock; where this process was woken late it says so, since the vehicle then was not
-// what it is taken for.
+// A simulated vehicle in real time: its drives on a SocketCAN interface, its sensors over UDP,
+// against an onboard program that cannot tell it from a real one. Steps of 1 ms follow the
+// monotonic clock. If this process is woken late it reports so, because the simulated vehicle was
+// then not valid.
 
 namespace hardpack::wire {
 
 struct Settings {
-  std::string can;  // SocketCAN interface; empty: no drives are heard
+  std::string can;  // SocketCAN interface; empty: no drives on a bus
   // ADDRESS:PORT that each sends from and to; nothing is sent to an empty one.
   std::string lidar_from = "127.0.0.1:17502";
   std::string lidar_to = "127.0.0.1:7502";
@@ -28,46 +28,46 @@ struct Settings {
   std::string ins_to = "127.0.0.1:7600";
   std::string labels_from = "127.0.0.1:17503";
   std::string labels_to;
-  std::string foreign_address = "127.0.0.2";  // where lidar-foreign and ins-foreign come from
-  std::string trace;                          // file of JSON lines of what happened; empty: none
-  bool interactive = false;  // events of the script's form, without a time, from standard input
-  // Between two looks at the sockets, 1 to 20; 1: each frame is looked at as it comes. Frames count
-  // from when they came in either case.
+  std::string foreign_address = "127.0.0.2";  // source of lidar-foreign and ins-foreign
+  std::string trace;                          // file of events as JSON lines; empty: none
+  bool interactive = false;  // events in script form, without a time, from standard input
+  // Time between two reads of the sockets, 1 to 20; 1: each frame is read as it arrives. In either
+  // case frames count from their arrival.
   int turn_ms = 1;
 };
 
-// How well the clock was kept.
+// How well the simulation kept up with the clock.
 struct Lateness {
-  uint64_t worst_ns = 0;  // that the vehicle was behind the clock
-  uint64_t events = 0;    // times that it was by kLate_ns or more
+  uint64_t worst_ns = 0;  // largest delay of the vehicle behind the clock
+  uint64_t events = 0;    // times that the delay was kLate_ns or more
 };
 
 class RealTime {
  public:
-  // The shortest time that anybody on these wires waits for somebody else is 100 ms.
+  // The shortest time-out of any node on these wires is 100 ms.
   static constexpr uint64_t kLate_ns = 50'000'000;
-  // Of the vehicle's time, between two calls of a watcher.
+  // Between two calls of a watcher, in the vehicle's time.
   static constexpr uint64_t kWatch_ns = 10'000'000;
 
-  // kSystemError, kInvalidArgument: with what could not be opened. Once.
+  // kSystemError, kInvalidArgument: the message says what could not be opened. Call once.
   ReadOutcome Open(const Settings& settings);
 
-  // Is called on the way whenever the vehicle has come to another multiple of kWatch_ns since
+  // The watcher is called whenever the vehicle's time reaches another multiple of kWatch_ns since
   // Begin.
   void Watch(std::function<void()> watcher) { watcher_ = std::move(watcher); }
 
-  // Before the first turn; the vehicle was switched on just now.
+  // Call before the first turn; the vehicle was just switched on.
   void Begin(const sim::ScriptedVehicle& vehicle);
 
-  // Takes what came, brings the vehicle up to the clock, sends what it sent, and waits for the next
-  // turn.
+  // Takes the input, advances the vehicle to the current time, sends its output, and waits for the
+  // next turn.
   void Turn(sim::ScriptedVehicle& vehicle);
 
   // Since Begin, or since Forget.
   const Lateness& lateness() const { return lateness_; }
   void ForgetLateness() { lateness_ = {}; }
 
-  // One JSON object: the vehicle's, and what the wires carried.
+  // One JSON object: the vehicle's summary, and the traffic on the wires.
   std::string Summary(const sim::ScriptedVehicle& vehicle) const;
 
  private:

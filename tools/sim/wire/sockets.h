@@ -10,8 +10,8 @@
 #include "port_linux/files/read_outcome.h"
 #include "tools/sim/script/scripted_vehicle.h"
 
-// Sockets for a simulated vehicle, a few lines of their own: a mistake in port_linux is not to meet
-// its mirror image here.
+// Sockets for a simulated vehicle, implemented separately in a few lines: a mistake in port_linux
+// must not be hidden by the same mistake here.
 
 namespace hardpack::wire {
 
@@ -33,20 +33,20 @@ class FileDescriptor {
 
 struct ReceivedFrame {
   CanFrame frame;
-  uint64_t time_ns = 0;  // CLOCK_MONOTONIC, when the kernel had it
+  uint64_t time_ns = 0;  // CLOCK_MONOTONIC, when the kernel received it
 };
 
 // CLOCK_MONOTONIC.
 uint64_t Now_ns();
 
-// What a raw CAN socket carries. Frames have the time at which they came, so that a drive's
-// time-out does not pass because this process had to wait for its turn.
+// A raw CAN socket. Frames have their time of arrival, so that a drive's time-out does not expire
+// because this process was scheduled late.
 class VehicleCan {
  public:
   ReadOutcome Open(const std::string& interface);
 
   int descriptor() const { return socket_.get(); }
-  // Everything that came; error frames and what is no classic frame are left out.
+  // All frames received; error frames and everything but classic frames are ignored.
   void Receive(std::vector<ReceivedFrame>& frames);
   void Send(const CanFrame& frame);
   void Send(const sim::BusError& error);

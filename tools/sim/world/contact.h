@@ -3,11 +3,11 @@
 
 #include "tools/sim/world/world.h"
 
-// Where a vehicle stands in a world, and how near it is to what it must not touch.
+// How a vehicle stands in a world, and how close it is to anything it must not touch.
 
 namespace hardpack::world {
 
-// Of the body frame (docs/frames.md) in the world: Rz(yaw) Ry(pitch) Rx(roll).
+// Pose of the body frame (docs/frames.md) in the world: Rz(yaw) Ry(pitch) Rx(roll).
 struct BodyPose {
   Vector position;
   double roll_rad = 0.0;
@@ -15,9 +15,9 @@ struct BodyPose {
   double yaw_rad = 0.0;
 };
 
-// An outline and where the wheels touch; by default a Warthog's. The middles of the outline and of
-// the wheelbase are ahead of the body frame's origin, which is the place of a vehicle in what
-// follows.
+// An outline and the wheel contacts; by default a Warthog's. The middles of the outline and of the
+// wheelbase are given ahead of the body frame's origin, which is the vehicle's position in the
+// following.
 struct Footprint {
   double length_m = 1.52;
   double width_m = 1.38;
@@ -27,24 +27,24 @@ struct Footprint {
   double wheels_m = 0.0;  // the middle of the wheelbase
 };
 
-// On the plane through the heights under the four wheels (the nearest one to all of them).
+// On the plane through the ground heights under the four wheels (the plane closest to all of them).
 BodyPose StandingPose(const World& world, double x_m, double y_m, double yaw_rad,
                       const Footprint& footprint = {});
 
 struct Contact {
-  // Between the outline and the nearest, seen from above; negative: they overlap by so much. At
-  // most kFar_m. Bodies that end below 0.1 m or begin above 1.5 m over the plane it stands on,
-  // there, are driven over and under.
+  // Distance between the outline and the nearest one, seen from above; negative: the overlap. At
+  // most kFar_m. Bodies that end below 0.1 m or begin above 1.5 m over the plane it stands on, at
+  // that place, are driven over and under.
   static constexpr double kFar_m = 50.0;
   double hard_m = kFar_m;    // solid bodies and fences
   double person_m = kFar_m;  // people
   double foliage_m = kFar_m;
   double slope = 0.0;        // rise over run of the plane it stands on
   double under_wheel = 0.0;  // the steepest ground under a wheel
-  bool in_ditch = false;     // a wheel is half the way down, or deeper
+  bool in_ditch = false;     // a wheel is halfway down, or deeper
 
   bool touches() const { return hard_m < 0.0 || person_m < 0.0; }
-  // Beyond what the vehicle is made for: 45 degrees.
+  // Beyond the vehicle's capability: 45 degrees.
   bool too_steep() const { return slope > 1.0; }
 };
 

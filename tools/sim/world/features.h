@@ -3,7 +3,7 @@
 
 #include "tools/sim/world/world.h"
 
-// What worlds are furnished with: things made of several bodies, standing on the ground.
+// Features of worlds: objects made of several bodies, standing on the ground.
 
 namespace hardpack::world {
 
@@ -16,7 +16,7 @@ inline constexpr Material kThing = {Label::kObject, Matter::kSolid, 1.0};
 inline constexpr Material kPost = {Label::kFence, Matter::kSolid, 1.0};
 inline constexpr Material kWireMesh = {Label::kFence, Matter::kMesh, 0.35};
 
-// A box whose height counts from the ground under its middle; it reaches half a metre into it.
+// A box whose height counts from the ground under its middle; it extends half a metre into it.
 void AddBoxOnGround(World& world, Point2 middle, double heading_rad, double length_m,
                     double width_m, double height_m, const Material& material);
 

@@ -5,20 +5,20 @@
 
 #include "tools/sim/world/named_worlds.h"
 
-// The world `low`: what stands no higher than half a metre, in and beside the way, on a vehicle
-// whose lidar was mounted a little askew and that dips its nose when it brakes.
+// The world `low`: objects no higher than half a metre, in and beside the path, for a vehicle whose
+// lidar is mounted slightly askew and whose nose dips when it brakes.
 
 namespace hardpack::world {
 
-// Lower than this, the vehicle passes over it; nothing in the way of `low` is (but its pebbles).
+// The vehicle passes over anything lower; in `low` only the pebbles are.
 inline constexpr double kLeastLow_m = 0.2;
 
 void MakeLow(uint64_t seed, Scenario& scenario);
 
-// The same without the low things, for comparison.
+// The same without the low objects, for comparison.
 void MakeLowBare(uint64_t seed, Scenario& scenario);
 
-// Low things by themselves, standing on the ground; heading_rad is that of the length.
+// Single low objects, standing on the ground; heading_rad is the direction of the length.
 
 // Irregular, narrower towards its top.
 void AddRock(World& world, Point2 place, double radius_m, double height_m, Draws& draws);

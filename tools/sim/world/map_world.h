@@ -8,9 +8,9 @@
 
 namespace hardpack::world {
 
-// Level ground in the map's frame, 20 m wider than the map on every side. Hard pixels are walls of
-// 2 m, soft ones bushes of 1 m, unknown and free ones nothing. Pixels that touch become one box
-// where they fill a rectangle.
+// Level ground in the map's frame, 20 m wider than the map on every side. Hard pixels become walls
+// of 2 m, soft ones bushes of 1 m, unknown and free ones nothing. Touching pixels become one box if
+// they fill a rectangle.
 World WorldOfMap(const map_server::OccupancyMap& map);
 
 }  // namespace hardpack::world

@@ -12,16 +12,16 @@
 #include "tools/sim/world/world.h"
 
 // Worlds to drive in, by name: those of the paper's experiments ([OS] Experimental Results) and a
-// few more. A seed gives small variations: never another kind of world.
+// few more. A seed gives small variations, never a different kind of world.
 
 namespace hardpack::world {
 
-// One thing that the way leads around, on the one side or on the other.
+// An obstacle that the path passes on one side or the other.
 struct Landmark {
   Point2 middle;
   double radius_m = 0.0;
-  // From so far aside of its middle one looks past it along its flank; by default it hides what is
-  // behind it until one is beside it.
+  // At this lateral distance from its middle the view past its flank is free; by default it hides
+  // the area behind it until the vehicle is beside it.
   double seen_past_m = 1.0e9;
 };
 
@@ -29,12 +29,12 @@ struct Scenario {
   std::string name;
   std::string description;
   World world;
-  BodyPose start;  // of named worlds: at the origin, looking along +x
+  BodyPose start;  // in named worlds: at the origin, facing +x
   Point2 goal;
   std::optional<Landmark> around;      // rock_pile, hill, corridor: pile, hill and pillar
   double corridor_half_width_m = 0.0;  // corridor: between walls along +x, y = 0 in the middle
-  // Of the vehicle that is put into it: how its lidar is turned against its description, about x
-  // and y, and how far its nose goes down when it brakes at 2 m/s2.
+  // For the vehicle in it: the rotation of its lidar from its description, about x and y, and how
+  // far its nose dips when it brakes at 2 m/s2.
   double mount_roll_rad = 0.0;
   double mount_pitch_rad = 0.0;
   double brake_pitch_rad = 0.0;

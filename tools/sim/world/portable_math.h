@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdint>
 
-// What the simulation computes with, the same bits on every processor: double-precision +, -, *, /
+// Math for the simulation that gives the same bits on every processor: double-precision +, -, *, /
 // and sqrt, which are correctly rounded everywhere, in a fixed order, with no fused operations.
-// libm's sines and logarithms differ from one machine to the next, and with them the packets of a
-// simulated sensor. core/base/math.h has the same for single precision.
+// libm's sines and logarithms differ between machines, and so would the packets of a simulated
+// sensor. core/base/math.h is the same in single precision.
 
 namespace hardpack::world {
 
@@ -33,7 +33,7 @@ double Log(double value);
 // In (-pi, pi]. |angle_rad| <= 1e6.
 double Wrapped(double angle_rad);
 
-// Of the vector (x, y), in [-pi, pi]; error below 1e-6: core's, in single precision.
+// Angle of the vector (x, y), in [-pi, pi]; error below 1e-6: core's, in single precision.
 double Angle(double y, double x);
 
 // Rz(yaw) Ry(pitch) Rx(roll), row-major.
@@ -47,8 +47,8 @@ struct Rotation {
   }
 };
 
-// Random numbers by counter: what is drawn depends on its key alone and not on what was drawn
-// before, so a sensor that skips a ray draws the same for the next one.
+// Counter-based random numbers: a draw depends only on its key and not on earlier draws, so a
+// sensor that skips a ray draws the same for the next one.
 enum class Stream : uint32_t {
   kWorld = 1,
   kRange = 2,
@@ -81,8 +81,9 @@ constexpr double DrawUniform(uint64_t key, uint64_t index) {
 // 3.47.
 double DrawNormal(uint64_t key, uint64_t index);
 
-// The same, one after another: for what is built once. No two in arguments or operands of one call
-// or operator: compilers take those in any order (in braces from left to right).
+// The same, in sequence: for things built once. Do not draw twice in the arguments of one call or
+// the operands of one operator: their order of evaluation is unspecified (in braces it is left to
+// right).
 class Draws {
  public:
   explicit Draws(uint64_t seed, uint64_t part = 0)

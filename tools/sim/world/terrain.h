@@ -6,12 +6,12 @@
 
 #include "tools/sim/world/portable_math.h"
 
-// The ground: a height for each corner of a grid, bilinear in between, and held at the border's
-// height beyond. Built once from a formula.
+// The ground: a height for each corner of a grid, with bilinear interpolation, and the border's
+// height beyond it. Built once from a formula.
 
 namespace hardpack::world {
 
-// Where a world is: rays that leave it meet nothing.
+// The extent of a world: rays that leave it hit nothing.
 struct Bounds {
   double low_x_m = -110.0;
   double low_y_m = -110.0;
@@ -30,13 +30,13 @@ class Terrain {
 
   // Level ground at height 0.
   Terrain() = default;
-  // The formula is asked at the corners only.
+  // The formula is evaluated at the corners only.
   Terrain(const Bounds& bounds, const std::function<double(double x_m, double y_m)>& height_m);
 
   bool flat() const { return heights_m_.empty(); }
   double Height_m(double x_m, double y_m) const;
   Ground At(double x_m, double y_m) const;
-  // Of the ground within a rectangle.
+  // Lowest and highest ground within a rectangle.
   void Extremes_m(double low_x_m, double low_y_m, double high_x_m, double high_y_m, double& low_m,
                   double& high_m) const;
 

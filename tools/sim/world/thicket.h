@@ -12,7 +12,7 @@
 
 namespace hardpack::world {
 
-// Of the field: cells of twice a cylinder's radius.
+// The field: cells as wide as twice a cylinder's radius.
 struct ThicketField {
   static constexpr int kColumns = 62;  // along x
   static constexpr int kRows = 29;     // along y
@@ -21,7 +21,7 @@ struct ThicketField {
   static constexpr double kHalfWidth_m = 7.0;  // y of the walls' inner faces
 };
 
-// Each field has a way from the start to the goal that keeps at least so far from everything.
+// Each field has a path from the start to the goal that keeps at least this far from everything.
 inline constexpr double kThicketHalfGap_m = 1.2;
 
 void MakeThicket(uint64_t seed, Scenario& scenario);

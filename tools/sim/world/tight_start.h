@@ -10,7 +10,7 @@
 
 namespace hardpack::world {
 
-// Between a flank and what stands beside it.
+// Distance between a flank and the obstacle beside it.
 inline constexpr double kTightLeast_m = 0.05;
 inline constexpr double kTightMost_m = 0.5;
 

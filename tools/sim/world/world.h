@@ -8,11 +8,10 @@
 #include "tools/sim/world/portable_math.h"
 #include "tools/sim/world/terrain.h"
 
-// A world to drive in: ground, bodies that stand on it, people who walk through it; seen by rays
-// and touched by a vehicle (contact.h). Nothing in it depends on libm or on the order of calls: a
-// ray is stopped by leaves or passes through them by its own key. Frame: the world's, metres, x and
-// y level, z up; named worlds have the vehicle start at the origin and look along +x
-// (named_worlds.h).
+// A world to drive in: ground, bodies that stand on it, people who walk through it; hit by rays and
+// touched by a vehicle (contact.h). Nothing in it depends on libm or on the order of calls: each
+// ray's own key decides whether leaves stop it. Frame: the world's, metres, x and y level, z up; in
+// named worlds the vehicle starts at the origin, facing +x (named_worlds.h).
 
 namespace hardpack::world {
 
@@ -34,11 +33,11 @@ enum class Label : uint8_t {
   kRubble = 34,
 };
 
-// What becomes of a ray that meets a body.
+// What happens to a ray that hits a body.
 enum class Matter : uint8_t {
   kSolid,    // it ends at the surface
-  kMesh,     // it ends at the surface, or passes all of the body
-  kFoliage,  // it ends somewhere within, or passes
+  kMesh,     // it ends at the surface, or passes through the whole body
+  kFoliage,  // it ends somewhere within, or passes through
 };
 
 struct Material {
@@ -77,15 +76,15 @@ struct Side {
   double offset_m = 0.0;  // inside: normal . p <= offset
 };
 
-// Where somebody is at which time; in between at even speed. Before the first and after the last
-// they stand, unless it is told to begin anew.
+// Where a person is at which time, with uniform speed in between. Before the first and after the
+// last time the person stands, unless the places repeat.
 struct Person {
   struct Place {
     double time_s = 0.0;
     double x_m = 0.0;
     double y_m = 0.0;
   };
-  std::vector<Place> places;  // by time, which grows; not empty
+  std::vector<Place> places;  // by ascending time; not empty
   bool repeats = false;       // after the last place comes the first
   double radius_m = 0.25;
   double height_m = 1.75;
@@ -100,7 +99,7 @@ struct Ditch {
   double half_width_m = 1.0;
   double depth_m = 1.0;
 
-  // By how much the ground is lower there; 0 beside it.
+  // Depth below the ground at that place; 0 beside the ditch.
   double Depth_m(double x_m, double y_m) const;
 };
 
@@ -108,7 +107,7 @@ struct Ray {
   Vector origin;
   Vector direction;  // length 1
   double max_range_m = 110.0;
-  uint64_t key = 0;  // of the chance to pass leaves and meshes
+  uint64_t key = 0;  // for the random passage through leaves and meshes
 };
 
 struct Hit {
@@ -125,8 +124,8 @@ class World {
   // Empty. Without a terrain: level ground at height 0.
   explicit World(const Bounds& bounds, Terrain terrain = {}, Label ground = Label::kGrass);
 
-  // Heights here are the world's; low_m < high_m. Bodies without a size, of numbers that are not
-  // finite, or more than 1000 km away are left out. heading_rad is that of the length.
+  // Heights here are the world's; low_m < high_m. Bodies without a size, with numbers that are not
+  // finite, or more than 1000 km away are ignored. heading_rad is the direction of the length.
   void AddBox(Point2 middle, double heading_rad, double length_m, double width_m, double low_m,
               double high_m, const Material& material);
   // The corners of a convex outline, anticlockwise, at least three.
@@ -143,9 +142,9 @@ class World {
   // The people as bodies at a time, for Cast: many rays share them.
   std::vector<Body> PeopleAt(double time_s) const;
 
-  // The first thing that a ray meets within its range. A ray that begins in a solid body or under
-  // the ground meets it at range 0. Nothing: a direction that is not finite or not of length 1 (to
-  // 1e-3), a range that is not positive, an origin outside the bounds that looks away.
+  // The first thing that a ray hits within its range. A ray that begins in a solid body or under
+  // the ground hits it at range 0. No hit: a direction that is not finite or not of length 1 (to
+  // 1e-3), a range that is not positive, an origin outside the bounds with the ray pointing away.
   Hit Cast(const Ray& ray, std::span<const Body> people) const;
   Hit Cast(const Ray& ray, double time_s) const { return Cast(ray, PeopleAt(time_s)); }
 
