@@ -115,7 +115,7 @@ TEST(SteeredModel, MirroredSetpointsGiveMirroredMotion) {
 
 TEST(SteeredModelFile, OfTheProjectIsRead) {
   UncertainBody body;
-  const ReadOutcome outcome = ReadBody(std::string(HARDPACK_VEHICLES) + "/ackermann.toml", body);
+  const ReadOutcome outcome = ReadBody(HARDPACK_VEHICLES "/ackermann.toml", body);
   ASSERT_TRUE(outcome.ok()) << outcome.message;
   const auto* steered = std::get_if<UncertainSteered>(&body);
   ASSERT_NE(steered, nullptr);
