@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
   mission::MissionSettings settings;
   settings.seed = std::strtoull(argv[2], nullptr, 10);
   ReadOutcome outcome = world::MakeScenario(argv[1], settings.seed, settings.scenario);
-  if (outcome.ok()) outcome = sim::ReadVehicle(argv[3], settings.vehicle);
+  if (outcome.ok()) outcome = sim::ReadBody(argv[3], settings.vehicle);
   experiment::RunResult result;
   mission::MissionTrace trace;
   if (outcome.ok()) outcome = mission::RunMission(settings, result, &trace);
