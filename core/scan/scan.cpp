@@ -121,9 +121,11 @@ Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float>
 }
 
 SinCosPair TurnedEncoder(SinCosPair encoder, float azimuth_offset_rad) {
-  const SinCosPair offset = SinCos(IsFinite(azimuth_offset_rad) ? azimuth_offset_rad : 0.0f);
-  return {encoder.sin * offset.cos + encoder.cos * offset.sin,
-          encoder.cos * offset.cos - encoder.sin * offset.sin};
+  const float angle = IsFinite(azimuth_offset_rad) ? azimuth_offset_rad : 0.0f;
+  const float square = angle * angle;
+  const float sin = angle * (1.0f - square * (1.0f / 6.0f) * (1.0f - square * (1.0f / 20.0f)));
+  const float cos = 1.0f - square * 0.5f * (1.0f - square * (1.0f / 12.0f));
+  return {encoder.sin * cos + encoder.cos * sin, encoder.cos * cos - encoder.sin * sin};
 }
 
 Status MakeBeamModel(const LidarLayout& layout, BeamModel& model) {
@@ -186,7 +188,7 @@ Status ScanRing::Configure(int beams, int columns_per_revolution, int window_fir
 void ScanRing::ForgetColumns() {
   newest_sequence_ = -1;
   HP_LOOP_BOUND(kMaxColumns)
-  for (int slot = 0; slot < slots_; ++slot) info_[slot] = ScanColumn{};
+  for (int slot = 0; slot < slots_; ++slot) info_[slot].Clear();
 }
 
 void ScanRing::Restart() {
@@ -305,7 +307,7 @@ Status ScanRing::Push(const LidarColumn& column, uint64_t time_ns,
   Count(sequence);
   const int slot = SlotOf(sequence);
   ScanColumn& info = info_[slot];
-  info = ScanColumn{};
+  info.Clear();
   info.sequence = sequence;
   info.time_ns = time_ns;
   info.frame_id = column.frame_id;
