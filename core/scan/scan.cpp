@@ -120,14 +120,6 @@ Status MakeBeamModel(std::span<const float> altitude_deg, std::span<const float>
   return Status::kOk;
 }
 
-SinCosPair TurnedEncoder(SinCosPair encoder, float azimuth_offset_rad) {
-  const float angle = IsFinite(azimuth_offset_rad) ? azimuth_offset_rad : 0.0f;
-  const float square = angle * angle;
-  const float sin = angle * (1.0f - square * (1.0f / 6.0f) * (1.0f - square * (1.0f / 20.0f)));
-  const float cos = 1.0f - square * 0.5f * (1.0f - square * (1.0f / 12.0f));
-  return {encoder.sin * cos + encoder.cos * sin, encoder.cos * cos - encoder.sin * sin};
-}
-
 Status MakeBeamModel(const LidarLayout& layout, BeamModel& model) {
   const Status status =
       MakeBeamModel(layout.altitude_deg, layout.azimuth_deg, layout.columns_per_revolution,

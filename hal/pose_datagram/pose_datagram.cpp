@@ -276,7 +276,8 @@ bool Receiver::IsNewer(uint32_t sequence) {
 
 Status Receiver::Next(InsSample& sample) {
   HP_LOOP_BOUND(kCapacity)
-  while (looks_left_ > 0 && FindMagic() && end_ - begin_ >= kDatagram_bytes) {
+  while (looks_left_ > 0) {
+    if (!FindMagic() || end_ - begin_ < kDatagram_bytes) return Status::kTruncated;
     --looks_left_;
     uint32_t sequence = 0;
     InsSample read;

@@ -28,9 +28,11 @@ MISSION_TICKS = 600
 
 
 def stated(facts):
-    """{(kind, within, of): most}."""
+    """{(kind, within, of): most}, without what is said of other vehicles than the tapes are of."""
+    others = tuple(f"<hardpack::{other}>" for other in facts.table["vehicles"][1:])
     return {(kind, entry["within"], of): evaluate(entry["most"], facts.values)
-            for kind in ("calls", "rounds") for entry in facts.table[kind] for of in entry["of"]}
+            for kind in ("calls", "rounds") for entry in facts.table[kind] for of in entry["of"]
+            if not any(other in entry["within"] for other in others)}
 
 
 def tapes(folder, hardpack, write_tape, write_crowded_tape):

@@ -94,8 +94,23 @@ class Facts:
             least = evaluate(entry.get("at_least", 0), self.values)
             if most < least:
                 raise Refused(f"{entry['of'][0]}: {entry['most']} are {most}, fewer than {least}")
-            scopes.setdefault(entry["within"], {}).update(dict.fromkeys(entry["of"], most))
+            for within, of in self._of_vehicles(entry):
+                scopes.setdefault(within, {}).update(dict.fromkeys(of, most))
         return scopes
+
+    def _of_vehicles(self, entry):
+        """What holds of the tick of the first of `vehicles` holds of that of each other, but for the
+        functions of devices (`devices`) that it does not have."""
+        yield entry["within"], entry["of"]
+        first, *others = self.table.get("vehicles", [""])
+        if f"<hardpack::{first}>" not in entry["within"]:
+            return
+        for other in others:
+            foreign = tuple(self.table["foreign"][other])
+            of = [name.replace(f"<hardpack::{first}>", f"<hardpack::{other}>")
+                  for name in entry["of"] if not name.startswith(foreign)]
+            if of:
+                yield entry["within"].replace(f"<hardpack::{first}>", f"<hardpack::{other}>"), of
 
 
 def bounds(facts, image):
