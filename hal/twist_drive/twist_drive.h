@@ -44,7 +44,7 @@ struct Report {
   uint64_t feedback_ns = 0;  // when the feedback arrived; 0: never
   uint16_t controller_faults = 0;
   float battery_V = 0.0f;  // 0: not measured
-  int8_t temperature_degC = 0;
+  int32_t temperature_degC = 0;
 };
 
 struct Counters {

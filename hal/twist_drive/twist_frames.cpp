@@ -41,6 +41,11 @@ uint32_t U16(const CanFrame& frame, int at) {
   return uint32_t{frame.data[at]} | uint32_t{frame.data[at + 1]} << 8u;
 }
 
+int32_t I8(const CanFrame& frame, int at) {
+  const int32_t byte = frame.data[at];
+  return byte < 128 ? byte : byte - 256;
+}
+
 int16_t I16(const CanFrame& frame, int at) {
   return static_cast<int16_t>(static_cast<uint16_t>(U16(frame, at)));
 }
@@ -114,7 +119,7 @@ CanFrame Encode(uint32_t id, const ControllerStatus& status) {
   CanFrame frame = FrameOf(id, status.counter, status.version);
   PutU16(status.faults, 2, frame);
   PutU16(status.battery, 4, frame);
-  frame.data[6] = static_cast<uint8_t>(status.temperature_degC);
+  frame.data[6] = static_cast<uint8_t>(ClampInt(status.temperature_degC, -128, 127));
   frame.data[kCrcByte] = CrcOf(frame);
   return frame;
 }
@@ -151,7 +156,7 @@ Status Decode(const CanFrame& frame, Feedback& feedback) {
 Status Decode(const CanFrame& frame, ControllerStatus& status) {
   if (const Status checked = CheckFrame(frame); !IsUsable(checked)) return checked;
   status = {frame.data[0], static_cast<uint16_t>(U16(frame, 2)), frame.data[1],
-            static_cast<uint16_t>(U16(frame, 4)), static_cast<int8_t>(frame.data[6])};
+            static_cast<uint16_t>(U16(frame, 4)), I8(frame, 6)};
   return Status::kOk;
 }
 

@@ -58,7 +58,7 @@ struct ControllerStatus {
   uint16_t faults = 0;   // bits defined by the controller; 0: none
   uint8_t version = 0;   // of this protocol: kVersion
   uint16_t battery = 0;  // 0.01 V; 0: not measured
-  int8_t temperature_degC = 0;
+  int32_t temperature_degC = 0;
 };
 inline constexpr uint8_t kVersion = 1;
 

@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
-# The static bound of the stack of the Cortex-M7's tick and of its set-up is within 16 KiB, and what a
+# The static bound of the stack of the Cortex-M7's ticks and of their set-up is within 16 KiB, and what a
 # mission and a crowd have taken, painted, is within the bound of the program that replays them.
 # Arguments: python3, stack_bound.py, the build, what the mission and the crowd said (files that need not
 # be there).
@@ -9,8 +9,12 @@ bound=("$1" "$2" --stops hardpack::AssertionFailed --most 16384 --frame memcpy=6
   --frame __ctzdi2=16)
 build=$3
 tapes=("${@:4}")
-loop="hardpack::BasicVehicleLoop<hardpack::Warthog>"
-"${bound[@]}" "$build" "$loop::Tick" "$loop::Configure"
+entries=()
+for vehicle in Warthog WarthogVelodyne TwistBase; do
+  loop="hardpack::BasicVehicleLoop<hardpack::$vehicle>"
+  entries+=("$loop::Tick" "$loop::Configure")
+done
+"${bound[@]}" "$build" "${entries[@]}"
 if [ -f "${tapes[0]}" ] && [ -f "${tapes[1]}" ]; then
   program=$("${bound[@]}" "$build" hardpack::bare_metal::ReplayTape)
   most=$(awk '{ print $1 }' <<<"$program")

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include <limits>
 #include <random>
 #include <vector>
@@ -57,6 +59,16 @@ TEST(TwistFrames, AStatusHasTheBytesOfTheDocs) {
   EXPECT_EQ(decoded.battery, 3000);
   EXPECT_EQ(decoded.temperature_degC, -5);
   EXPECT_EQ(Encode(0x212, decoded), golden);
+}
+
+TEST(TwistFrames, ATemperatureOutsideAByteIsTheNearestThatFits) {
+  for (const auto& [said, sent] : {std::pair{-129, -128}, {-128, -128}, {127, 127}, {900, 127}}) {
+    ControllerStatus status;
+    status.temperature_degC = said;
+    ControllerStatus decoded;
+    ASSERT_EQ(Decode(Encode(0x212, status), decoded), Status::kOk);
+    EXPECT_EQ(decoded.temperature_degC, sent);
+  }
 }
 
 // Any single bit and any two: a CRC of 8 bits sees both in frames as short as these.
