@@ -65,6 +65,18 @@ WheelParts BrakeCommand(const DriveModel& model, const StopWay& way, float brake
               DifferentialCommand(drives, reachable_radps, state.wheels.common_radps)};
 }
 
+// What steered wheels are set to when a stop begins, as far as the motion tells.
+float HeldCurvature(const DriveState& state, float largest_per_m) {
+  const bool rolls = Abs(state.speed_mps) >= kRest_mps;
+  return rolls ? Clamp(state.yaw_rate_radps / state.speed_mps, -largest_per_m, largest_per_m)
+               : 0.0f;
+}
+
+void TurnAlong(const DriveModel& model, float curvature_per_m, DriveState& state) {
+  state.yaw_rate_radps = curvature_per_m * state.speed_mps;
+  state.wheels.differential_radps = state.yaw_rate_radps * model.PerTurn();
+}
+
 // Keeps a pose where the vehicle has moved far enough since the last one that was kept.
 class PoseKeeper {
  public:
@@ -114,8 +126,11 @@ void RollOutStop(const DriveModel& model, const Pose2& pose, const StopWay& way,
   for (int step = 1; step <= model.dead_steps() + 1; ++step) {
     roll(model.CommandIn(step), DriveModel::kStep_s);
   }
+  const bool holds = kind == StopKind::kZero && way.held_curvature_per_m > 0.0f;
+  const float held_per_m = holds ? HeldCurvature(state, way.held_curvature_per_m) : 0.0f;
   HP_LOOP_BOUND(kMaxStopSteps)
   for (int step = 0; step < kMaxStopSteps && !IsAtRest(state); ++step) {
+    if (holds) TurnAlong(model, held_per_m, state);
     const float braked_s = kStopStep_s * static_cast<float>(step);
     roll(
         kind == StopKind::kZero ? WheelParts{} : BrakeCommand(model, way, braked_s, along_m, state),

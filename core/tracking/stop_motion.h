@@ -16,12 +16,15 @@
 //   now           dead time, one tick more      brakes                       at rest
 //   o----------------------------------------->o-------------------------->o
 //     commands as told                            kAlong: ramp, the path's curvature; kZero: zero
+//
+// At zero the turn of a skid-steered vehicle dies out with its own lag. Steered wheels hold their
+// angle while the vehicle brakes (docs/twist_drive.md), so it goes on along its curve: w = kappa v.
 
 namespace hardpack {
 
 enum class StopKind : uint8_t {
   kAlong,  // the reference falls with the plan's deceleration, the turn is the path's
-  kZero,   // zero speed for both sides
+  kZero,   // zero speed at once
 };
 
 // What a stop along the path needs to know about it.
@@ -31,6 +34,7 @@ struct StopWay {
   float reference_mps = 0.0f;               // commanded by now
   float deceleration_mps2 = 0.0f;           // of the reference; positive
   float curvature_per_m[kCurvatures] = {};  // from the vehicle's place on, every kStep_m
+  float held_curvature_per_m = 0.0f;        // of steered wheels: the largest; 0: skid-steered
   MotionError error;                        // of recent predictions
 };
 

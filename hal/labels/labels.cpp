@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/labels/labels.h"
 
-#include <array>
 #include <cstddef>
 
 #include "core/base/assert.h"
 #include "core/base/byte_reader.h"
+#include "core/base/crc32.h"
 #include "core/base/loop_bound.h"
 
 namespace hardpack::labels {
@@ -21,28 +21,13 @@ constexpr size_t kSequenceOffset = 12;
 constexpr size_t kTimestampOffset = 16;
 constexpr size_t kLeastBytes = kHeaderBytes + kFooterBytes;
 
-constexpr int kByteValues = 256;
-
-// The remainder that each byte leaves.
-consteval std::array<uint32_t, kByteValues> MakeCrcTable() {
-  constexpr uint32_t kPolynomial = 0xedb88320u;
-  std::array<uint32_t, kByteValues> table = {};
-  HP_LOOP_BOUND(kByteValues)
-  for (uint32_t byte = 0; byte < kByteValues; ++byte) {
-    uint32_t rest = byte;
-    HP_LOOP_BOUND(8)
-    for (int bit = 0; bit < 8; ++bit) {
-      rest = rest >> 1 ^ ((rest & 1u) != 0 ? kPolynomial : 0u);
-    }
-    table[byte] = rest;
-  }
-  return table;
-}
-constexpr std::array<uint32_t, kByteValues> kCrcTable = MakeCrcTable();
-
 bool CountsInRange(const Header& header) {
   return header.beams >= 1 && header.beams <= kMaxBeams && header.columns >= 1 &&
          header.columns <= kMaxColumns;
+}
+
+uint32_t CrcOf(std::span<const uint8_t> bytes) {
+  return Crc32<kMaxDatagramBytes>(bytes);
 }
 
 // Precondition: CountsInRange.
@@ -59,14 +44,6 @@ void Write(std::span<uint8_t> bytes, size_t offset, size_t size, uint64_t value)
 }
 
 }  // namespace
-
-uint32_t Crc32(std::span<const uint8_t> bytes) {
-  HP_ASSERT(bytes.size() <= kMaxDatagramBytes);
-  uint32_t crc = 0xffffffffu;
-  HP_LOOP_BOUND(kMaxDatagramBytes)
-  for (const uint8_t byte : bytes) crc = crc >> 8 ^ kCrcTable[(crc ^ byte) & 0xffu];
-  return ~crc;
-}
 
 Status CheckDatagram(std::span<const uint8_t> datagram, int beams, int columns_per_revolution,
                      Header& header) {
@@ -87,7 +64,7 @@ Status CheckDatagram(std::span<const uint8_t> datagram, int beams, int columns_p
   const size_t checked_bytes = kHeaderBytes + CodeBytes(header);
   if (datagram.size() < checked_bytes + kFooterBytes) return Status::kTruncated;
   if (datagram.size() > checked_bytes + kFooterBytes) return Status::kOversized;
-  if (Crc32(datagram.first(checked_bytes)) != reader.U32(checked_bytes)) return Status::kBadCrc;
+  if (CrcOf(datagram.first(checked_bytes)) != reader.U32(checked_bytes)) return Status::kBadCrc;
   if (header.beams != beams) return Status::kWrongSensor;
   return header.first_measurement + header.columns <= columns_per_revolution ? Status::kOk
                                                                              : Status::kBadColumn;
@@ -129,7 +106,7 @@ Status Encode(const Header& header, std::span<const uint8_t> codes, std::span<ui
   HP_LOOP_BOUND(kMaxColumns * kMaxBeams)
   for (size_t i = 0; i < codes.size(); ++i) datagram[kHeaderBytes + i] = codes[i];
   const size_t checked_bytes = kHeaderBytes + codes.size();
-  Write(datagram, checked_bytes, kFooterBytes, Crc32(datagram.first(checked_bytes)));
+  Write(datagram, checked_bytes, kFooterBytes, CrcOf(datagram.first(checked_bytes)));
   size_bytes = static_cast<int>(checked_bytes) + kFooterBytes;
   return Status::kOk;
 }

@@ -36,10 +36,6 @@ struct Header {
 };
 static_assert(std::is_trivially_copyable_v<Header>);
 
-// CRC-32/ISO-HDLC (reflected polynomial 0xedb88320, start and final xor all ones), as used by
-// Ethernet and zip. Precondition: at most kMaxDatagramBytes. Cost: one pass.
-uint32_t Crc32(std::span<const uint8_t> bytes);
-
 // Checks a datagram as a whole and reads its header; if several things are wrong, returns the first
 // in this list. kTruncated: fewer bytes than a header and a footer (`header` is then invalid);
 // kWrongPacketType: another magic number; kUnsupported: another version; kInvalidArgument: no

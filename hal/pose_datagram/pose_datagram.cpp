@@ -4,9 +4,9 @@
 #include <bit>
 
 #include "core/base/byte_reader.h"
+#include "core/base/crc32.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
-#include "hal/labels/labels.h"
 
 namespace hardpack::pose_datagram {
 namespace {
@@ -174,7 +174,7 @@ Status Decode(std::span<const uint8_t, kDatagram_bytes> bytes, uint32_t& sequenc
   ByteReader reader(bytes);
   if (reader.U32(0) != kMagic) return Status::kWrongPacketType;
   if (reader.U8(kVersionAt) != kVersion) return Status::kUnsupported;
-  if (reader.U32(kCrcAt) != labels::Crc32(bytes.first(kCrcAt))) return Status::kBadCrc;
+  if (reader.U32(kCrcAt) != Crc32<kCrcAt>(bytes.first(kCrcAt))) return Status::kBadCrc;
   const uint32_t groups = reader.U8(kGroupsAt);
   const uint32_t mode = reader.U8(kModeAt);
   const uint32_t bits = reader.U8(kStatusAt);
@@ -222,7 +222,7 @@ Status Encode(const InsSample& sample, uint32_t sequence,
   PutThree(bytes, kAccelerationAt, acceleration.x_mps2, acceleration.y_mps2, acceleration.z_mps2);
   PutThree(bytes, kUncertaintyAt, sample.attitude_uncertainty_rad, sample.position_uncertainty_m,
            sample.velocity_uncertainty_mps);
-  Put(bytes, kCrcAt, 4, labels::Crc32(std::span<const uint8_t>(bytes).first(kCrcAt)));
+  Put(bytes, kCrcAt, 4, Crc32<kCrcAt>(std::span<const uint8_t>(bytes).first(kCrcAt)));
   return Status::kOk;
 }
 

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/crc32.h"
 #include "hal/labels/labels.h"
 #include "test/fuzz/accepted.h"
 
@@ -25,7 +26,8 @@ void Require(bool condition) {
 void FixCrc(std::vector<uint8_t>& bytes) {
   if (bytes.size() < 4 || bytes.size() > hardpack::labels::kMaxDatagramBytes) return;
   const size_t checked = bytes.size() - 4;
-  const uint32_t crc = hardpack::labels::Crc32(std::span(bytes).first(checked));
+  const uint32_t crc =
+      hardpack::Crc32<hardpack::labels::kMaxDatagramBytes>(std::span(bytes).first(checked));
   for (size_t i = 0; i < 4; ++i) bytes[checked + i] = static_cast<uint8_t>(crc >> (8 * i));
 }
 

@@ -12,7 +12,7 @@
 #include <memory>
 #include <vector>
 
-#include "hal/labels/labels.h"
+#include "core/base/crc32.h"
 #include "hal/pose_datagram/pose_datagram.h"
 #include "test/fuzz/accepted.h"
 
@@ -34,7 +34,7 @@ void FixCrcs(std::vector<uint8_t>& bytes) {
       ++at;
       continue;
     }
-    const uint32_t crc = labels::Crc32(std::span<const uint8_t>(bytes).subspan(at, 112));
+    const uint32_t crc = Crc32<112>(std::span<const uint8_t>(bytes).subspan(at, 112));
     for (size_t i = 0; i < 4; ++i) bytes[at + 112 + i] = static_cast<uint8_t>(crc >> (8 * i));
     at += kDatagram_bytes;
   }

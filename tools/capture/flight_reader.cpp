@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "core/base/crc32.h"
 #include "hal/onboard/flight_log/flight_log.h"
 #include "hal/onboard/flight_log/packets.h"
 
@@ -151,7 +152,7 @@ bool FlightReader::TakeImage(std::span<const uint8_t> payload) {
     image_crc_ = 0;
     image_index_ = part.index;
   }
-  image_crc_ = flight_log::ExtendCrc32(image_crc_, part.bytes);
+  image_crc_ = ExtendCrc32<flight_log::kMaxPartBytes>(image_crc_, part.bytes);
   AddPart(part.offset, part.whole_bytes, part.bytes, image_);
   if (image_crc_ != part.crc || part.index != image_index_) {
     image_.damaged = true;

@@ -2,6 +2,7 @@
 #include "hal/onboard/flight_log/flight_log.h"
 
 #include "core/base/assert.h"
+#include "core/base/crc32.h"
 #include "core/base/loop_bound.h"
 
 namespace hardpack::flight_log {
@@ -176,7 +177,7 @@ void FlightLog::RecordImageParts() {
     const size_t rest = image_bytes_ - image_done_bytes_;
     const std::span<const uint8_t> bytes =
         snapshot_.subspan(image_done_bytes_, rest < kMaxPartBytes ? rest : kMaxPartBytes);
-    image_crc_ = ExtendCrc32(image_crc_, bytes);
+    image_crc_ = ExtendCrc32<kMaxPartBytes>(image_crc_, bytes);
     ImageRecord record;
     record.index = image_index_;
     record.offset = static_cast<uint32_t>(image_done_bytes_);

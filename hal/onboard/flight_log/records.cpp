@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/onboard/flight_log/records.h"
 
-#include <array>
-
 #include "core/base/assert.h"
 #include "core/base/byte_reader.h"
 #include "core/base/loop_bound.h"
@@ -26,22 +24,6 @@ constexpr size_t kTickEndBytes = kRecordHeaderBytes + 29;
 constexpr size_t kGapBytes = kRecordHeaderBytes + 8;
 static_assert(kVersionBytes <= kMaxRecordHeadBytes);
 constexpr size_t kMaxTextField = sizeof(VersionRecord::build);
-
-constexpr int kByteValues = 256;
-
-// The remainder that each byte leaves.
-consteval std::array<uint32_t, kByteValues> MakeCrcTable() {
-  std::array<uint32_t, kByteValues> table = {};
-  HP_LOOP_BOUND(kByteValues)
-  for (uint32_t byte = 0; byte < kByteValues; ++byte) {
-    uint32_t rest = byte;
-    HP_LOOP_BOUND(8)
-    for (int bit = 0; bit < 8; ++bit) rest = rest >> 1 ^ ((rest & 1u) != 0 ? 0xedb88320u : 0u);
-    table[byte] = rest;
-  }
-  return table;
-}
-constexpr std::array<uint32_t, kByteValues> kCrcTable = MakeCrcTable();
 
 // Whether the payload is of that kind and size.
 Status CheckForm(std::span<const uint8_t> payload, RecordKind kind, size_t least_bytes,
@@ -240,14 +222,6 @@ Status Decode(std::span<const uint8_t> payload, GapRecord& record) {
   ByteReader reader(payload);
   record.records = reader.U64(8);
   return reader.status();
-}
-
-uint32_t ExtendCrc32(uint32_t before, std::span<const uint8_t> bytes) {
-  HP_ASSERT(bytes.size() <= kMaxPartBytes);
-  uint32_t crc = ~before;
-  HP_LOOP_BOUND(kMaxPartBytes)
-  for (const uint8_t byte : bytes) crc = crc >> 8 ^ kCrcTable[(crc ^ byte) & 0xffu];
-  return ~crc;
 }
 
 }  // namespace hardpack::flight_log

@@ -136,8 +136,4 @@ Status Decode(std::span<const uint8_t> payload, CommandRecord& record);
 Status Decode(std::span<const uint8_t> payload, TickEndRecord& record);
 Status Decode(std::span<const uint8_t> payload, GapRecord& record);
 
-// CRC-32/ISO-HDLC (as in Ethernet and zip) of the bytes that gave `before` followed by these;
-// `before` is 0 at the start. Precondition: at most kMaxPartBytes. Cost: one pass.
-uint32_t ExtendCrc32(uint32_t before, std::span<const uint8_t> bytes);
-
 }  // namespace hardpack::flight_log

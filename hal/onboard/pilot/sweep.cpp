@@ -2,6 +2,7 @@
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/units.h"
+#include "core/kinematics/kinematics.h"
 #include "hal/onboard/pilot/pilot.h"
 
 // Pilot: where the vehicle goes until it is at rest, rolled out in every tick from its actual
@@ -66,6 +67,8 @@ WayAhead Pilot::JudgeStop() {
   const Pose2 pose = {here.position.x_m, here.position.y_m, here.yaw_rad};
   StopWay way;
   way.error = tracker_.prediction_error();
+  const VehicleParams& vehicle = config_.planner.vehicle;
+  way.held_curvature_per_m = CanPivot(vehicle) ? 0.0f : MostCurvature(vehicle);
   RollOutStop(model, pose, way, StopKind::kZero, swept_);
   const SweepResult zero = sweep_.Try({swept_.begin(), static_cast<size_t>(swept_.size())});
   if (zero.clear) return WayAhead::kClear;

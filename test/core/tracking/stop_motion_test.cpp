@@ -69,6 +69,43 @@ TEST(StopMotion, ZeroEndsWhereTheModelComesToRest) {
   }
 }
 
+// SR-MOV02
+TEST(StopMotion, SteeredWheelsHoldTheirCurve) {
+  for (const float turn_radps : {1.5f, -1.5f}) {
+    Bench bench;
+    bench.Drive({8.0f, turn_radps});
+    const DriveState before = bench.model.StateAt({1.0f, 2.0f, 0.5f});
+    const float curvature_per_m = before.yaw_rate_radps / before.speed_mps;
+    StopWay way;
+    way.held_curvature_per_m = 0.4f;
+    const SweptMotion held = bench.Stop(StopKind::kZero, way);
+    const float turned_rad = held.back().pose.theta_rad - 0.5f;
+    EXPECT_NEAR(turned_rad, curvature_per_m * Way(held), 0.05f * std::fabs(turned_rad));
+    // A turn that dies out faster than the speed ends elsewhere.
+    const SweptMotion dying = bench.Stop(StopKind::kZero);
+    EXPECT_GT(std::fabs(turned_rad), std::fabs(dying.back().pose.theta_rad - 0.5f) + 0.02f);
+  }
+}
+
+// What the wheels cannot be turned to is not held, and a yaw rate at rest is no curve.
+TEST(StopMotion, SteeredWheelsHoldNoMoreThanTheyCan) {
+  Bench bench;
+  bench.Drive({3.0f, 4.0f});
+  StopWay way;
+  way.held_curvature_per_m = 0.2f;
+  const SweptMotion held = bench.Stop(StopKind::kZero, way);
+  const int last = held.size() - 1;
+  const int middle = last / 2;
+  const float way_m = std::hypot(held[last].pose.x_m - held[middle].pose.x_m,
+                                 held[last].pose.y_m - held[middle].pose.y_m);
+  EXPECT_LE(held[last].pose.theta_rad - held[middle].pose.theta_rad, 0.2f * way_m + 0.01f);
+  Bench spinning;
+  spinning.Drive({0.0f, 4.0f});
+  const SweptMotion ended = spinning.Stop(StopKind::kZero, way);
+  EXPECT_LT(Way(ended), 0.4f);
+  for (const SweptPose& pose : ended) EXPECT_TRUE(std::isfinite(pose.pose.theta_rad));
+}
+
 // SR-MOV04
 TEST(StopMotion, WhatItMayBeOffByGrowsForHalfASecond) {
   Bench bench;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/crc32.h"
 #include "core/segmentation/label_table.h"
 
 namespace hardpack::labels {
@@ -17,15 +18,6 @@ namespace {
 
 constexpr int kBeams = 64;
 constexpr int kColumns = 1024;
-
-uint32_t SlowCrc32(std::span<const uint8_t> bytes) {
-  uint64_t rest = 0xffffffffu;
-  for (const uint8_t byte : bytes) {
-    rest ^= byte;
-    for (int bit = 0; bit < 8; ++bit) rest = rest % 2 == 1 ? rest / 2 ^ 0xedb88320u : rest / 2;
-  }
-  return static_cast<uint32_t>(rest) ^ 0xffffffffu;
-}
 
 Header HeaderOf(int beams, int columns, int first_measurement) {
   Header header;
@@ -60,7 +52,7 @@ std::vector<uint8_t> Plain() {
 
 void FixCrc(std::vector<uint8_t>& datagram) {
   const size_t checked = datagram.size() - kFooterBytes;
-  const uint32_t crc = SlowCrc32(std::span(datagram).first(checked));
+  const uint32_t crc = Crc32<kMaxDatagramBytes>(std::span(datagram).first(checked));
   for (size_t i = 0; i < 4; ++i) datagram[checked + i] = static_cast<uint8_t>(crc >> (8 * i));
 }
 
@@ -94,18 +86,6 @@ std::vector<uint8_t> BytesOfDocument(const std::string& text) {
   std::vector<uint8_t> bytes;
   for (unsigned byte = 0; hex >> std::hex >> byte;) bytes.push_back(static_cast<uint8_t>(byte));
   return bytes;
-}
-
-TEST(Crc32, IsThatOfEthernetAndZip) {
-  const std::string text = "123456789";
-  const std::vector<uint8_t> digits(text.begin(), text.end());
-  EXPECT_EQ(Crc32(digits), 0xcbf43926u);
-  EXPECT_EQ(Crc32({}), 0u);
-  std::mt19937 random(3);
-  for (int size = 0; size < 300; ++size) {
-    const std::vector<uint8_t> bytes = RandomCodes(random, size, 1);
-    ASSERT_EQ(Crc32(bytes), SlowCrc32(bytes));
-  }
 }
 
 TEST(LabelDatagram, IsWhatTheDocumentSays) {

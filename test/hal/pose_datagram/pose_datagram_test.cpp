@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/labels/labels.h"
+#include "core/base/crc32.h"
 #include "test/hal/pose_datagram/samples.h"
 
 namespace hardpack::pose_datagram {
@@ -28,7 +28,7 @@ Status DecodeOf(const Bytes& bytes, InsSample& sample) {
 Bytes Changed(size_t at, const Bytes& to) {
   Bytes bytes = Encoded(Example(), 7);
   std::copy(to.begin(), to.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at));
-  const uint32_t crc = labels::Crc32(std::span<const uint8_t>(bytes).first(112));
+  const uint32_t crc = Crc32<112>(std::span<const uint8_t>(bytes).first(112));
   for (size_t i = 0; i < 4; ++i) bytes[112 + i] = static_cast<uint8_t>(crc >> (8 * i));
   return bytes;
 }

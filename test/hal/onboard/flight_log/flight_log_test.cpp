@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/crc32.h"
 #include "test/fakes/memory_recorder.h"
 #include "test/hal/onboard/flight_log/made_up_run.h"
 
@@ -87,7 +88,7 @@ TEST(FlightLog, HandsOutTheImageWithTheTicksOfALaterFile) {
     EXPECT_EQ(part.offset, image.size());
     EXPECT_EQ(part.whole_bytes, 300'000u);
     image.insert(image.end(), part.bytes.begin(), part.bytes.end());
-    crc = ExtendCrc32(crc, part.bytes);
+    crc = ExtendCrc32<kMaxPartBytes>(crc, part.bytes);
     EXPECT_EQ(part.crc, crc);
   }
   EXPECT_EQ(image, state);  // as it was before the file's first tick

@@ -167,15 +167,5 @@ TEST(Records, SurviveAnyBytes) {
   }
 }
 
-TEST(Records, SumUpCrc32InParts) {
-  const std::string check = "123456789";  // the algorithm's check value is 0xcbf43926
-  const Bytes bytes(check.begin(), check.end());
-  EXPECT_EQ(ExtendCrc32(0, bytes), 0xcbf43926u);
-  for (size_t cut = 0; cut <= bytes.size(); ++cut) {
-    const uint32_t first = ExtendCrc32(0, std::span(bytes).first(cut));
-    EXPECT_EQ(ExtendCrc32(first, std::span(bytes).subspan(cut)), 0xcbf43926u);
-  }
-}
-
 }  // namespace
 }  // namespace hardpack::flight_log
