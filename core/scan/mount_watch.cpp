@@ -3,24 +3,49 @@
 
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
+#include "core/base/saturate.h"
 
 namespace hardpack {
+namespace {
+
+constexpr uint16_t kMostInBin = 65535;
+constexpr float kMost_rad = 2.0f;       // more than any
+constexpr float kNotKnown_rad = -1.0f;  // no tilt toward there can be judged
+// Of the borders of the sectors of a quadrant, the tangents.
+constexpr float kBorders[] = {0.19891237f, 0.66817864f, 1.4966058f, 5.0273395f};
+// Of 0 to 3 sectors, the cosines.
+constexpr int kReach = 3;
+constexpr float kCosines[kReach + 1] = {1.0f, 0.92387953f, 0.70710678f, 0.38268343f};
+
+}  // namespace
 
 void MountWatch::Reset() {
   *this = MountWatch{};
 }
 
+// Anticlockwise, the first straight ahead.
+int MountWatch::SectorOf(Vec2 place_body) {
+  const float along_m = Abs(place_body.x_m);
+  const float aside_m = Abs(place_body.y_m);
+  int in_quadrant = 0;
+  HP_LOOP_BOUND(4)
+  for (const float border : kBorders) in_quadrant += aside_m > border * along_m ? 1 : 0;
+  const int above = place_body.x_m >= 0.0f ? in_quadrant : kSectors / 2 - in_quadrant;
+  return place_body.y_m >= 0.0f ? above : (kSectors - above) % kSectors;
+}
+
 void MountWatch::Add(Vec2 place_body, float step_m) {
-  const float x_m = place_body.x_m;
-  const float y_m = place_body.y_m;
-  const bool is_usable = IsFinite(x_m) && IsFinite(y_m) && Abs(step_m) <= kMaxStep_m;
+  const float range2_m2 = place_body.x_m * place_body.x_m + place_body.y_m * place_body.y_m;
+  // Also false for what is no number.
+  const bool is_usable =
+      range2_m2 >= kNear_m * kNear_m && IsFinite(range2_m2) && Abs(step_m) <= kMaxStep_m;
   if (!is_usable) return;
-  ++returns_;
-  product_[0] += x_m * x_m;
-  product_[1] += x_m * y_m;
-  product_[2] += y_m * y_m;
-  product_[3] += x_m * step_m;
-  product_[4] += y_m * step_m;
+  const float bin = step_m / (Sqrt(range2_m2) * kBin_rad) + 0.5f * static_cast<float>(kBins);
+  const int sector = SectorOf(place_body);
+  uint16_t& returns = returns_[sector][ClampInt(FloorToInt(bin), 0, kBins - 1)];
+  if (returns == kMostInBin) return;
+  ++returns;
+  ++count_[sector];
 }
 
 void MountWatch::Advance(uint64_t now_ns) {
@@ -28,33 +53,95 @@ void MountWatch::Advance(uint64_t now_ns) {
   if (now_ns < begun_ns_ + kWindow_ns) return;
   Judge(begun_ns_);
   begun_ns_ = now_ns;
-  returns_ = 0;
-  HP_LOOP_BOUND(5)
-  for (float& product : product_) product = 0.0f;
+  HP_LOOP_BOUND(kSectors)
+  for (int sector = 0; sector < kSectors; ++sector) {
+    count_[sector] = 0;
+    HP_LOOP_BOUND(kBins)
+    for (uint16_t& returns : returns_[sector]) returns = 0;
+  }
 }
 
-// Least squares of step = slope . place: the plane goes through where the vehicle stands, so that a
-// side that lies as it did does not hide the other one. Returns of a line of places tell nothing.
+// As if the returns of a bin were spread evenly in it.
+float MountWatch::MedianOf(int sector) const {
+  const int32_t rank = count_[sector] / 2;
+  int32_t before = 0;
+  int bin = 0;
+  HP_LOOP_BOUND(kBins)
+  while (bin + 1 < kBins && before + returns_[sector][bin] <= rank) {
+    before += returns_[sector][bin];
+    ++bin;
+  }
+  const float inside = (static_cast<float>(rank - before) + 0.5f) /
+                       Max(static_cast<float>(returns_[sector][bin]), 1.0f);
+  return kBin_rad * (static_cast<float>(bin - kBins / 2) + inside);
+}
+
+// Of the sectors that say something, that with a quarter of the others below: where a turn leaves
+// the ground as it was.
+float MountWatch::Level(const float* median_rad) const {
+  float least_rad[kSectors / 4 + 1];  // sorted
+  int sectors = 0;
+  HP_LOOP_BOUND(kSectors / 4 + 1)
+  for (float& least : least_rad) least = kMost_rad;
+  HP_LOOP_BOUND(kSectors)
+  for (int sector = 0; sector < kSectors; ++sector) {
+    if (!IsKnown(sector)) continue;
+    ++sectors;
+    float inserted_rad = median_rad[sector];
+    HP_LOOP_BOUND(kSectors / 4 + 1)
+    for (float& least : least_rad) {
+      const float higher_rad = Max(least, inserted_rad);
+      least = Min(least, inserted_rad);
+      inserted_rad = higher_rad;
+    }
+  }
+  return least_rad[sectors / 4];
+}
+
+// The second least of what the sectors say; kNotKnown_rad: too few do.
+float MountWatch::TiltToward(int sector, const float* median_rad, float level_rad) const {
+  float least_rad = kMost_rad;
+  float second_rad = kMost_rad;
+  int sectors = 0;
+  HP_LOOP_BOUND(2 * kReach + 1)
+  for (int off = -kReach; off <= kReach; ++off) {
+    const int near = (sector + off) & (kSectors - 1);
+    if (!IsKnown(near)) continue;
+    ++sectors;
+    const float tilt_rad = (median_rad[near] - level_rad) / kCosines[off < 0 ? -off : off];
+    second_rad = Min(second_rad, Max(least_rad, tilt_rad));
+    least_rad = Min(least_rad, tilt_rad);
+  }
+  return sectors < kLeastSectors ? kNotKnown_rad : Max(second_rad, 0.0f);
+}
+
+// Open ground returns many beams; what few returns pass for ground in growth says nothing.
+int32_t MountWatch::LeastReturns() const {
+  int32_t most = 0;
+  HP_LOOP_BOUND(kSectors)
+  for (const int32_t count : count_) most = count > most ? count : most;
+  const int32_t share = most / kLeastShare;
+  return share > kLeastReturns ? share : kLeastReturns;
+}
+
 void MountWatch::Judge(uint64_t begun_ns) {
-  if (returns_ < kLeastReturns) return;
-  const float share = 1.0f / static_cast<float>(returns_);
-  const float xx = share * product_[0];
-  const float xy = share * product_[1];
-  const float yy = share * product_[2];
-  const float xs = share * product_[3];
-  const float ys = share * product_[4];
-  constexpr float kLeastSpread_m4 = 4.0f;
-  const float determinant = xx * yy - xy * xy;
-  if (!(determinant > kLeastSpread_m4)) return;
-  const Vec2 slope = {(xs * yy - ys * xy) / determinant, (ys * xx - xs * xy) / determinant};
-  tilt_rad_ = Sqrt(slope.x_m * slope.x_m + slope.y_m * slope.y_m);
-  const bool same_way = slope.x_m * slope_.x_m + slope.y_m * slope_.y_m > 0.0f;
-  slope_ = slope;
+  least_returns_ = LeastReturns();
+  float median_rad[kSectors];
+  HP_LOOP_BOUND(kSectors)
+  for (int sector = 0; sector < kSectors; ++sector) median_rad[sector] = MedianOf(sector);
+  const float level_rad = Level(median_rad);
+  float most_rad = kNotKnown_rad;
+  HP_LOOP_BOUND(kSectors)
+  for (int sector = 0; sector < kSectors; ++sector) {
+    most_rad = Max(most_rad, TiltToward(sector, median_rad, level_rad));
+  }
+  if (most_rad < 0.0f) return;
+  tilt_rad_ = most_rad;
   if (!(tilt_rad_ > kLimit_rad)) {
     windows_ = 0;
     return;
   }
-  windows_ = same_way ? windows_ + 1 : 1;
+  ++windows_;
   if (windows_ == 1) since_ns_ = begun_ns;
   if (windows_ >= kWindows && turned_since_ns_ == 0) turned_since_ns_ = since_ns_;
 }

@@ -76,6 +76,79 @@ TEST(MountWatch, ABumpIsNoTurn) {
   EXPECT_FALSE(ground.watch.has_turned());
 }
 
+// SR-SEE02: what grows around the vehicle lifts some directions, by any angle.
+TEST(MountWatch, BushesAreNoTurn) {
+  struct Hedge {
+    const char* name;
+    bool (*covers)(float x_m, float y_m);
+  };
+  constexpr Hedge kHedges[] = {
+      {"on one side", [](float x_m, float y_m) { return y_m > std::fabs(x_m); }},
+      {"on both sides", [](float x_m, float y_m) { return std::fabs(y_m) > std::fabs(x_m); }},
+      {"ahead", [](float x_m, float y_m) { return x_m > std::fabs(y_m); }},
+      {"a corner", [](float x_m, float y_m) { return x_m > 0.0f && y_m > 0.0f; }},
+  };
+  for (const Hedge& hedge : kHedges) {
+    Ground ground;
+    std::minstd_rand random{5};
+    ground.Ticks(
+        300,
+        [&](float x_m, float y_m) {
+          const float share = static_cast<float>(random() % 1000u) * 0.001f;
+          return hedge.covers(x_m, y_m) ? share : 0.0f;
+        },
+        80);
+    EXPECT_FALSE(ground.watch.has_turned()) << hedge.name;
+  }
+}
+
+// SR-SEE02: where growth lets few returns through, they tell nothing, whatever they lie on:
+// recorded on a trail between bushes.
+TEST(MountWatch, FewReturnsInGrowthSayNothing) {
+  Ground ground;
+  for (int tick = 0; tick < 300; ++tick) {
+    ground.now_ns += kTick_ns;
+    for (int i = 0; i < 24; ++i) {
+      const float side = i % 2 == 0 ? 1.0f : -1.0f;
+      const float way_m = 5.5f + 0.2f * static_cast<float>(i);
+      ground.watch.Add({side * way_m, 0.3f * static_cast<float>(i % 5 - 2)}, 0.01f);
+    }
+    const double angle = 0.4 + 0.3 * (tick % 10);
+    const auto x_m = static_cast<float>(6.0 * std::cos(angle));
+    const auto y_m = static_cast<float>(6.0 * std::sin(angle));
+    ground.watch.Add({x_m, y_m}, 0.8f);
+    ground.watch.Add({-x_m, -y_m}, 0.01f);
+    ground.watch.Advance(ground.now_ns);
+  }
+  EXPECT_FALSE(ground.watch.has_turned());
+}
+
+// A turn is told although a third of the returns come from bushes.
+TEST(MountWatch, ATurnAmongBushesIsTold) {
+  Ground ground;
+  std::minstd_rand random{5};
+  const auto bush = [&](float step_m) {
+    return random() % 3u == 0 ? step_m + static_cast<float>(random() % 800u) * 0.001f : step_m;
+  };
+  ground.Ticks(300, [&](float, float) { return bush(0.0f); });
+  EXPECT_FALSE(ground.watch.has_turned());
+  ground.Ticks(50, [&](float x_m, float) { return bush(std::max(0.0f, 0.13f * x_m)); });
+  EXPECT_TRUE(ground.watch.has_turned());
+}
+
+// SR-SEE05: in any direction, between two sectors too.
+TEST(MountWatch, ATurnAboutAnyLevelAxisIsTold) {
+  for (int degrees = 0; degrees < 360; degrees += 9) {
+    const float cos = std::cos(static_cast<float>(degrees) * 0.0174533f);
+    const float sin = std::sin(static_cast<float>(degrees) * 0.0174533f);
+    Ground ground;
+    ground.Ticks(100, [](float, float) { return 0.0f; });
+    ground.Ticks(
+        50, [&](float x_m, float y_m) { return std::max(0.0f, 0.087f * (cos * x_m + sin * y_m)); });
+    EXPECT_TRUE(ground.watch.has_turned()) << degrees;
+  }
+}
+
 TEST(MountWatch, TooFewOrUnusableReturnsSayNothing) {
   Ground ground;
   ground.Ticks(
