@@ -23,14 +23,14 @@ const char* Fault(std::string_view line) {
     if (letter == '#') return nullptr;
     if (letter != '"' && letter != '\'') {
       if (static_cast<unsigned char>(letter) >= 0x80) {
-        return "a letter that is not ASCII outside of quotes";
+        return "a non-ASCII letter outside quotes";
       }
       ++at;
       continue;
     }
     const std::string_view rest = line.substr(at);
     if (rest.starts_with("\"\"\"") || rest.starts_with("'''")) {
-      return "a text of several lines; none is needed here";
+      return "a multi-line text, which is not supported";
     }
     at = BehindText(line, at + 1, letter);
   }
