@@ -70,7 +70,7 @@ OpenOutcome ControlSocket::Open(const ControlSocketOptions& options) {
 OpenOutcome ControlSocket::Lock(const std::string& path) {
   const std::string name = path + ".lock";
   lock_.Reset(open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!lock_.valid()) return SystemFailure(path, "its lock cannot be made");
+  if (!lock_.valid()) return SystemFailure(path, "its lock cannot be created");
   if (flock(lock_.get(), LOCK_EX | LOCK_NB) == 0) return {};
   if (errno != EWOULDBLOCK) return SystemFailure(path, "its lock cannot be taken");
   lock_.Reset();
@@ -106,7 +106,7 @@ OpenOutcome ControlSocket::Bind(const std::string& path, const std::string& grou
   const sockaddr_un address = AddressOf(path);
   if (!socket_.valid() ||
       bind(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
-    return SystemFailure(path, "cannot be made");
+    return SystemFailure(path, "cannot be created");
   }
   struct stat made {};
   if (lstat(path.c_str(), &made) != 0) return SystemFailure(path, "cannot be looked at");

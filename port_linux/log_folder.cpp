@@ -81,7 +81,7 @@ LogFolder::~LogFolder() {
 ReadOutcome LogFolder::Open(const std::string& path, int64_t start_s) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
-  if (error) return {Status::kInvalidArgument, path + ": cannot be made: " + error.message()};
+  if (error) return {Status::kInvalidArgument, path + ": cannot be created: " + error.message()};
   const std::vector<FoundFile> found = FindFiles(path, error);
   if (error) return {Status::kInvalidArgument, path + ": cannot be read: " + error.message()};
   folder_ = open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);

@@ -72,7 +72,7 @@ void StageChain::FillHeights(const BenchScene& scene) {
 void StageChain::CheckCells(const BenchScene& scene) const {
   for (size_t i = 0; i < scene.flags.size(); ++i) {
     if ((map().flags[i] & kCellFlags) == scene.flags[i]) continue;
-    throw CommandFailure(kWorkFailed, "the heights do not give the cells of " + scene.name);
+    throw CommandFailure(kWorkFailed, "the heights do not reproduce the cells of " + scene.name);
   }
 }
 

@@ -33,7 +33,7 @@ RevolutionBench::RevolutionBench() : recording_(scene::Record(scene::DemoWorld()
                        metadata_.columns_per_frame, metadata_.lidar_origin_to_beam_origin_m,
                        metadata_.sensor_from_lidar, model_),
          status_);
-  if (!IsUsable(status_)) throw CommandFailure(kWorkFailed, "the made-up metadata are refused");
+  if (!IsUsable(status_)) throw CommandFailure(kWorkFailed, "the synthetic metadata is refused");
   std::erase_if(recording_.datagrams,
                 [](const auto& datagram) { return datagram.port != kLidarPort; });
   // The recording holds a bit of the revolutions before and after.

@@ -40,7 +40,7 @@ PlanRequest RequestFrom(const PlanOptions& options) {
     const auto start = ParseNumbers("--start", options.start, 3, 3, "X,Y,THETA (m, m, rad)");
     request.start.pose = {start[0], start[1], WrapAngle(start[2])};
   } else if (!options.map.yaml.empty()) {
-    throw CommandFailure(kBadInput, "--start: is needed with --map (X,Y,THETA in m, m, rad)");
+    throw CommandFailure(kBadInput, "--start: required with --map (X,Y,THETA in m, m, rad)");
   }
   const auto goal = ParseNumbers("--goal", options.goal, 2, 3, "X,Y[,THETA] (m, m, rad)");
   request.goal_odom = {goal[0], goal[1]};
@@ -53,12 +53,13 @@ void CheckInputs(const PlanOptions& options) {
   const bool lidar = !options.lidar.capture.empty();
   const int inputs =
       (lidar ? 1 : 0) + (options.points.path.empty() ? 0 : 1) + (options.map.yaml.empty() ? 0 : 1);
-  if (inputs != 1) throw CommandFailure(kBadInput, "give one of --lidar, --points and --map");
+  if (inputs != 1)
+    throw CommandFailure(kBadInput, "give exactly one of --lidar, --points and --map");
   if (lidar && options.lidar.metadata.empty()) {
-    throw CommandFailure(kBadInput, "--metadata: is needed with --lidar (the sensor's JSON)");
+    throw CommandFailure(kBadInput, "--metadata: required with --lidar (the sensor's JSON)");
   }
   if (!lidar && (!options.lidar.metadata.empty() || !options.lidar.labels.empty())) {
-    throw CommandFailure(kBadInput, "--metadata and --labels go with --lidar");
+    throw CommandFailure(kBadInput, "--metadata and --labels need --lidar");
   }
 }
 
@@ -245,7 +246,7 @@ void AddPlanCommand(CLI::App& app) {
       ->check(CLI::IsMember({"soft", "hard", "free"}));
   plan->add_option("--start", options->start, "Start pose X,Y,THETA [m, m, rad]");
   plan->add_option("--goal", options->goal, "Goal X,Y or X,Y,THETA [m, m, rad]")->required();
-  plan->add_option("--param", options->parameters, "GROUP.NAME=VALUE, may be repeated")->take_all();
+  plan->add_option("--param", options->parameters, "GROUP.NAME=VALUE; may be repeated")->take_all();
   plan->add_option("--out", options->out, "Folder to write to; created if missing")->required();
   plan->add_flag("--json", options->json, "Print plan.json on stdout instead of a line");
   plan->footer("Exit codes: 0 planned; 1 no plan (no path, collision); 2 bad usage or input.");

@@ -46,7 +46,7 @@ void RunReplay(const ReplayOptions& options) {
   if (options.json) std::cout << object.dump() << "\n";
   if (report.difference.found) {
     throw CommandFailure(kWorkFailed, "tick " + std::to_string(report.difference.index) +
-                                          " is decided otherwise: " + report.difference.what);
+                                          " decides differently: " + report.difference.what);
   }
   if (!report.not_comparable.empty()) throw CommandFailure(kWorkFailed, report.not_comparable);
   if (!options.json) std::cout << "ok: " << Summary(report) << "\n";

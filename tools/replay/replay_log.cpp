@@ -226,7 +226,7 @@ class LogReplay {
                              version.state_layout == vehicle_.get()->state_layout();
     if (!same_layout) {
       return {Status::kUnsupported,
-              opening.path + ": its image of the state is of another layout (hardpack " +
+              opening.path + ": its state image has another layout (hardpack " +
                   std::string(TextOf(version.version)) + ", build " +
                   std::string(TextOf(version.build)) + "): replay it from the run's first file"};
     }

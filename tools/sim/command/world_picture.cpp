@@ -283,7 +283,7 @@ struct Reader {
                                 {metadata.beam_azimuth_deg, kBeams}, metadata.columns_per_frame,
                                 metadata.lidar_origin_to_beam_origin_m, metadata.sensor_from_lidar,
                                 *model))) {
-      throw CommandFailure(kWorkFailed, "the simulated lidar's metadata are none");
+      throw CommandFailure(kWorkFailed, "the simulated lidar's metadata is invalid");
     }
   }
 };

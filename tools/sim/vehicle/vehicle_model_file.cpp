@@ -126,7 +126,7 @@ void Intake<Params>::TakeParameter(const Parameter& parameter, const toml::node&
     }
     Add(key.source().begin.line, Status::kInvalidArgument,
         std::string(parameter.name) + "." + Shown(key.str()) +
-            ": unknown key; there are value and deviation");
+            ": unknown key; the keys are value and deviation");
   }
   if (!both->contains("value")) {
     Add(node.source().begin.line, Status::kInvalidArgument,
@@ -139,7 +139,7 @@ void Intake<Params>::TakeFile(const toml::table& file) {
   for (const auto& [key, node] : file) {
     if (key.str() == kTable<Params> && node.is_table()) continue;
     Add(key.source().begin.line, Status::kInvalidArgument,
-        Shown(key.str()) + ": there is only the table [" + std::string(kTable<Params>) + "]");
+        Shown(key.str()) + ": the only table is [" + std::string(kTable<Params>) + "]");
   }
   const toml::node* node = file.get(kTable<Params>);
   const toml::table* table = node != nullptr ? node->as_table() : nullptr;
@@ -161,7 +161,7 @@ void Intake<Params>::TakeFile(const toml::table& file) {
   }
   for (const Parameter& parameter : ParametersOf<Params>()) {
     if (found.contains(parameter.name)) continue;
-    Add(0, Status::kInvalidArgument, std::string(parameter.name) + ": has to be set");
+    Add(0, Status::kInvalidArgument, std::string(parameter.name) + ": must be set");
   }
 }
 

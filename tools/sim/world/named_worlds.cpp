@@ -321,7 +321,7 @@ ReadOutcome MakeScenario(std::string_view name, uint64_t seed, Scenario& scenari
   }
   for (const std::string& blind : BlindNames()) names += ", " + blind;
   return {Status::kInvalidArgument,
-          "there is no world '" + std::string(name) + "'; there are " + names};
+          "there is no world '" + std::string(name) + "'; worlds: " + names};
 }
 
 }  // namespace hardpack::world

@@ -60,7 +60,7 @@ TEST(VehicleFile, RefusesAnUnknownKeyAndNamesTheNearest) {
       Refused(With("skid_baseline_m", "skid_base_line_m = 1.9"), Status::kInvalidArgument);
   EXPECT_NE(message.find("skid_base_line_m: unknown key, did you mean skid_baseline_m?"),
             std::string::npos);
-  EXPECT_NE(message.find("v.toml: skid_baseline_m: has to be set"), std::string::npos);
+  EXPECT_NE(message.find("v.toml: skid_baseline_m: must be set"), std::string::npos);
 }
 
 TEST(VehicleFile, RefusesWhatIsOutOfItsRange) {
