@@ -54,8 +54,8 @@ bool FindGroup(const std::string& name, gid_t& id) {
 OpenOutcome ControlSocket::Open(const ControlSocketOptions& options) {
   if (options.path.empty() || options.path.size() >= sizeof(sockaddr_un::sun_path)) {
     return Failure(Status::kInvalidArgument, options.path,
-                   "a path of 1 to " + std::to_string(sizeof(sockaddr_un::sun_path) - 1) +
-                       " characters is needed");
+                   "the path must have 1 to " + std::to_string(sizeof(sockaddr_un::sun_path) - 1) +
+                       " characters");
   }
   owner_ = geteuid();
   OpenOutcome outcome = Lock(options.path);
@@ -65,8 +65,8 @@ OpenOutcome ControlSocket::Open(const ControlSocketOptions& options) {
   return outcome;
 }
 
-// The lock tells a living instance from a file that one has left behind, without a race: the kernel
-// lets go of it with the process. The file stays: removing it would let two hold "the" lock.
+// The lock distinguishes a running instance from a leftover file without a race: the kernel
+// releases it when the process ends. The file stays: if it were removed, two could hold "the" lock.
 OpenOutcome ControlSocket::Lock(const std::string& path) {
   const std::string name = path + ".lock";
   lock_.Reset(open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
@@ -80,18 +80,19 @@ OpenOutcome ControlSocket::Lock(const std::string& path) {
 OpenOutcome ControlSocket::RemoveStale(const std::string& path) {
   struct stat found {};
   if (lstat(path.c_str(), &found) != 0) {
-    return errno == ENOENT ? OpenOutcome{} : SystemFailure(path, "cannot be looked at");
+    return errno == ENOENT ? OpenOutcome{} : SystemFailure(path, "cannot be examined");
   }
   if (!S_ISSOCK(found.st_mode)) {
-    return Failure(Status::kInvalidArgument, path, "something else than a socket is there");
+    return Failure(Status::kInvalidArgument, path, "exists and is not a socket");
   }
   const FileDescriptor probe(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const sockaddr_un address = AddressOf(path);
-  // Any other answer than that nobody listens is somebody's: of another type of socket, too busy.
+  // Any answer except "connection refused" means that somebody listens: on another type of socket,
+  // or too busy.
   if (!probe.valid() ||
       connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0 ||
       errno != ECONNREFUSED) {
-    return Failure(Status::kSystemError, path, "another program listens there");
+    return Failure(Status::kSystemError, path, "in use by another program");
   }
   return unlink(path.c_str()) == 0 ? OpenOutcome{} : SystemFailure(path, "cannot be replaced");
 }
@@ -109,7 +110,7 @@ OpenOutcome ControlSocket::Bind(const std::string& path, const std::string& grou
     return SystemFailure(path, "cannot be created");
   }
   struct stat made {};
-  if (lstat(path.c_str(), &made) != 0) return SystemFailure(path, "cannot be looked at");
+  if (lstat(path.c_str(), &made) != 0) return SystemFailure(path, "cannot be examined");
   path_ = path;
   device_ = made.st_dev;
   inode_ = made.st_ino;
@@ -117,7 +118,7 @@ OpenOutcome ControlSocket::Bind(const std::string& path, const std::string& grou
     return SystemFailure(path, ("cannot be given to group '" + group + "'").c_str());
   }
   if (chmod(path.c_str(), has_group_ ? 0660 : 0600) != 0 || listen(socket_.get(), kBacklog) != 0) {
-    return SystemFailure(path, "cannot be opened for others");
+    return SystemFailure(path, "cannot be opened to others");
   }
   return {Status::kOk, "control socket " + path + (has_group_ ? ", group " + group : ""), {}};
 }

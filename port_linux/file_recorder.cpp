@@ -71,7 +71,7 @@ ReadOutcome FileRecorder::Start(const FileRecorderConfig& config) {
   const auto refuse = [&config](const char* reason) -> ReadOutcome {
     return {Status::kInvalidArgument, config.directory + ": " + reason};
   };
-  if (ring_ != nullptr) return refuse("recording was started before");
+  if (ring_ != nullptr) return refuse("recording has already been started");
   if (config.ring_bytes < kMinRing_bytes) return refuse("the log's buffer is too small");
   if (config.file_bytes < config.ring_bytes / 8) return refuse("files smaller than buffer / 8");
   if (config.total_bytes / 2 < config.file_bytes) return refuse("no room for two files");

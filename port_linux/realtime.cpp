@@ -50,7 +50,7 @@ bool Pin(int cpu, RealtimeOutcome& outcome) {
     if (sched_setaffinity(0, sizeof(set), &set) == 0) return true;
   }
   outcome.refused.push_back(
-      Refusal("processor " + std::to_string(cpu), "is there such a one, and may it be used?"));
+      Refusal("processor " + std::to_string(cpu), "does it exist, and may it be used?"));
   return false;
 }
 

@@ -53,7 +53,7 @@ int64_t TimeOf(clockid_t clock) {
 }
 
 std::string Describe(const std::string& interface, const LinkInfo& info) {
-  if (info.bit_rate_bps == 0) return interface + ": no bit rate told (a virtual bus?)";
+  if (info.bit_rate_bps == 0) return interface + ": no bit rate reported (a virtual bus?)";
   return interface + ": " + std::to_string(info.bit_rate_bps) + " bit/s, sample point " +
          std::to_string(info.sample_point_permille) + " per mille, restart-ms " +
          std::to_string(info.restart_ms);
@@ -76,7 +76,7 @@ OpenOutcome SocketCanBus::OpenSocket(const std::string& interface,
   if (!opened.valid()) {
     const int code = errno;
     if (code == EPERM || code == EACCES) {
-      return Failure(Status::kNotPermitted, interface, "a CAN socket is not permitted");
+      return Failure(Status::kNotPermitted, interface, "no permission to open a CAN socket");
     }
     return Failure(Status::kUnsupported, interface,
                    std::string("no CAN socket (") + std::strerror(code) + "; modprobe can_raw)");

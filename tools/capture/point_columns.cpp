@@ -189,7 +189,7 @@ ReadOutcome MakeColumns(const std::vector<CloudPoint>& points, PointColumns& col
   const std::vector<float> azimuth_deg(altitude_deg.size(), 0.0f);
   const Status status =
       MakeBeamModel(altitude_deg, azimuth_deg, count, 0.0f, Transform3{}, columns.model);
-  if (!IsUsable(status)) return {status, "the points' elevations are those of no lidar"};
+  if (!IsUsable(status)) return {status, "the points' elevations match no lidar"};
   columns.rows = rows->from;
   columns.columns.resize(static_cast<size_t>(count));
   for (size_t i = 0; i < directions.size(); ++i) {

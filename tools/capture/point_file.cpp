@@ -195,7 +195,8 @@ std::string TakeEntry(const std::vector<std::string_view>& words, PcdHeader& hea
     return {};
   }
   if (key == "SIZE" || key == "COUNT" || key == "TYPE") {
-    if (values != header.fields.size()) return std::string(key) + ": not one for each of FIELDS";
+    if (values != header.fields.size())
+      return std::string(key) + ": needs one value for each of FIELDS";
     for (size_t i = 0; i < values; ++i) {
       const std::string_view word = words[i + 1];
       if (key == "TYPE") {
@@ -218,8 +219,9 @@ std::string TakeEntry(const std::vector<std::string_view>& words, PcdHeader& hea
     (key == "POINTS" ? header.points : key == "WIDTH" ? header.width : header.height) = *number;
     return {};
   }
-  return key == "VERSION" || key == "VIEWPOINT" ? std::string{}
-                                                : std::string(key) + ": no entry of a PCD header";
+  return key == "VERSION" || key == "VIEWPOINT"
+             ? std::string{}
+             : std::string(key) + ": not an entry of a PCD header";
 }
 
 ReadOutcome ReadHeader(const std::string& path, std::string_view& text, PcdHeader& header) {
@@ -237,7 +239,7 @@ ReadOutcome ReadHeader(const std::string& path, std::string_view& text, PcdHeade
       header.width <= kMaxCloudPoints && header.height <= kMaxCloudPoints) {
     header.points = header.width * header.height;
   }
-  if (header.points < 0) return Failure(path, "POINTS: is needed");
+  if (header.points < 0) return Failure(path, "POINTS: missing");
   if (header.points > kMaxCloudPoints) {
     return Failure(path, "POINTS: more than 16 million", Status::kCapacityExceeded);
   }

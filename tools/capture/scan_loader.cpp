@@ -149,7 +149,7 @@ ReadOutcome Prepare(const LidarScanRequest& request, Mapper& mapper, ouster::Met
   perception.mapping.use_labels = request.labels_path.empty() ? 0 : 1;
   status = mapper.Configure(perception, request.costmap, request.labels, ready.model,
                             metadata.column_window_first, metadata.column_window_last);
-  if (status == Status::kParameterOutOfRange) return {status, "parameters: out of their range"};
+  if (status == Status::kParameterOutOfRange) return {status, "parameters: out of range"};
   if (!IsUsable(status)) return Failure(file, "a revolution does not fit the scan ring", status);
   if (request.labels_path.empty()) return {};
   return ReadLabels(request.labels_path, metadata.beams, metadata.columns_per_frame, ready.labels);

@@ -74,13 +74,13 @@ CommandFailure FailureOf(Status status, const PlanRequest& request) {
     case Status::kStartOutsideMap:
       return {kBadInput, name + "--start lies off the map"};
     case Status::kParameterOutOfRange:
-      return {kBadInput, name + "--param: the values do not fit together"};
+      return {kBadInput, name + "--param: the values are inconsistent"};
     case Status::kNoPath:
-      return {kWorkFailed, name + "every way to the goal is closed"};
+      return {kWorkFailed, name + "every way to the goal is blocked"};
     case Status::kStartEnclosed:
       return {kWorkFailed, name + "the start lies in a hard obstacle and nothing leads out"};
     case Status::kPivotBlocked:
-      return {kWorkFailed, name + "a turn on the spot is needed and has no room"};
+      return {kWorkFailed, name + "there is no room for the required turn on the spot"};
     case Status::kNeedsManoeuvre:
       return {kWorkFailed, name +
                                "the way bends more sharply than the vehicle can be steered, or "
@@ -96,19 +96,19 @@ CommandFailure FailureOf(Status status, const PlanRequest& request) {
 std::string Remark(Status status) {
   switch (status) {
     case Status::kGoalOutsideMap:
-      return "the goal is off the map, the nearest cell was used";
+      return "the goal is off the map: the nearest cell was used";
     case Status::kGoalMoved:
-      return "the goal lies in a hard obstacle, the nearest free cell was used";
+      return "the goal lies in a hard obstacle: the nearest free cell was used";
     case Status::kStartInObstacle:
-      return "the start lies in a hard obstacle, which is left slowly";
+      return "the start lies in a hard obstacle: the vehicle leaves it slowly";
     case Status::kPartialPath:
-      return "the expansion limit was hit, the path ends on the way";
+      return "the expansion limit was reached: the path ends before the goal";
     case Status::kPathCut:
-      return "the path is longer than its capacity and was cut";
+      return "the path exceeds its capacity and was cut";
     case Status::kIterationLimit:
       return "the optimizer reached its sweep limit";
     case Status::kNarrowGap:
-      return "little room beside the outline, driven at low speed there";
+      return "little room beside the outline: low speed there";
     case Status::kLimitExceeded:
       return "a curvature limit is exceeded";
     default:

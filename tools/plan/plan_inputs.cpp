@@ -140,7 +140,7 @@ PlannedInput PlanOnPoints(const PointsFile& file, const Parameters& parameters,
   const int last = columns.model.columns_per_revolution - 1;
   Require(file.path, {mapper.Configure(parameters.perception, parameters.planner.costmap,
                                        parameters.labels, columns.model, 0, last),
-                      "parameters: out of their range"});
+                      "parameters: out of range"});
   Require(file.path, {capture::MapRevolution(columns.columns, PoseOf(request), nullptr, mapper),
                       "cannot be placed"});
   input.report = PointsReport(file, cloud, columns, capture::ReturnsIn(mapper));

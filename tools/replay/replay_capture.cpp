@@ -161,7 +161,7 @@ ReadOutcome ReplayCapture(const Request& request, ChosenVehicle& vehicle,
     if (!taken.ok()) return taken;
   }
   replay.Finish();
-  if (report.ticks == 0) report.not_comparable = "there is nothing for a tick in it";
+  if (report.ticks == 0) report.not_comparable = "it contains no input for a tick";
   return {};
 }
 

@@ -66,7 +66,7 @@ ReadOutcome DescribeBody(const MissionSettings& settings, sim::VehicleSettings& 
     if (told.kinematics == VehicleParams::kSkidSteered && drive.turn == TwistDriveParams::kYawRate)
       return {};
     return Bad("vehicle " + settings.vehicle_name +
-               " is skid-steered: vehicle.kinematics and twist_drive.turn have to be 0");
+               " is skid-steered: vehicle.kinematics and twist_drive.turn must be 0");
   }
   vehicle.steered = OneOf(std::get<sim::UncertainSteered>(settings.vehicle), settings);
   if (has_controller && told.kinematics == VehicleParams::kAckermann &&
@@ -290,7 +290,7 @@ ReadOutcome ReplaysTheSame(const std::string& log, uint64_t decision_hash,
   } else if (!report.not_comparable.empty()) {
     difference = report.not_comparable;
   } else if (report.decision_hash != decision_hash) {
-    difference = "another decision hash";
+    difference = "different decision hash";
   }
   return {};
 }

@@ -390,7 +390,7 @@ ReadOutcome ParseScriptLine(std::string_view line, std::vector<ScriptEvent>& scr
   const Command& known = command->second;
   const bool fits = words.size() >= known.least_words && words.size() <= known.most_words;
   MaybeAction act = fits ? known.parse(words) : std::nullopt;
-  if (!act) return Refuse(text + ": these are not its arguments");
+  if (!act) return Refuse(text + ": wrong arguments");
   script.push_back({*at_s, text, std::move(*act)});
   return {};
 }

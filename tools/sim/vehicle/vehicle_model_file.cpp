@@ -91,13 +91,13 @@ void Intake<Params>::TakeNumber(const Parameter& parameter, const toml::node& no
   const std::string name = std::string(parameter.name) + (is_deviation ? ".deviation" : "");
   const size_t line = node.source().begin.line;
   if (!node.is_number()) {
-    Add(line, Status::kInvalidArgument, name + ": is no number");
+    Add(line, Status::kInvalidArgument, name + ": is not a number");
     return;
   }
   const double value = node.is_integer() ? static_cast<double>(node.as_integer()->get())
                                          : node.as_floating_point()->get();
   if (!std::isfinite(value)) {
-    Add(line, Status::kNotFinite, name + ": is no finite number");
+    Add(line, Status::kNotFinite, name + ": is not a finite number");
     return;
   }
   const double low = is_deviation ? 0.0 : parameter.low;

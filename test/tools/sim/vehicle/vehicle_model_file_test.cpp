@@ -95,7 +95,7 @@ TEST(VehicleFile, TellsAllProblemsAtOnce) {
   std::string text = With("turn_slip", "turn_slip = nan");
   text.replace(text.find("wheel_radius_m = "), 17, "wheel_radius_m = -");
   const std::string message = Refused(text, Status::kNotFinite);
-  EXPECT_NE(message.find("turn_slip: is no finite number"), std::string::npos);
+  EXPECT_NE(message.find("turn_slip: is not a finite number"), std::string::npos);
   EXPECT_NE(message.find("wheel_radius_m: -0.3 is not"), std::string::npos);
 }
 
