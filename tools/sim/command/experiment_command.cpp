@@ -213,7 +213,8 @@ void RequireResults(const ExperimentOptions& options, const std::vector<RunResul
 }
 
 void RunExperiment(const ExperimentOptions& options) {
-  if (options.name.empty()) throw CommandFailure(kBadInput, "NAME is required (see --help)");
+  if (options.name.empty())
+    throw CommandFailure(kBadInput, "NAME is required: a world (see --help)");
   if (options.out.empty()) throw CommandFailure(kBadInput, "--out is required");
   if (options.runs < 1 || options.runs > 1000000) {
     throw CommandFailure(kBadInput, "--runs: 1 to 1000000");
