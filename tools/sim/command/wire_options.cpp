@@ -70,7 +70,7 @@ void RunOverWire(const WireOptions& options, const mission::MissionSettings& mis
   CatchInterrupt();
   settings.interrupted = [] { return interrupted != 0; };
   const ReadOutcome outcome = mission::RunWireMission(settings, result, &trace, report);
-  // Refused by somebody else than the one who typed the command.
+  // Ended by a signal or refused by hardpackd, not an error of the command line.
   if (outcome.status == Status::kAborted) throw CommandFailure(kWorkFailed, outcome.message);
   Require(outcome);
 }

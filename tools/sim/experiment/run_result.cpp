@@ -175,7 +175,7 @@ bool IsSameRow(const RunResult& one, const RunResult& other) {
 
 namespace {
 
-// Adds it unless it is there.
+// Adds it unless it is already present.
 ReadOutcome AddRun(RunResult&& result, std::vector<RunResult>& results) {
   const std::string seed = "seed " + std::to_string(result.seed);
   for (const RunResult& other : results) {
