@@ -10,7 +10,7 @@
 namespace hardpack {
 namespace {
 
-// Makes the vehicle that is called so and gives it to `use`. False: there is none.
+// Creates the vehicle of that type and passes it to `use`. False: there is none.
 template <typename... Vehicle, typename Storage, typename Use>
 bool Make(VehicleList<Vehicle...>, std::string_view type, Storage& storage, const Use& use) {
   storage.template emplace<std::monostate>();

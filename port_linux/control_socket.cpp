@@ -17,7 +17,8 @@
 namespace hardpack {
 namespace {
 
-// Answers that a client has not taken yet, in the kernel's measure: some ten of the largest.
+// Limit of the answers that a client has not read yet, as the kernel counts: about ten of the
+// largest.
 constexpr int kSendBuffer_bytes = 64 * 1024;
 constexpr int kBacklog = ControlSocket::kMaxClients;
 constexpr size_t kMaxGroupEntryBytes = 64 * 1024;
@@ -199,9 +200,9 @@ bool ControlSocket::MayCommand(int socket, uint32_t& user) {
   return std::find(groups_.begin(), end, group_) != end;
 }
 
-// Forgotten connections must not keep an emergency stop out: where there is no free place, one who
-// may command gets that of the client that has been silent for longest. Once what that has sent is
-// taken: then it is another's turn, and meanwhile nobody else has to go.
+// Forgotten connections must not block an emergency stop: if no place is free, a client that may
+// command gets the place of the one that has been silent for longest, once the messages of that one
+// have been taken. Until then no other client is dismissed.
 int ControlSocket::PlaceFor(bool may_command) {
   int longest = 0;
   bool one_leaves = false;
@@ -216,8 +217,8 @@ int ControlSocket::PlaceFor(bool may_command) {
   return Dismiss(longest) ? longest : -1;
 }
 
-// What it has been able to send is not lost: first it cannot send any more, then it is looked
-// whether something is there. True: there was nothing, and the place is free.
+// Messages that it has already sent are not lost: first it is kept from sending more, then its
+// socket is checked for pending ones. True: there were none, and the place is free.
 bool ControlSocket::Dismiss(int place) {
   Client& client = clients_[static_cast<size_t>(place)];
   shutdown(client.socket.get(), SHUT_RD);
@@ -235,7 +236,7 @@ void ControlSocket::Drop(int place) {
   --counters_.connected;
 }
 
-// Whether it had a message that is to be given.
+// Whether it had a message to deliver.
 bool ControlSocket::TakeFrom(int place, ControlMessage& message) {
   Client& client = clients_[static_cast<size_t>(place)];
   iovec part = {buffer_.data(), buffer_.size()};
@@ -244,7 +245,7 @@ bool ControlSocket::TakeFrom(int place, ControlMessage& message) {
   packet.msg_iovlen = 1;
   const ssize_t received = recvmsg(client.socket.get(), &packet, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
   if (received < 0 && (errno == EAGAIN || errno == EINTR)) return false;
-  // The end of the connection; an empty packet cannot be told from it.
+  // The end of the connection, or an empty packet, which looks the same.
   if (received <= 0) {
     Drop(place);
     return false;
@@ -255,7 +256,7 @@ bool ControlSocket::TakeFrom(int place, ControlMessage& message) {
   Status status = ReadHeader(bytes, header);
   if ((packet.msg_flags & MSG_TRUNC) != 0) status = Status::kOversized;
   if (IsUsable(status) && IsAnswer(header.kind)) status = Status::kWrongPacketType;
-  // Somebody sends descriptors or credentials along: nothing of ours does.
+  // The message carries descriptors or credentials, which our programs never send.
   if ((packet.msg_flags & MSG_CTRUNC) != 0) status = Status::kInvalidArgument;
   if (!IsUsable(status)) {
     ++counters_.malformed;
@@ -287,7 +288,7 @@ void ControlSocket::Answer(const ControlClient& client, std::span<const uint8_t>
   const ssize_t sent =
       send(asked.socket.get(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
   if (sent == static_cast<ssize_t>(bytes.size())) return;
-  // EPIPE, ECONNRESET: it has gone without waiting, which is its right.
+  // EPIPE, ECONNRESET: it left without waiting for the answer, as it may.
   if (errno == EAGAIN || errno == ENOBUFS) {
     ++counters_.dropped_slow;
   } else if (errno != EPIPE && errno != ECONNRESET) {

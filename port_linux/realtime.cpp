@@ -19,7 +19,7 @@ std::string Refusal(const std::string& what, const char* remedy) {
   return what + ": " + std::strerror(code) + " (" + remedy + ")";
 }
 
-// Not inlined: its frame is to lie below the caller's, where later calls' frames will.
+// Not inlined: its frame must lie below the caller's, where the frames of later calls will be.
 [[gnu::noinline]] void PrefaultStack() {
   std::array<volatile char, kPrefaultedStack_bytes> stack;
   constexpr size_t kSmallestPage_bytes = 4096;

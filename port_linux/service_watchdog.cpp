@@ -15,7 +15,7 @@
 namespace hardpack {
 namespace {
 
-// A period that no watchdog has (a day): what is longer is no sensible value.
+// Longest plausible period of a watchdog: a day.
 constexpr uint64_t kMaxPeriod_us = uint64_t{24} * 3600 * 1'000'000;
 
 bool ReadNumber(const char* text, uint64_t& number) {

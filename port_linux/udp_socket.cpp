@@ -161,7 +161,7 @@ std::span<const Datagram> UdpSocket::Receive(int max) {
   const int wanted = std::clamp(max, 0, kMaxBatch);
   if (wanted == 0 || !socket_.valid()) return {};
   for (size_t i = 0; i < static_cast<size_t>(wanted); ++i) {
-    msghdr& header = messages_[i].msg_hdr;  // the kernel writes the lengths over
+    msghdr& header = messages_[i].msg_hdr;  // the kernel overwrites the lengths
     header.msg_namelen = sizeof(senders_[i]);
     header.msg_controllen = controls_[i].bytes.size();
     header.msg_flags = 0;

@@ -29,14 +29,14 @@
 namespace hardpack {
 namespace {
 
-constexpr size_t kMaxQuoted = 60;          // letters of what a file says that a message repeats
-constexpr size_t kMaxNameToCompare = 100;  // nothing as long as this is a mistyped name
+constexpr size_t kMaxQuoted = 60;          // most letters of a file quoted in a message
+constexpr size_t kMaxNameToCompare = 100;  // longer texts are not mistyped names
 
 struct Problem {
-  size_t line = 0;  // 0: of the file as a whole
+  size_t line = 0;  // 0: the file as a whole
   Status status = Status::kInvalidArgument;
   std::string text;
-  std::string unknown;  // empty, or the name for which a known one is to be suggested
+  std::string unknown;  // empty, or the name for which to suggest a known one
 };
 
 // Printable and short.
@@ -156,7 +156,7 @@ const char* InsteadOf(const std::string& full_name) {
   return nullptr;
 }
 
-// Takes a parsed file into a configuration and gathers what is wrong with it.
+// Reads a parsed file into a configuration and collects its errors.
 class Intake {
  public:
   explicit Intake(Configuration& configuration)

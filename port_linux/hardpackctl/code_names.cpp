@@ -199,7 +199,7 @@ CodeName NameOf(FieldKind kind, uint8_t code) {
     case FieldKind::kNmtState:
       return NmtStateName(code);
     case FieldKind::kStatus: {
-      // That nothing has been started is no problem: there was no goal yet.
+      // kNotStarted is not a problem: there was no goal yet.
       const auto status = static_cast<Status>(code);
       return {StatusName(status), WordsOf(status),
               !IsUsable(status) && status != Status::kNotStarted};

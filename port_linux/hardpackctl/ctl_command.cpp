@@ -55,7 +55,7 @@ struct CtlOptions {
 
 volatile std::sig_atomic_t interrupted = 0;
 
-// Ctrl-C ends the wait for an answer or for the next time, and the program then ends as it should.
+// Ctrl-C ends the wait for an answer or for the next update, and the program then ends normally.
 void CatchInterrupt() {
   struct sigaction action {};
   action.sa_handler = [](int) { interrupted = 1; };
