@@ -69,7 +69,7 @@ std::vector<SceneMaker> ChosenScenes(const BenchOptions& options, std::string& d
   return scenes;
 }
 
-// A run takes minutes: whoever looks at it sees where it is.
+// A run takes minutes, so its progress is shown.
 void ShowScene(const std::string& name) {
   if (isatty(STDERR_FILENO) == 1) std::cerr << "\r\033[Kmeasuring on " << name << std::flush;
 }

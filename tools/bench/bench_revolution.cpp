@@ -74,7 +74,8 @@ void RevolutionBench::StartMapper(bool use_labels) {
   taken_ = 0;
 }
 
-// What a column brings with it on board: its number, its time, and now and then a pose and a tick.
+// The data that accompanies a column on board: its number, its time, and sometimes a pose and a
+// tick.
 void RevolutionBench::Prepare() {
   constexpr uint64_t kColumnsATick = 102;
   const uint64_t now_ns = kStart_ns + taken_ * kColumnPeriod_ns;

@@ -22,7 +22,7 @@ bool IsOwn(const UdpDatagram& datagram) {
          flight_log::KindOf(datagram.payload) != RecordKind::kNone;
 }
 
-// Puts a part behind the ones before it. A first part begins anew.
+// Appends a part to the previous ones. A first part starts again.
 void AddPart(uint64_t offset, uint64_t whole_bytes, std::span<const uint8_t> bytes,
              Assembled& assembled) {
   if (offset == 0) assembled = Assembled{};
@@ -195,7 +195,7 @@ bool FlightReader::TakeCommand(std::span<const uint8_t> payload, LoggedTick& tic
   return true;
 }
 
-// The datagrams of a tick stand in the order of their sources, so many of each.
+// The datagrams of a tick are in the order of their sources, with a given number of each.
 bool FlightReader::TakeDatagram(const UdpDatagram& datagram, LoggedTick& tick) {
   size_t last = 0;
   for (size_t source = 0; source < kInputSources; ++source) {

@@ -63,7 +63,7 @@ void CheckInputs(const PlanOptions& options) {
   }
 }
 
-// Why there is no plan, and whether that lies in what was asked or in the world.
+// The reason why there is no plan, and whether the request or the world causes it.
 CommandFailure FailureOf(Status status, const PlanRequest& request) {
   const std::string goal = Format("--goal: %g", double{request.goal_odom.x_m}) +
                            Format(",%g", double{request.goal_odom.y_m});
@@ -92,7 +92,7 @@ CommandFailure FailureOf(Status status, const PlanRequest& request) {
   }
 }
 
-// What an outcome that can be used, but is not quite what was asked, means.
+// The meaning of a usable outcome that is not exactly as requested.
 std::string Remark(Status status) {
   switch (status) {
     case Status::kGoalOutsideMap:

@@ -15,7 +15,7 @@
 namespace hardpack::command {
 namespace {
 
-// Of what is read from a file, which the message does not name.
+// For messages that do not name the file.
 void Require(const std::string& path, const ReadOutcome& outcome) {
   command::Require(ReadOutcome{outcome.status, path + ": " + outcome.message});
 }

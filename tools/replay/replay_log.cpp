@@ -39,7 +39,7 @@ std::string TextOf(const CanFrame& frame) {
   return text;
 }
 
-// What a file says of itself before its first tick.
+// The opening records of a file, before its first tick.
 struct Opening {
   std::string path;
   bool has_version = false;
@@ -107,7 +107,7 @@ class LogReplay {
   }
 
  private:
-  // Whether a later file begins where the one before ended.
+  // Whether a later file begins where the previous one ended.
   bool Follows(const Opening& opening) {
     if (opening.version.next_tick == report_.last_index + 1) return true;
     return Stop(opening.path, "an earlier file is missing");
@@ -145,7 +145,7 @@ class LogReplay {
     }
   }
 
-  // Whether more of the file is to be read after what was no tick.
+  // Whether to continue reading the file after an item that is not a tick.
   bool GoesOn(Item item, const FlightReader& reader, const std::string& path, bool is_last) {
     switch (item) {
       case Item::kEnd:
@@ -255,7 +255,7 @@ class LogReplay {
     return {};
   }
 
-  // The image holds what the loop was configured with; the pictures want the port's part, too.
+  // The image contains the loop's configuration; the pictures also need the port's part.
   void ParseOnce(const std::string& path, const FlightReader& reader) {
     if (parsed_ || !reader.configuration().whole) return;
     parsed_ = true;

@@ -13,7 +13,7 @@ namespace {
 // No line of either format comes near this; a file of another kind may be one long line.
 constexpr size_t kMaxLine = 4096;
 
-// Lines of a text file, without their LF or CRLF, and what to say about them.
+// Lines of a text file, without their LF or CRLF, and messages about them.
 class LineReader {
  public:
   explicit LineReader(const std::string& path) : path_(path), file_(path, std::ios::binary) {}
