@@ -49,7 +49,8 @@ inline constexpr std::array kDriveTable = {
     HP_DRIVE(login_user, 0.0f, 65535.0f, "5000h: user number for writing the configuration."),
     HP_DRIVE(login_password, 0.0f, 65535.0f, "5000h: the password."),
     HP_DRIVE(bit_rate_kbps, 20.0f, 1000.0f, "Bit rate of the bus, to compute its load."),
-    HP_DRIVE(max_bus_load_percent, 1.0f, 90.0f, "Highest bus load of what we send and request."),
+    HP_DRIVE(max_bus_load_percent, 1.0f, 90.0f,
+             "Highest bus load of the frames that we send and request."),
     HP_DRIVE(opposite_speed_radps, 0.1f, 20.0f,
              "A wheel that turns against its command faster than this ..."),
     HP_DRIVE(opposite_time_s, 0.05f, 5.0f, "... for this long is a fault."),
@@ -70,7 +71,7 @@ inline constexpr std::array kTwistDriveTable = {
     HP_TWIST(feedback_timeout_ms, 20.0f, 1000.0f,
              "A measured motion older than this counts as missing; while driving, it is a fault."),
     HP_TWIST(echo_timeout_ms, 20.0f, 1000.0f,
-             "A controller that has not taken a command for longer does not hear us: a fault."),
+             "A controller that has taken no command for longer does not receive them: a fault."),
     HP_TWIST(standstill_mps, 0.001f, 0.2f, "Speeds below this count as standstill."),
     HP_TWIST(disable_delay_s, 0.0f, 10.0f, "Time at standstill before the controller is disabled."),
     HP_TWIST(
@@ -271,8 +272,8 @@ inline constexpr std::array kTickTable = {
     HP_TICK(planning_units, 64.0f, 1000000.0f,
             "Units of planning in every tick: fixed, so that a replay is reproducible."),
     HP_TICK(directions, 160.0f, 4096.0f,
-            "Most directions of the lidar that one tick classes, and most columns that it takes. "
-            "What a lidar sends in one period must fit, or nothing starts.")};
+            "Largest number of lidar directions that one tick classifies, and of columns that it "
+            "takes. A lidar whose data of one period does not fit is refused at the start.")};
 #undef HP_TICK
 
 #undef HP_ENTRY

@@ -19,8 +19,8 @@
 namespace hardpack {
 namespace {
 
-// The sequence numbers of requests: those below are used once each at start-up, restarts count on
-// in twos from kFirstRestart, down and up.
+// The sequence numbers of requests: those below are used once each at start-up; each restart uses
+// the next two from kFirstRestart, for down and up.
 constexpr uint32_t kQuery = 1;
 constexpr uint32_t kPermission = 2;
 constexpr uint32_t kFirstRestart = 4;
@@ -78,7 +78,7 @@ void CanLink::Watch(int can_socket) {
   bound_ = true;
   bound_index_ = info_.index;
   sequence_ = kFirstRestart;
-  // Signals are for the thread of the tick.
+  // Signals go to the tick's thread.
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -87,7 +87,7 @@ void CanLink::Watch(int can_socket) {
   pthread_setname_np(thread_.native_handle(), "can-link");
 }
 
-// The thread's. What a call comes to is told by the kernel's answer, or by bound_index_.
+// Runs in the thread. The result of a call is the kernel's answer, or bound_index_.
 void CanLink::Work() {
   while (true) {
     work_.wait(0);
@@ -137,11 +137,12 @@ bool CanLink::WaitForAnswer(uint32_t sequence, int& code) {
   return false;
 }
 
-// False: there is nothing more to be taken now.
+// False: nothing more to receive now.
 bool CanLink::ReceiveOnce() {
   const ssize_t got = recv(netlink_.get(), buffer_.data(), buffer_.size(), MSG_DONTWAIT);
   if (got < 0) {
-    // ENOBUFS: notifications were lost, so what is known may be wrong: ask, once there is a thread.
+    // ENOBUFS: notifications were lost, so the known state may be wrong: query it, once the thread
+    // exists.
     if (errno != ENOBUFS) return false;
     if (restart_ == Restart::kRunning) restart_ = Restart::kDone;
     if (thread_.joinable()) Ask(kQueryBit);
@@ -164,7 +165,7 @@ void CanLink::TakeMessage(const NetlinkMessage& message) {
   int code = 0;
   if (message.type == RTM_NEWLINK || message.type == RTM_DELLINK) {
     if (!ParseLink(message.payload, link)) return;
-    // An answer to a question by name tells of an index that a lost notification would have told.
+    // The answer to a query by name shows a new index whose notification was lost.
     if (message.sequence == kQuery && present_ && link.index != info_.index) Leave();
     TakeLink(message.type, link);
     if (message.sequence == kQuery && answer_ < 0) answer_ = 0;
@@ -190,7 +191,7 @@ void CanLink::TakeLink(uint16_t type, const LinkInfo& link) {
   }
 }
 
-// The interface is gone, and its index for ever.
+// The interface is gone, and its index will not return.
 void CanLink::Leave() {
   if (up()) ++downs_;
   present_ = false;

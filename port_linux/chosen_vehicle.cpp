@@ -10,7 +10,7 @@
 namespace hardpack {
 namespace {
 
-// Makes the vehicle that is called so and gives it to `use`. False: there is none.
+// Creates the vehicle of that type and passes it to `use`. False: there is none.
 template <typename... Vehicle, typename Storage, typename Use>
 bool Make(VehicleList<Vehicle...>, std::string_view type, Storage& storage, const Use& use) {
   storage.template emplace<std::monostate>();
@@ -27,10 +27,10 @@ ReadOutcome SetUp(const Configuration& configuration, const LidarConfigs& lidars
   if (IsUsable(status)) return {};
   const ParameterConflict conflict = BasicVehicleLoop<Vehicle>::ConflictOf(*config);
   if (conflict.name == nullptr) {
-    return {status, std::string("the configuration does not go together: ") + StatusName(status)};
+    return {status, std::string("the configuration is inconsistent: ") + StatusName(status)};
   }
   std::string text = std::string(conflict.name) + " and " + conflict.other + ": ";
-  return {status, text.append(conflict.name).append(" has to be ").append(conflict.rule)};
+  return {status, text.append(conflict.name).append(" must be ").append(conflict.rule)};
 }
 
 }  // namespace

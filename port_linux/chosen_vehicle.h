@@ -42,7 +42,7 @@ class ChosenVehicle {
   bool Choose(std::string_view type);
 
   // Creates the configuration's vehicle and configures it. A failure names the conflicting
-  // parameters: "a and b: a has to be ...".
+  // parameters: "a and b: a must be ...".
   ReadOutcome Configure(const Configuration& configuration, const LidarConfigs& lidars);
 
   // Null if none is selected.

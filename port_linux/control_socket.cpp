@@ -17,7 +17,8 @@
 namespace hardpack {
 namespace {
 
-// Answers that a client has not taken yet, in the kernel's measure: some ten of the largest.
+// Limit of the answers that a client has not read yet, as the kernel counts: about ten of the
+// largest.
 constexpr int kSendBuffer_bytes = 64 * 1024;
 constexpr int kBacklog = ControlSocket::kMaxClients;
 constexpr size_t kMaxGroupEntryBytes = 64 * 1024;
@@ -54,8 +55,8 @@ bool FindGroup(const std::string& name, gid_t& id) {
 OpenOutcome ControlSocket::Open(const ControlSocketOptions& options) {
   if (options.path.empty() || options.path.size() >= sizeof(sockaddr_un::sun_path)) {
     return Failure(Status::kInvalidArgument, options.path,
-                   "a path of 1 to " + std::to_string(sizeof(sockaddr_un::sun_path) - 1) +
-                       " characters is needed");
+                   "the path must have 1 to " + std::to_string(sizeof(sockaddr_un::sun_path) - 1) +
+                       " characters");
   }
   owner_ = geteuid();
   OpenOutcome outcome = Lock(options.path);
@@ -65,12 +66,12 @@ OpenOutcome ControlSocket::Open(const ControlSocketOptions& options) {
   return outcome;
 }
 
-// The lock tells a living instance from a file that one has left behind, without a race: the kernel
-// lets go of it with the process. The file stays: removing it would let two hold "the" lock.
+// The lock distinguishes a running instance from a leftover file without a race: the kernel
+// releases it when the process ends. The file stays: if it were removed, two could hold "the" lock.
 OpenOutcome ControlSocket::Lock(const std::string& path) {
   const std::string name = path + ".lock";
   lock_.Reset(open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!lock_.valid()) return SystemFailure(path, "its lock cannot be made");
+  if (!lock_.valid()) return SystemFailure(path, "its lock cannot be created");
   if (flock(lock_.get(), LOCK_EX | LOCK_NB) == 0) return {};
   if (errno != EWOULDBLOCK) return SystemFailure(path, "its lock cannot be taken");
   lock_.Reset();
@@ -80,18 +81,19 @@ OpenOutcome ControlSocket::Lock(const std::string& path) {
 OpenOutcome ControlSocket::RemoveStale(const std::string& path) {
   struct stat found {};
   if (lstat(path.c_str(), &found) != 0) {
-    return errno == ENOENT ? OpenOutcome{} : SystemFailure(path, "cannot be looked at");
+    return errno == ENOENT ? OpenOutcome{} : SystemFailure(path, "cannot be examined");
   }
   if (!S_ISSOCK(found.st_mode)) {
-    return Failure(Status::kInvalidArgument, path, "something else than a socket is there");
+    return Failure(Status::kInvalidArgument, path, "exists and is not a socket");
   }
   const FileDescriptor probe(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const sockaddr_un address = AddressOf(path);
-  // Any other answer than that nobody listens is somebody's: of another type of socket, too busy.
+  // Any answer except "connection refused" means that somebody listens: on another type of socket,
+  // or too busy.
   if (!probe.valid() ||
       connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0 ||
       errno != ECONNREFUSED) {
-    return Failure(Status::kSystemError, path, "another program listens there");
+    return Failure(Status::kSystemError, path, "in use by another program");
   }
   return unlink(path.c_str()) == 0 ? OpenOutcome{} : SystemFailure(path, "cannot be replaced");
 }
@@ -106,10 +108,10 @@ OpenOutcome ControlSocket::Bind(const std::string& path, const std::string& grou
   const sockaddr_un address = AddressOf(path);
   if (!socket_.valid() ||
       bind(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
-    return SystemFailure(path, "cannot be made");
+    return SystemFailure(path, "cannot be created");
   }
   struct stat made {};
-  if (lstat(path.c_str(), &made) != 0) return SystemFailure(path, "cannot be looked at");
+  if (lstat(path.c_str(), &made) != 0) return SystemFailure(path, "cannot be examined");
   path_ = path;
   device_ = made.st_dev;
   inode_ = made.st_ino;
@@ -117,7 +119,7 @@ OpenOutcome ControlSocket::Bind(const std::string& path, const std::string& grou
     return SystemFailure(path, ("cannot be given to group '" + group + "'").c_str());
   }
   if (chmod(path.c_str(), has_group_ ? 0660 : 0600) != 0 || listen(socket_.get(), kBacklog) != 0) {
-    return SystemFailure(path, "cannot be opened for others");
+    return SystemFailure(path, "cannot be opened to others");
   }
   return {Status::kOk, "control socket " + path + (has_group_ ? ", group " + group : ""), {}};
 }
@@ -198,9 +200,9 @@ bool ControlSocket::MayCommand(int socket, uint32_t& user) {
   return std::find(groups_.begin(), end, group_) != end;
 }
 
-// Forgotten connections must not keep an emergency stop out: where there is no free place, one who
-// may command gets that of the client that has been silent for longest. Once what that has sent is
-// taken: then it is another's turn, and meanwhile nobody else has to go.
+// Forgotten connections must not block an emergency stop: if no place is free, a client that may
+// command gets the place of the one that has been silent for longest, once the messages of that one
+// have been taken. Until then no other client is dismissed.
 int ControlSocket::PlaceFor(bool may_command) {
   int longest = 0;
   bool one_leaves = false;
@@ -215,8 +217,8 @@ int ControlSocket::PlaceFor(bool may_command) {
   return Dismiss(longest) ? longest : -1;
 }
 
-// What it has been able to send is not lost: first it cannot send any more, then it is looked
-// whether something is there. True: there was nothing, and the place is free.
+// Messages that it has already sent are not lost: first it is kept from sending more, then its
+// socket is checked for pending ones. True: there were none, and the place is free.
 bool ControlSocket::Dismiss(int place) {
   Client& client = clients_[static_cast<size_t>(place)];
   shutdown(client.socket.get(), SHUT_RD);
@@ -234,7 +236,7 @@ void ControlSocket::Drop(int place) {
   --counters_.connected;
 }
 
-// Whether it had a message that is to be given.
+// Whether it had a message to deliver.
 bool ControlSocket::TakeFrom(int place, ControlMessage& message) {
   Client& client = clients_[static_cast<size_t>(place)];
   iovec part = {buffer_.data(), buffer_.size()};
@@ -243,7 +245,7 @@ bool ControlSocket::TakeFrom(int place, ControlMessage& message) {
   packet.msg_iovlen = 1;
   const ssize_t received = recvmsg(client.socket.get(), &packet, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
   if (received < 0 && (errno == EAGAIN || errno == EINTR)) return false;
-  // The end of the connection; an empty packet cannot be told from it.
+  // The end of the connection, or an empty packet, which looks the same.
   if (received <= 0) {
     Drop(place);
     return false;
@@ -254,7 +256,7 @@ bool ControlSocket::TakeFrom(int place, ControlMessage& message) {
   Status status = ReadHeader(bytes, header);
   if ((packet.msg_flags & MSG_TRUNC) != 0) status = Status::kOversized;
   if (IsUsable(status) && IsAnswer(header.kind)) status = Status::kWrongPacketType;
-  // Somebody sends descriptors or credentials along: nothing of ours does.
+  // The message carries descriptors or credentials, which our programs never send.
   if ((packet.msg_flags & MSG_CTRUNC) != 0) status = Status::kInvalidArgument;
   if (!IsUsable(status)) {
     ++counters_.malformed;
@@ -286,7 +288,7 @@ void ControlSocket::Answer(const ControlClient& client, std::span<const uint8_t>
   const ssize_t sent =
       send(asked.socket.get(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
   if (sent == static_cast<ssize_t>(bytes.size())) return;
-  // EPIPE, ECONNRESET: it has gone without waiting, which is its right.
+  // EPIPE, ECONNRESET: it left without waiting for the answer, as it may.
   if (errno == EAGAIN || errno == ENOBUFS) {
     ++counters_.dropped_slow;
   } else if (errno != EPIPE && errno != ECONNRESET) {

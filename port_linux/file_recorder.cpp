@@ -21,13 +21,14 @@ namespace hardpack {
 namespace {
 
 constexpr uint64_t kChunkBytes = uint64_t{1} << 20u;
-constexpr uint64_t kBlockBytes = 4096;                // writes end on one, where more follows
-constexpr uint64_t kSyncBytes = uint64_t{16} << 20u;  // at most so many are not on the medium yet
+constexpr uint64_t kBlockBytes = 4096;                // writes end on one if more data follows
+constexpr uint64_t kSyncBytes = uint64_t{16} << 20u;  // most bytes not yet on the medium
 constexpr int64_t kPoll_ns = 20'000'000;
 constexpr int64_t kRetry_ns = 100'000'000;
-constexpr int kPollsPerFlush = 5;  // what is less than a chunk waits for so many
+constexpr int kPollsPerFlush = 5;  // that less than a chunk waits
 constexpr int64_t kSecond_ns = 1'000'000'000;
-constexpr uint64_t kResumeDivisor = 8;  // of the ring is free before records are taken again
+constexpr uint64_t kResumeDivisor =
+    8;  // this fraction of the ring must be free before records are accepted again
 constexpr size_t kGapPacketBytes = flight_log::kPcapPacketHeaderBytes +
                                    flight_log::kDatagramHeadBytes + flight_log::kMaxRecordHeadBytes;
 
@@ -42,8 +43,8 @@ void Sleep(int64_t time_ns) {
   nanosleep(&time, nullptr);
 }
 
-// The thread of the ticks may have been given a real-time priority and a processor of its own
-// before it started this one, which would have inherited both.
+// The tick's thread may already have had a real-time priority and its own processor when it started
+// this one, which would then have inherited both.
 void BecomeOrdinary() {
   const sched_param ordinary{};
   pthread_setschedparam(pthread_self(), SCHED_OTHER, &ordinary);
@@ -54,7 +55,7 @@ void BecomeOrdinary() {
   pthread_setname_np(pthread_self(), "flight-log");
 }
 
-// Errors that waiting, or deleting, may cure; after any other the file is given up.
+// Errors that waiting or deleting may resolve; after any other the file is abandoned.
 bool MayPass(int error) {
   return error == ENOSPC || error == EDQUOT || error == EINTR || error == EAGAIN;
 }
@@ -71,7 +72,7 @@ ReadOutcome FileRecorder::Start(const FileRecorderConfig& config) {
   const auto refuse = [&config](const char* reason) -> ReadOutcome {
     return {Status::kInvalidArgument, config.directory + ": " + reason};
   };
-  if (ring_ != nullptr) return refuse("recording was started before");
+  if (ring_ != nullptr) return refuse("recording has already been started");
   if (config.ring_bytes < kMinRing_bytes) return refuse("the log's buffer is too small");
   if (config.file_bytes < config.ring_bytes / 8) return refuse("files smaller than buffer / 8");
   if (config.total_bytes / 2 < config.file_bytes) return refuse("no room for two files");
@@ -79,7 +80,7 @@ ReadOutcome FileRecorder::Start(const FileRecorderConfig& config) {
   if (!opened.ok()) return opened;
   config_ = config;
   ring_ = std::make_unique<RecordRing>(config.ring_bytes);
-  // The thread is to be sent no signal: they are for the one that runs the program.
+  // The thread must get no signals: they are for the one that runs the program.
   sigset_t all;
   sigset_t before;
   sigfillset(&all);
@@ -101,7 +102,7 @@ bool FileRecorder::Stop(uint64_t max_wait_ns) {
   return position_ == ring_->End();
 }
 
-// --- The thread of the ticks
+// --- The tick's thread
 // ----------------------------------------------------------------------
 
 Status FileRecorder::Record(int64_t time_ns, std::span<const uint8_t> head,
@@ -123,7 +124,8 @@ Status FileRecorder::Record(int64_t time_ns, std::span<const uint8_t> head,
   return Status::kOk;
 }
 
-// After records were dropped: says so in the log, if there is room again for that and for `bytes`.
+// After records were dropped: notes that in the log, if there is room again for the note and
+// `bytes`.
 bool FileRecorder::Resume(size_t bytes) {
   if (pending_dropped_ == 0) return true;
   const size_t least =
@@ -157,7 +159,7 @@ bool FileRecorder::wants_opening() const {
 
 void FileRecorder::BeginFile() {
   if (ring_ == nullptr) return;
-  // A gap belongs to the file that it is in.
+  // A gap belongs to the file that contains it.
   if (begun_) static_cast<void>(Resume(0));
   if (!ring_->StartFile()) return;
   begun_ = true;
@@ -178,7 +180,7 @@ void FileRecorder::Run() {
   BecomeOrdinary();
   int idle_polls = 0;
   while (true) {
-    // In this order: what was put before stop_ is then seen.
+    // In this order, so that records put before stop_ are seen.
     const bool stopping = stop_.load(std::memory_order_acquire);
     const Outcome outcome = WriteSome(stopping || idle_polls >= kPollsPerFlush);
     if (outcome == Outcome::kWritten) {
@@ -204,7 +206,7 @@ FileRecorder::Outcome FileRecorder::WriteSome(bool everything) {
   if (file_starts && position_ == limit) return BeginNextFile();
   if (position_ == limit) return Outcome::kIdle;
   if (!everything && !file_starts && limit - position_ < kChunkBytes) return Outcome::kIdle;
-  // Nobody may have begun a file, or the last one was given up.
+  // No file may have been begun, or the last one was abandoned.
   if (file_ < 0 && !OpenFile()) return Outcome::kFailed;
   uint64_t to = limit;
   if (limit - position_ > kChunkBytes) {
@@ -271,8 +273,8 @@ FileRecorder::Outcome FileRecorder::Write(uint64_t to) {
   return Outcome::kWritten;
 }
 
-// Gives back the room of the records that have been written whole. The one that is half written is
-// kept: should the file fail, the next one begins with it.
+// Releases the room of completely written records. A partly written one is kept: if the file fails,
+// the next one begins with it.
 void FileRecorder::FollowRecords() {
   while (record_start_ < position_) {
     std::array<uint8_t, flight_log::kPcapPacketHeaderBytes> header{};
@@ -284,10 +286,10 @@ void FileRecorder::FollowRecords() {
   ring_->Release(record_start_);
 }
 
-// Keeps to the limits, by deleting what is oldest. False when that is not enough.
+// Keeps within the limits by deleting the oldest files. False if that is not enough.
 bool FileRecorder::MakeRoom(uint64_t bytes) {
   while (folder_.total_bytes() + bytes > config_.total_bytes) {
-    if (!folder_.DeleteOldest()) break;  // all of it is the present file, which will end
+    if (!folder_.DeleteOldest()) break;  // only the present file is left, which will end
   }
   while (folder_.FreeBytes() < config_.min_free_bytes + bytes) {
     if (!folder_.DeleteOldest()) return false;
@@ -300,11 +302,11 @@ void FileRecorder::HandleError(int error) {
   if (error == ENOSPC || error == EDQUOT) folder_.DeleteOldest();
 }
 
-// The file stays as it is up to the last whole record; the next one goes on behind that.
+// The file is kept up to its last complete record; the next file continues after that.
 void FileRecorder::AbandonFile() {
   const uint64_t half_record = position_ - record_start_;
   if (file_offset_ >= half_record) {
-    // Where this fails too, readers find a record that is cut short.
+    // If this fails too, readers find a truncated record.
     if (ftruncate(file_, static_cast<off_t>(file_offset_ - half_record)) == 0) {
       folder_.SetSize(file_offset_ - half_record);
     }
@@ -313,8 +315,8 @@ void FileRecorder::AbandonFile() {
   CloseFile();
 }
 
-// Starts the writing to the medium at once and waits for it now and then: otherwise the kernel
-// gathers gigabytes and then holds up everybody.
+// Starts writing to the medium at once and waits for it now and then: otherwise the kernel collects
+// gigabytes and then blocks every writer.
 void FileRecorder::PushToMedium(uint64_t bytes) {
   sync_file_range(file_, static_cast<off_t>(file_offset_), static_cast<off_t>(bytes),
                   SYNC_FILE_RANGE_WRITE);
@@ -322,7 +324,7 @@ void FileRecorder::PushToMedium(uint64_t bytes) {
   folder_.SetSize(file_offset_);
   if (file_offset_ - synced_offset_ < kSyncBytes) return;
   fdatasync(file_);
-  // Nobody reads it soon: the memory is of more use to others.
+  // It will not be read soon: others need the memory more.
   posix_fadvise(file_, static_cast<off_t>(synced_offset_),
                 static_cast<off_t>(file_offset_ - synced_offset_), POSIX_FADV_DONTNEED);
   synced_offset_ = file_offset_;

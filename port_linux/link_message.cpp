@@ -58,7 +58,7 @@ void ReadController(std::span<const uint8_t> bytes, LinkInfo& link) {
   }
 }
 
-// What IFLA_INFO_DATA means depends on the kind, whose name comes first.
+// The meaning of IFLA_INFO_DATA depends on the kind, whose name comes first.
 void ReadDetails(std::span<const uint8_t> bytes, LinkInfo& link) {
   constexpr char kController[] = "can";
   bool is_controller = false;

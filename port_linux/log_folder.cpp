@@ -31,7 +31,7 @@ bool IsStamp(const char* text) {
 
 // The number of a file of ours in its run, or -1: not one of ours.
 int64_t NumberIn(const std::string& name) {
-  constexpr size_t kNumberAt = 23;  // behind flight_YYYYMMDD_HHMMSS_
+  constexpr size_t kNumberAt = 23;  // after flight_YYYYMMDD_HHMMSS_
   const bool framed = name.size() >= kNumberAt + 8 && name.size() <= kNumberAt + 11 &&
                       name.starts_with("flight_") && IsStamp(name.c_str() + 7) &&
                       name[kNumberAt - 1] == '_' && name.ends_with(".pcap");
@@ -81,7 +81,7 @@ LogFolder::~LogFolder() {
 ReadOutcome LogFolder::Open(const std::string& path, int64_t start_s) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
-  if (error) return {Status::kInvalidArgument, path + ": cannot be made: " + error.message()};
+  if (error) return {Status::kInvalidArgument, path + ": cannot be created: " + error.message()};
   const std::vector<FoundFile> found = FindFiles(path, error);
   if (error) return {Status::kInvalidArgument, path + ": cannot be read: " + error.message()};
   folder_ = open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -93,7 +93,7 @@ ReadOutcome LogFolder::Open(const std::string& path, int64_t start_s) {
   gmtime_r(&start, &utc);
   std::strftime(stamp_.data(), stamp_.size(), "%Y%m%d_%H%M%S", &utc);
   files_.resize(kMaxFiles);
-  // Of too many the newest are remembered.
+  // If there are too many, only the newest are tracked.
   const size_t skipped = found.size() - std::min(found.size(), kMaxFiles - 1);
   for (size_t i = skipped; i < found.size(); ++i) {
     File& file = files_[count_++];
@@ -105,7 +105,7 @@ ReadOutcome LogFolder::Open(const std::string& path, int64_t start_s) {
 }
 
 int LogFolder::NewFile() {
-  if (count_ == kMaxFiles) {  // the oldest one is forgotten, not deleted
+  if (count_ == kMaxFiles) {  // the oldest one is no longer tracked, but not deleted
     total_bytes_ -= files_[oldest_].bytes;
     oldest_ = (oldest_ + 1) % kMaxFiles;
     --count_;
@@ -145,7 +145,7 @@ uint64_t LogFolder::FreeBytes() const {
 bool LogFolder::DeleteOldest() {
   if (count_ < 2) return false;
   const File& file = files_[oldest_];
-  // One that somebody else has deleted or protected is not ours to count any more.
+  // A file that somebody else deleted or protected no longer counts either.
   unlinkat(folder_, file.name.data(), 0);
   total_bytes_ -= file.bytes;
   oldest_ = (oldest_ + 1) % kMaxFiles;

@@ -20,7 +20,7 @@ void MonotonicClock::SleepUntil(uint64_t time_ns) {
   timespec until{};
   until.tv_sec = static_cast<time_t>(time_ns / kSecond_ns);
   until.tv_nsec = static_cast<long>(time_ns % kSecond_ns);
-  // An absolute time: however often a signal interrupts, no error adds up.
+  // An absolute time, so that interruptions by signals add no error.
   while (Now_ns() < time_ns) clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
 }
 

@@ -19,7 +19,7 @@ std::string Refusal(const std::string& what, const char* remedy) {
   return what + ": " + std::strerror(code) + " (" + remedy + ")";
 }
 
-// Not inlined: its frame is to lie below the caller's, where later calls' frames will.
+// Not inlined: its frame must lie below the caller's, where the frames of later calls will be.
 [[gnu::noinline]] void PrefaultStack() {
   std::array<volatile char, kPrefaultedStack_bytes> stack;
   constexpr size_t kSmallestPage_bytes = 4096;
@@ -50,7 +50,7 @@ bool Pin(int cpu, RealtimeOutcome& outcome) {
     if (sched_setaffinity(0, sizeof(set), &set) == 0) return true;
   }
   outcome.refused.push_back(
-      Refusal("processor " + std::to_string(cpu), "is there such a one, and may it be used?"));
+      Refusal("processor " + std::to_string(cpu), "does it exist, and may it be used?"));
   return false;
 }
 

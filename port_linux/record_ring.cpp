@@ -38,7 +38,7 @@ bool RecordRing::StartFile() {
   const uint64_t put = starts_put_.load(std::memory_order_relaxed);
   if (put - starts_taken_.load(std::memory_order_acquire) >= kMaxFileStarts) return false;
   file_starts_[put % kMaxFileStarts] = end_.load(std::memory_order_relaxed);
-  // Before the bytes behind it: who sees them through end_ sees this too.
+  // Before the following bytes: a reader that sees them through end_ also sees this.
   starts_put_.store(put + 1, std::memory_order_release);
   return true;
 }

@@ -15,7 +15,7 @@
 namespace hardpack {
 namespace {
 
-// A period that no watchdog has (a day): what is longer is no sensible value.
+// Longest plausible period of a watchdog: a day.
 constexpr uint64_t kMaxPeriod_us = uint64_t{24} * 3600 * 1'000'000;
 
 bool ReadNumber(const char* text, uint64_t& number) {
@@ -60,7 +60,7 @@ OpenOutcome ServiceWatchdog::Open() {
   OpenOutcome outcome = Connect(path);
   if (!outcome.ok()) return outcome;
 
-  outcome.message = "watchdog: the service manager does not watch";
+  outcome.message = "watchdog: not enabled by the service manager";
   const char* period = std::getenv("WATCHDOG_USEC");
   if (period == nullptr) return outcome;
   uint64_t pid = 0;
@@ -77,7 +77,7 @@ OpenOutcome ServiceWatchdog::Open() {
   }
   period_ns_ = period_us * 1000;
   outcome.message =
-      "watchdog: the service manager waits " + std::to_string(period_us / 1000) + " ms at the most";
+      "watchdog: the service manager's time-out is " + std::to_string(period_us / 1000) + " ms";
   return outcome;
 }
 

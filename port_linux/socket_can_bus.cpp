@@ -29,7 +29,7 @@ can_frame ToWire(const CanFrame& frame) {
   return wire;
 }
 
-// False: no bus can carry it. A virtual one passes on whatever a program writes to it.
+// False: no bus can carry it. A virtual bus forwards whatever a program writes to it.
 bool FromWire(const canfd_frame& wire, unsigned size, CanFrame& frame) {
   if (size != CAN_MTU || wire.len > CAN_MAX_DLEN) return false;
   frame = {};
@@ -53,7 +53,7 @@ int64_t TimeOf(clockid_t clock) {
 }
 
 std::string Describe(const std::string& interface, const LinkInfo& info) {
-  if (info.bit_rate_bps == 0) return interface + ": no bit rate told (a virtual bus?)";
+  if (info.bit_rate_bps == 0) return interface + ": no bit rate reported (a virtual bus?)";
   return interface + ": " + std::to_string(info.bit_rate_bps) + " bit/s, sample point " +
          std::to_string(info.sample_point_permille) + " per mille, restart-ms " +
          std::to_string(info.restart_ms);
@@ -76,7 +76,7 @@ OpenOutcome SocketCanBus::OpenSocket(const std::string& interface,
   if (!opened.valid()) {
     const int code = errno;
     if (code == EPERM || code == EACCES) {
-      return Failure(Status::kNotPermitted, interface, "a CAN socket is not permitted");
+      return Failure(Status::kNotPermitted, interface, "no permission to open a CAN socket");
     }
     return Failure(Status::kUnsupported, interface,
                    std::string("no CAN socket (") + std::strerror(code) + "; modprobe can_raw)");
@@ -141,7 +141,7 @@ OpenOutcome SocketCanBus::Open(const std::string& interface, const SocketCanOpti
 
 CanBusState SocketCanBus::state() const {
   if (bus_off_) return CanBusState::kBusOff;
-  // A restart of ours to drop old frames is no outage: new ones wait for it.
+  // Our own restart to drop old frames is not an outage: new frames wait for it.
   if (!link_.usable() && !restarting_) return CanBusState::kDown;
   return error_state_;
 }
@@ -188,7 +188,7 @@ Status SocketCanBus::Send(const CanFrame& frame, uint64_t deadline_ns) {
   return Status::kOk;
 }
 
-// kSystemError: the youngest frame of all was refused, and dropped.
+// kSystemError: the newest frame was refused, and dropped.
 Status SocketCanBus::HandOver() {
   if (restarting_ || !link_.usable() || now_ns_ < silent_until_ns_) return Status::kOk;
   Status status = Status::kOk;
@@ -198,7 +198,7 @@ Status SocketCanBus::HandOver() {
       queue_.HandedOver();
       continue;
     }
-    // The queue below is full, or the interface goes down at this moment: it waits.
+    // The kernel's queue is full, or the interface is going down: the frame waits.
     const bool waits = errno == EAGAIN || errno == ENOBUFS || errno == ENETDOWN || errno == ENXIO ||
                        errno == ENODEV || errno == EINTR;
     if (waits) break;
@@ -222,14 +222,14 @@ Status SocketCanBus::Receive(CanFrame& frame) {
   return Status::kOk;
 }
 
-// True: nothing is left to be read.
+// True: nothing is left to read.
 bool SocketCanBus::Read() {
   wall_minus_ours_ns_ = TimeOf(CLOCK_REALTIME) - TimeOf(CLOCK_MONOTONIC);
   int reads = 0;
   while (reads < kMaxReads && received_count_ < kMaxFramesPerTick) {
     const int wanted = std::min(kBatch, kMaxFramesPerTick - received_count_);
     for (size_t i = 0; i < static_cast<size_t>(wanted); ++i) {
-      msghdr& header = messages_[i].msg_hdr;  // the kernel writes the lengths over
+      msghdr& header = messages_[i].msg_hdr;  // the kernel overwrites the lengths
       header.msg_controllen = controls_[i].bytes.size();
       header.msg_flags = 0;
     }
@@ -238,7 +238,8 @@ bool SocketCanBus::Read() {
     ++reads;
     if (got < 0) {
       if (errno == EAGAIN) return true;
-      // That it went down is told once, by whichever call comes next; the rest is still there.
+      // The kernel reports once, by the next call, that it went down; the remaining frames are
+      // kept.
       if (errno == ENETDOWN || errno == ENODEV) continue;
       ++counters_.system_errors;
       return false;
@@ -253,8 +254,8 @@ bool SocketCanBus::Read() {
   return false;
 }
 
-// What came with a frame. Returns its stamp, by our clock; 0: it has none. A wall clock that is set
-// between stamp and reading spoils those that wait at this moment: they look old, or new.
+// The control data of a frame. Returns its stamp, by our clock; 0: it has none. If the wall clock
+// is set between stamp and reading, the frames waiting at that moment look too old or too new.
 uint64_t SocketCanBus::TakeControl(const msghdr& header) {
   uint64_t received_ns = 0;
   for (const cmsghdr* control = CMSG_FIRSTHDR(&header); control != nullptr;
@@ -293,7 +294,7 @@ void SocketCanBus::TakeFrame(const canfd_frame& wire, unsigned size, int flags,
     return;
   }
   if ((flags & MSG_CONFIRM) != 0) {
-    if (!queue_.Confirm(frame)) return;  // of before a restart or a loss
+    if (!queue_.Confirm(frame)) return;  // from before a restart or a loss
     ++counters_.confirmed;
     silence_ns_ = kFirstSilence_ns;
     stale_counted_ = false;
@@ -318,7 +319,7 @@ void SocketCanBus::TakeErrorFrame(const canfd_frame& wire) {
     }
   }
   if ((wire.can_id & CAN_ERR_BUSOFF) != 0) EnterBusOff();
-  // By the kernel or by somebody else. Ours is done when the silence after it is.
+  // Restarted by the kernel or another program. Our own restart ends with the silence after it.
   if ((wire.can_id & CAN_ERR_RESTARTED) != 0 && bus_off_ && !may_restart_) {
     bus_off_ = false;
     error_state_ = CanBusState::kActive;
@@ -326,7 +327,7 @@ void SocketCanBus::TakeErrorFrame(const canfd_frame& wire) {
 }
 
 void SocketCanBus::EnterBusOff() {
-  if (bus_off_ && !restarted_) return;  // told twice
+  if (bus_off_ && !restarted_) return;  // reported twice
   ++counters_.bus_offs;
   bus_off_ = true;
   kernel_said_bus_off_ = false;

@@ -66,7 +66,7 @@ UdpSocket::UdpSocket() {
   }
 }
 
-// A buffer that the system-wide limit does not allow takes CAP_NET_ADMIN.
+// A buffer beyond the system-wide limit needs CAP_NET_ADMIN.
 OpenOutcome UdpSocket::AskForBuffer(const UdpSocketOptions& options, const std::string& name) {
   const int asked = options.receive_buffer_bytes;
   const int before = GrantedBuffer_bytes(socket_.get());
@@ -93,7 +93,7 @@ OpenOutcome UdpSocket::Open(const UdpSocketOptions& options) {
     return Failure(Status::kInvalidArgument, name, "the sender's address is not configured");
   }
   if (options.receive_buffer_bytes < 1) {
-    return Failure(Status::kInvalidArgument, name, "a receive buffer of less than a byte");
+    return Failure(Status::kInvalidArgument, name, "the receive buffer is smaller than one byte");
   }
   socket_.Reset(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!socket_.valid()) return SystemFailure(name, "no socket");
@@ -101,7 +101,7 @@ OpenOutcome UdpSocket::Open(const UdpSocketOptions& options) {
   // Every Linux has these; an emulator of its system calls may not.
   if (outcome.ok() &&
       (!SetOption(socket_.get(), SO_TIMESTAMPNS, 1) || !SetOption(socket_.get(), SO_RXQ_OVFL, 1))) {
-    outcome.warnings.push_back(SystemFailure(name, "no time stamps or no count of losses").message);
+    outcome.warnings.push_back(SystemFailure(name, "no time stamps or no loss counter").message);
   }
   sockaddr_in own = ToSocketAddress(options.bind_address, options.port);
   socklen_t size = sizeof(own);
@@ -161,7 +161,7 @@ std::span<const Datagram> UdpSocket::Receive(int max) {
   const int wanted = std::clamp(max, 0, kMaxBatch);
   if (wanted == 0 || !socket_.valid()) return {};
   for (size_t i = 0; i < static_cast<size_t>(wanted); ++i) {
-    msghdr& header = messages_[i].msg_hdr;  // the kernel writes the lengths over
+    msghdr& header = messages_[i].msg_hdr;  // the kernel overwrites the lengths
     header.msg_namelen = sizeof(senders_[i]);
     header.msg_controllen = controls_[i].bytes.size();
     header.msg_flags = 0;

@@ -7,27 +7,27 @@ usage() {
 usage: tools/arm64_vcan.sh [OPTION...] [--] DIR COMMAND [ARG...]
 
 Runs a command on Debian's arm64 kernel in QEMU, an emulated machine with two Cortex-A72, where a
-real SocketCAN interface vcan0 exists and the loopback is up. A copy of DIR (static aarch64 programs,
-scripts, data) is the working folder there, in memory: what is written there is lost. There are a
+real SocketCAN interface vcan0 exists and the loopback is up. The working folder there is a copy of
+DIR (static aarch64 programs, scripts, data) in memory: files written there are lost. It contains
 busybox and candump, and nothing else. Exit status, standard output and standard error are the
 command's, which runs as root with an empty standard input. Starting takes some five seconds.
 
-  --interfaces N   vcan0 to vcan<N-1>; 1 unless told
-  --memory SIZE    of the machine, as 512M or 2G; 1G unless told
-  --own-clock      its clocks run by what it computes, not by the host's: a nanosecond an
-                   instruction, and the time in which it has nothing to do is left out. So a busy
-                   host cannot make it late, and a second of it takes as long as it takes. One core
-  --bring-back NEW the folder `out` of its working folder becomes NEW, which must not be there yet,
-                   when the command has ended
-  --timeout S      ends everything after S seconds, starting included, with exit status 124
-  --verbose        shows the kernel's log too
+  --interfaces N   vcan0 to vcan<N-1> (default 1)
+  --memory SIZE    memory of the machine, such as 512M or 2G (default 1G)
+  --own-clock      its clocks advance with the instructions it executes, not with the host's clock:
+                   a nanosecond per instruction, and idle time is skipped. So a busy host cannot make
+                   it late, but one of its seconds may take any time. One core
+  --bring-back NEW when the command has ended, the folder `out` of its working folder becomes NEW,
+                   which must not exist yet
+  --timeout S      ends everything after S seconds, including the start, with exit status 124
+  --verbose        also shows the kernel's log
   --help           this text
 
-The kernel and these programs come from Debian's archive by apt-get download, once, into
-$XDG_CACHE_HOME/hardpack/arm64_vcan (~/.cache unless told), which may be deleted at any time.
+The kernel and these programs are downloaded once from Debian's archive with apt-get download into
+$XDG_CACHE_HOME/hardpack/arm64_vcan (default ~/.cache), which may be deleted at any time.
 
 Exit status: the command's; 2 bad usage, 123 the machine failed, 124 time-out and 125 something
-needed is not there, each with its reason on standard error. SIGTERM, SIGINT and SIGHUP end
+required is missing, each with its reason on standard error. SIGTERM, SIGINT and SIGHUP end
 everything at once.
 TEXT
 }
@@ -69,8 +69,8 @@ done
 [[ $interfaces =~ ^[1-9][0-9]?$ ]] || end_with 2 "--interfaces is a number from 1 to 99"
 [[ $memory =~ ^[1-9][0-9]*[MG]$ ]] || end_with 2 "--memory is a number and M or G"
 [[ $timeout =~ ^([0-9]+(\.[0-9]+)?|infinity)$ ]] || end_with 2 "--timeout is a number of seconds"
-if [ -n "$back" ] && [ -e "$back" ]; then end_with 2 "$back is there already"; fi
-[ $# -ge 2 ] || end_with 2 "a folder and a command are needed; see --help"
+if [ -n "$back" ] && [ -e "$back" ]; then end_with 2 "$back already exists"; fi
+[ $# -ge 2 ] || end_with 2 "DIR and COMMAND are required; see --help"
 [ -d "$1" ] || end_with 2 "$1 is not a folder"
 folder=$1
 shift

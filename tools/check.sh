@@ -6,25 +6,25 @@ usage() {
   cat <<'TEXT'
 usage: tools/check.sh [--all] [--deps] [--deps-build] [--deps-bench] [--help]
 
-Installs what is missing (Debian packages, tools/packages.txt), builds the release preset and runs
-its tests, the static checks among them: at most 12 minutes on two cores.
+Installs missing Debian packages (tools/packages.txt), builds the release preset and runs its tests,
+including the static checks: at most 12 minutes on two cores.
 
-  --all         the slow ones too: core and hal as clang++ optimises them, a build with sanitizers,
+  --all         also the slow ones: core and hal as clang++ optimises them, a build with sanitizers,
                 the libraries' own assertions and every loop counted, aarch64 and Cortex-M7 under
                 QEMU, a minute of fuzzing, the tests labelled slow (three or five seeds of each
-                world): 47 to 83 minutes measured with an empty compiler cache, 45 wanted. It
-                installs what the comparisons of `hardpack bench` need as well (ten seconds), so
-                that what uses other libraries is compiled and tested
-  --deps        only install; with --all, what --all needs as well
+                world): 47 to 83 minutes measured with an empty compiler cache, goal 45. It also
+                installs what the comparisons of `hardpack bench` need (ten seconds), so that the
+                code that uses other libraries is compiled and tested
+  --deps        only install; with --all, also what --all needs
   --deps-build  only install what building the programs needs
   --deps-bench  only install what the comparisons of `hardpack bench` need
   --help        this text
 
-At the end it prints the steps in the order in which they began, the seconds that each took, and
-those of the processors; clang-tidy and the Cortex-M7's tests run beside others.
+At the end it prints the steps in the order in which they began, with the elapsed and the processor
+seconds of each; clang-tidy and the Cortex-M7's tests run in parallel with others.
 
 Exit code: 0 everything passed, 1 something failed (the summary says what), 2 bad usage or packages
-are missing and cannot be installed (the line to run is printed).
+are missing and cannot be installed (the command to run is printed).
 TEXT
 }
 

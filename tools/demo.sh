@@ -8,14 +8,14 @@ usage() {
   cat <<'TEXT'
 usage: tools/demo.sh [--help]
 
-Installs what is missing to build (tools/check.sh --deps-build), builds `hardpack` into build/demo, and
-then, into out/demo:
+Installs the packages required to build (tools/check.sh --deps-build), builds `hardpack` into build/demo,
+and then, into out/demo:
   - drives the gap mission in simulation, replays its log, and leaves it as one page that loads
     nothing else: map, plans with a slider, speed, steering and reaction radius over time;
   - makes a recording of a small scene, plans a path through it, and draws the paper's figures.
 
 Exit code: 0 done; 1 the mission did not end as it should, or its log did not replay (the page and the
-pictures are there all the same).
+pictures are still written).
 TEXT
 }
 

@@ -6,11 +6,10 @@ usage() {
   cat <<'TEXT'
 usage: tools/docs.sh [--out DIR] [--help]
 
-Makes the reference of the public headers (core, hal, config, port_linux) and of docs/ with Doxygen:
-DIR/index.html (default build/docs). A comment that Doxygen cannot read, and a link that leads nowhere,
-is an error.
+Builds the reference of the public headers (core, hal, config, port_linux) and of docs/ with Doxygen:
+DIR/index.html (default build/docs). A comment that Doxygen cannot parse and a broken link are errors.
 
-Exit code: 0 done, 1 Doxygen warned, 2 bad usage or there is no doxygen (tools/packages.txt).
+Exit code: 0 done, 1 Doxygen warned, 2 bad usage or doxygen is not installed (tools/packages.txt).
 TEXT
 }
 
@@ -25,7 +24,7 @@ while [ $# -gt 0 ]; do
   shift
 done
 if ! command -v doxygen >/dev/null; then
-  echo "docs.sh: there is no doxygen; tools/check.sh --deps installs it" >&2
+  echo "docs.sh: doxygen is not installed; tools/check.sh --deps installs it" >&2
   exit 2
 fi
 mkdir -p "$out"

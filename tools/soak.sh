@@ -7,14 +7,14 @@ usage() {
 usage: tools/soak.sh [OPTION...] BUILD
 
 Runs hardpackd of a build folder at 100 Hz with a scripted vehicle on a real vcan (tools/vcan.sh)
-that drives to and fro, with the recorder on, and prints what was held: ticks, missed ticks with when
-and by how much, the longest tick, heap allocations, what the recorder dropped, whether the log
-replays to the same decisions. Exit status 0 when nothing was allocated, dropped or decided otherwise.
+that drives back and forth, with the recorder on. Prints the ticks, the missed ticks with time and
+delay, the longest tick, heap allocations, what the recorder dropped, and whether the log replays to
+the same decisions. Exit status 0 if nothing was allocated, dropped or decided differently.
 
-  --minutes N    how long; 30 unless told
-  --load-disk    another process writes to the disk all the while, and waits for each 64 kB of it
+  --minutes N    duration (default 30)
+  --load-disk    another process writes to the disk throughout, synchronously in blocks of 64 kB
                  (dd, dsync), into one file of 512 MB again and again
-  --way host|uml as of tools/vcan.sh. On the host the log is written to the disk. A User-Mode Linux
+  --way host|uml as for tools/vcan.sh. On the host the log is written to the disk. A User-Mode Linux
                  machine stands still while it writes to the host's files: there the log goes to its
                  memory, the newest 1.5 GB of it, and the disk is kept busy from outside
   --help         this text

@@ -6,33 +6,33 @@ usage() {
   cat <<'TEXT'
 usage: tools/vcan.sh [OPTION...] [--] COMMAND [ARG...]
 
-Runs a command where a real SocketCAN interface vcan0 exists and the loopback is up, in a network of
-its own: nothing else is reachable, and several runs at a time do not meet. Its exit status, standard
+Runs a command where a real SocketCAN interface vcan0 exists and the loopback is up, in its own
+network: nothing else is reachable, and parallel runs do not see each other. Its exit status, standard
 output and standard error are the command's, which runs as root, in this folder, with this
-environment and an empty standard input; what it leaves running is ended with it.
+environment and an empty standard input; processes that the command leaves behind are ended with it.
 
-  host  where this machine's kernel can make a vcan: in name spaces of their own
-  uml   elsewhere: in Debian's User-Mode Linux kernel (package user-mode-linux), which boots in about
+  host  if this machine's kernel can create a vcan: in separate name spaces
+  uml   otherwise: in Debian's User-Mode Linux kernel (package user-mode-linux), which boots in about
         three seconds with this file system as its own: one CPU, system calls some ten times slower.
         Files written there are certain to be on the disk when the command has ended, not before.
         Programs with an address or thread sanitizer do not start there
 
-  --interfaces N   vcan0 to vcan<N-1>; 1 unless told
-  --memory SIZE    of the User-Mode Linux machine, as 512M or 2G; 1G unless told
+  --interfaces N   vcan0 to vcan<N-1> (default 1)
+  --memory SIZE    memory of the User-Mode Linux machine, such as 512M or 2G (default 1G)
   --realtime       gives the User-Mode Linux machine a real-time priority (SCHED_FIFO 5), so that its
-                   clock ticks in time on a busy host; what writes to files that it shares with the
-                   host still holds the whole machine up: write to /dev/shm
-  --timeout S      ends everything after S seconds, starting included, with exit status 124
-  --way host|uml   takes that way or fails
+                   clock ticks in time on a busy host; writing to files shared with the host still
+                   stops the whole machine: write to /dev/shm
+  --timeout S      ends everything after S seconds, including the start, with exit status 124
+  --way host|uml   uses that way or fails
   --verbose        shows the User-Mode Linux kernel's log on standard error at the end, whatever the
                    outcome; otherwise only when the machine failed
-  --which          only prints the way it would take: host or uml
+  --which          only prints the way that it would use: host or uml
   --help           this text
 
 Exit status: the command's; 2 bad usage, 123 the User-Mode Linux machine failed, 124 time-out and
-125 no way to make a vcan, each with its reason on standard error; 141 when the reader of the output
-has gone. SIGTERM, SIGINT and SIGHUP end everything at once; so does SIGKILL, but it leaves a small
-folder in /tmp and, where another user than root runs this, two sleeping processes.
+125 no way to create a vcan, each with its reason on standard error; 141 if the reader of the output
+is gone. SIGTERM, SIGINT and SIGHUP end everything at once; so does SIGKILL, but it leaves a small
+folder in /tmp and, if run by a user other than root, two sleeping processes.
 TEXT
 }
 

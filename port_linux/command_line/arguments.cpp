@@ -52,8 +52,8 @@ void MakeOutputFolder(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
   if (error || !std::filesystem::is_directory(path, error)) {
-    const std::string reason = error ? error.message() : "a file of that name is in the way";
-    throw CommandFailure(kBadInput, "--out " + path + ": cannot be made (" + reason + ")");
+    const std::string reason = error ? error.message() : "a file of that name exists";
+    throw CommandFailure(kBadInput, "--out " + path + ": cannot be created (" + reason + ")");
   }
 }
 

@@ -12,21 +12,21 @@
 namespace hardpack::command {
 namespace {
 
-// "hardpack plan", so that a reason says which command gives it.
+// "hardpack plan", so that an error names its command.
 std::string ChosenCommand(const CLI::App& app) {
   std::string name = app.get_name();
   for (const CLI::App* subcommand : app.get_subcommands()) name += " " + ChosenCommand(*subcommand);
   return name;
 }
 
-// One line, whatever the reason is made of.
+// Always one line, whatever the reason contains.
 int Fail(const CLI::App& app, ExitCode exit_code, std::string reason) {
   for (char& c : reason) c = c == '\n' || c == '\r' ? ' ' : c;
   std::cerr << ChosenCommand(app) << ": " << reason << "\n";
   return exit_code;
 }
 
-// CLI11 says that a command is required where there is one, but an unknown one.
+// For an unknown command, CLI11 says that a command is required.
 std::string UsageReason(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<std::string> unknown = app.remaining();
   if (!app.get_subcommands().empty() || unknown.empty()) return error.what();

@@ -29,14 +29,14 @@
 namespace hardpack {
 namespace {
 
-constexpr size_t kMaxQuoted = 60;          // letters of what a file says that a message repeats
-constexpr size_t kMaxNameToCompare = 100;  // nothing as long as this is a mistyped name
+constexpr size_t kMaxQuoted = 60;          // most letters of a file quoted in a message
+constexpr size_t kMaxNameToCompare = 100;  // longer texts are not mistyped names
 
 struct Problem {
-  size_t line = 0;  // 0: of the file as a whole
+  size_t line = 0;  // 0: the file as a whole
   Status status = Status::kInvalidArgument;
   std::string text;
-  std::string unknown;  // empty, or the name for which a known one is to be suggested
+  std::string unknown;  // empty, or the name for which to suggest a known one
 };
 
 // Printable and short.
@@ -156,7 +156,7 @@ const char* InsteadOf(const std::string& full_name) {
   return nullptr;
 }
 
-// Takes a parsed file into a configuration and gathers what is wrong with it.
+// Reads a parsed file into a configuration and collects its errors.
 class Intake {
  public:
   explicit Intake(Configuration& configuration)
@@ -221,7 +221,7 @@ void Intake::TakeFile(const toml::table& file) {
     } else if (table != nullptr) {
       Add(LineOf(key), Status::kInvalidArgument, '[' + Shown(group) + "]: unknown table", group);
     } else {
-      Add(LineOf(key), Status::kInvalidArgument, Shown(group) + ": stands in no table", group);
+      Add(LineOf(key), Status::kInvalidArgument, Shown(group) + ": is not in a table", group);
     }
   }
 }
@@ -236,7 +236,7 @@ void Intake::TakeGroup(const std::string& group, const toml::table& table) {
     } else if (full_name == "labels.classes") {
       TakeClasses(node);
     } else if (const char* instead = InsteadOf(full_name)) {
-      Add(LineOf(key), Status::kInvalidArgument, full_name + ": is no key any more: " + instead);
+      Add(LineOf(key), Status::kInvalidArgument, full_name + ": is no longer a key: " + instead);
     } else {
       Add(LineOf(key), Status::kInvalidArgument, Shown(full_name) + ": unknown key", full_name);
     }
@@ -266,7 +266,7 @@ void Intake::TakeClasses(const toml::node& node) {
         "labels.classes: is " + Shown(node) + ", expected a table: [labels.classes]");
     return;
   }
-  // What "default" says is of the codes that are not listed, so it comes first.
+  // "default" applies to the codes that are not listed, so it comes first.
   if (const toml::node* other = classes->get("default")) {
     if (const auto meaning = ClassNamed(*other)) {
       for (ReturnClass& entry : configuration_.labels.class_of) entry = *meaning;
@@ -278,7 +278,7 @@ void Intake::TakeClasses(const toml::node& node) {
     const auto meaning = ClassNamed(value);
     if (!code && key.str() != "default") {
       Add(LineOf(key), Status::kInvalidArgument,
-          full_name + ": is no code from 0 to 255, and not \"default\"");
+          full_name + ": is neither a code from 0 to 255 nor \"default\"");
     } else if (!meaning) {
       Add(LineOf(value), Status::kInvalidArgument,
           full_name + ": " + Shown(value) +
@@ -296,7 +296,7 @@ void Intake::CheckRequired() {
     const bool is_there = found.line != 0 && !found.is_placeholder && !IsUnset(keys_[index]);
     if (found.is_bad || is_there || !row.is_needed(configuration_)) continue;
     Add(found.line, Status::kInvalidArgument,
-        std::string(row.full_name) + ": has to be set: " + std::string(row.why));
+        std::string(row.full_name) + ": must be set: " + std::string(row.why));
   }
 }
 
@@ -320,7 +320,7 @@ void Intake::CheckTogether() {
   CheckConflicts();
   if (configuration_.can.interface.find_first_of("/ ") != std::string::npos) {
     Add(LineOfKey("can.interface"), Status::kInvalidArgument,
-        "can.interface: no interface has a name with / or a blank in it");
+        "can.interface: the name of an interface contains no / or blank");
   }
   CheckDrives();
   CheckVehicle();
@@ -336,7 +336,7 @@ void Intake::CheckDrives() {
   if (status == Status::kCapacityExceeded) {
     Add(LineOfKey("drive.max_bus_load_percent"), Status::kInvalidArgument,
         "drive.max_bus_load_percent: is " + std::to_string(drive.max_bus_load_percent) +
-            ", but what is sent and asked for in these periods takes " +
+            ", but the frames sent and requested at these periods take " +
             std::to_string(sevcon::BusLoad_percent(drive)) + " % of the bus");
     return;
   }
@@ -345,25 +345,25 @@ void Intake::CheckDrives() {
     const int32_t value = *std::get<int32_t*>(key.value);
     if (value == 1 || value == -1) continue;
     Add(LineOfKey(sign), Status::kInvalidArgument,
-        std::string(sign) + ": is " + ValueText(key) + ", has to be 1 or -1");
+        std::string(sign) + ": must be 1 or -1, not " + ValueText(key));
   }
 }
 
-// Both keys, where the file has them last, and what has to hold.
+// Names both keys and the condition, at the line of the later key.
 void Intake::CheckConflicts() {
   const auto take = [this](const ParameterConflict& conflict) {
     const size_t one = key_index_.at(conflict.name);
     const size_t other = key_index_.at(conflict.other);
     Add(std::max(found_[one].line, found_[other].line), Status::kInvalidArgument,
-        keys_[one].full_name + ": " + ValueText(keys_[one]) + " does not go with " +
-            keys_[other].full_name + ", which is " + ValueText(keys_[other]) + ": it has to be " +
+        keys_[one].full_name + ": " + ValueText(keys_[one]) + " conflicts with " +
+            keys_[other].full_name + ", which is " + ValueText(keys_[other]) + ": it must be " +
             conflict.rule);
   };
   const Configuration& read = configuration_;
   if (read.planner.costmap.ground_window_cells % 2 == 0) {
     Add(LineOfKey("costmap.ground_window_cells"), Status::kInvalidArgument,
-        "costmap.ground_window_cells: is " +
-            std::to_string(read.planner.costmap.ground_window_cells) + ", has to be odd");
+        "costmap.ground_window_cells: must be odd, not " +
+            std::to_string(read.planner.costmap.ground_window_cells));
   }
   ForEachConflict(read.planner, take);
   ForEachConflict(read.planner.vehicle, read.perception, take);
@@ -377,8 +377,9 @@ void Intake::CheckVehicle() {
   const std::string& type = configuration_.vehicle_type;
   const std::vector<std::string_view> types = VehicleTypes();
   if (std::find(types.begin(), types.end(), type) != types.end()) return;
-  std::string text = "vehicle.type: is \"" + Shown(type) + "\", has to be one of";
+  std::string text = "vehicle.type: must be one of";
   for (const std::string_view known : types) text.append(" ").append(known);
+  text.append(", not \"").append(Shown(type)).append("\"");
   Add(LineOfKey("vehicle.type"), Status::kInvalidArgument, text);
 }
 
@@ -387,15 +388,15 @@ void Intake::CheckVelodyne() {
   velodyne::Config config;
   if (!IsUsable(ToConfig({read.model, "dual", read.rpm}, config))) {
     Add(LineOfKey("velodyne.model"), Status::kInvalidArgument,
-        "velodyne.model: is \"" + Shown(read.model) + "\", has to be vlp16 or vlp32c");
+        "velodyne.model: must be vlp16 or vlp32c, not \"" + Shown(read.model) + '"');
   }
   if (!IsUsable(ToConfig({"vlp16", read.returns, read.rpm}, config))) {
     Add(LineOfKey("velodyne.returns"), Status::kInvalidArgument,
-        "velodyne.returns: is \"" + Shown(read.returns) + "\", has to be strongest, last or dual");
+        "velodyne.returns: must be strongest, last or dual, not \"" + Shown(read.returns) + '"');
   }
   if (read.rpm % velodyne::kRpmStep != 0) {
     Add(LineOfKey("velodyne.rpm"), Status::kInvalidArgument,
-        "velodyne.rpm: is " + std::to_string(read.rpm) + ", has to be a multiple of 60");
+        "velodyne.rpm: must be a multiple of 60, not " + std::to_string(read.rpm));
   }
 }
 
@@ -409,7 +410,7 @@ void Intake::CheckPorts() {
     for (size_t j = 0; j < i; ++j) {
       if (ports[i].second == 0 || ports[i].second != ports[j].second) continue;
       Add(LineOfKey(ports[i].first), Status::kInvalidArgument,
-          ports[i].first + ": is " + ports[j].first + " too: each sensor needs its own");
+          ports[i].first + ": is the same as " + ports[j].first + ": each sensor needs its own");
     }
   }
 }
@@ -431,7 +432,7 @@ std::string Intake::Suggestion(const std::string& unknown) const {
 
 ReadOutcome Intake::Outcome(std::string_view name) {
   if (problems_.empty()) return {};
-  // In the order of the file; what is of no line comes last, as 0 - 1 is the largest number.
+  // In the order of the file; problems without a line come last, as 0 - 1 is the largest number.
   std::stable_sort(problems_.begin(), problems_.end(),
                    [](const Problem& a, const Problem& b) { return a.line - 1 < b.line - 1; });
   ReadOutcome outcome{problems_.front().status, {}};

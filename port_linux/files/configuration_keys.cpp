@@ -39,38 +39,40 @@ void AddSource(const std::string& group, const std::string& what, float lowest_p
                DatagramSource& source, Keys& keys) {
   const Keys rows = {
       {group + ".address", &source.address, 0, 0,
-       "IPv4 address that " + what + " sends from; what others send is dropped and counted."},
+       "IPv4 address that " + what +
+           " sends from; datagrams from other senders are dropped and counted."},
       {group + ".port", &source.port, lowest_port, 65535,
-       "UDP port of this computer that it sends to."},
+       "UDP port on this computer that it sends to."},
       {group + ".bind_address", &source.bind_address, 0, 0,
-       "Address of this computer that it sends to; empty: every one."},
+       "Address of this computer that it sends to; empty: any."},
       {group + ".receive_buffer_bytes", &source.receive_buffer_bytes, 4096, 268435456,
-       "Of the socket, asked of the kernel: half a second of datagrams, at least."},
+       "Receive buffer of the socket, requested from the kernel: at least half a second of "
+       "datagrams."},
       {group + ".require_receive_buffer", &source.require_receive_buffer, 0, 0,
-       "true: the program does not start when the kernel grants less (net.core.rmem_max)."}};
+       "true: the program does not start if the kernel grants less (net.core.rmem_max)."}};
   keys.insert(keys.end(), rows.begin(), rows.end());
 }
 
 void AddDevices(Configuration& c, Keys& keys) {
   AddSource("lidar", "the lidar", 1, c.lidar, keys);
   keys.push_back({"lidar.metadata", &c.lidar.metadata, 1, kMaxText,
-                  "Path of the lidar's own description, the JSON that it serves."});
+                  "Path of the lidar's metadata, the JSON file that it serves."});
   const Keys velodyne = {
       {"velodyne.model", &c.velodyne.model, 1, 8,
-       "Of the vehicle's Velodyne, if it has one: vlp16 (Puck LITE too) or vlp32c."},
+       "Model of the vehicle's Velodyne, if it has one: vlp16 (also for Puck LITE) or vlp32c."},
       {"velodyne.returns", &c.velodyne.returns, 1, 16, "Its return mode: strongest, last or dual."},
       {"velodyne.rpm", &c.velodyne.rpm, velodyne::kLeastRpm, velodyne::kMostRpm,
-       "Its motor's speed, a multiple of 60."}};
+       "Its motor speed, a multiple of 60."}};
   keys.insert(keys.end(), velodyne.begin(), velodyne.end());
   AddSource("ins", "the inertial navigation system", 0, c.ins, keys);
   AddSource("labels", "the segmentation computer", 1, c.label_source, keys);
   const Keys rows = {
-      {"can.interface", &c.can.interface, 1, 15, "Network interface of the drives' bus."},
+      {"can.interface", &c.can.interface, 1, 15, "Network interface of the drives' CAN bus."},
       {"can.restart", &c.can.restart, 0, 0,
-       "true: the interface may be taken down and up again, after bus-off for one; that needs "
-       "CAP_NET_ADMIN."},
+       "true: the program may take the interface down and up again, for example after bus-off; "
+       "this needs CAP_NET_ADMIN."},
       {"can.frame_max_age_ms", &c.can.frame_max_age_ms, 1, 1000,
-       "A frame that the bus did not take for so long is dropped: a late command is worse than "
+       "A frame that could not be sent for this long is dropped: a late command is worse than "
        "none."}};
   keys.insert(keys.end(), rows.begin(), rows.end());
 }
@@ -79,34 +81,34 @@ void AddVehicleType(Configuration& c, Keys& keys) {
   std::string known;
   for (const std::string_view type : VehicleTypes()) known.append(" ").append(type);
   keys.push_back({"vehicle.type", &c.vehicle_type, 1, kMaxVehicleType,
-                  "Which vehicle to drive, one of those that the program has:" + known + "."});
+                  "Vehicle to drive, one of those built into the program:" + known + "."});
 }
 
 void AddProgram(Configuration& c, Keys& keys) {
   const Keys rows = {
-      {"log.enabled", &c.log.enabled, 0, 0, "true: a flight log is written."},
-      {"log.directory", &c.log.directory, 1, kMaxText, "Where its files go."},
+      {"log.enabled", &c.log.enabled, 0, 0, "true: write a flight log."},
+      {"log.directory", &c.log.directory, 1, kMaxText, "Directory of its files."},
       {"log.file_size_mb", &c.log.file_size_mb, 1, 4000,
-       "A file that has reached this size (of 1e6 bytes) is followed by the next.",
+       "When a file reaches this size (in units of 1e6 bytes), the next one is started.",
        "log.max_total_mb"},
       {"log.max_total_mb", &c.log.max_total_mb, 1, 16000000,
-       "Beyond this size of all files together the oldest are deleted."},
+       "When all files together exceed this size, the oldest are deleted."},
       {"log.min_free_mb", &c.log.min_free_mb, 0, 16000000,
-       "So much of the medium is left to others: the oldest files are deleted for it."},
+       "Space to leave free on the medium: the oldest files are deleted for it."},
       {"log.buffer_mb", &c.log.buffer_mb, 1, 1000,
-       "Memory that holds what is to be written while the medium is busy; what does not fit is "
-       "counted."},
-      {"control.socket", &c.control.socket, 1, 107,
-       "Path of the socket over which the operator commands."},
+       "Memory that buffers the log while the medium is busy; records that do not fit are dropped "
+       "and counted."},
+      {"control.socket", &c.control.socket, 1, 107, "Path of the operator's control socket."},
       {"control.group", &c.control.group, 0, 32,
-       "Group whose members may command besides the program's user; empty: nobody."},
+       "Group whose members may command, in addition to the program's user; empty: none."},
       {"process.realtime_priority", &c.process.realtime_priority, 0, 99,
-       "Of the tick's thread, SCHED_FIFO; 0: not asked for."},
+       "SCHED_FIFO priority of the tick's thread; 0: none requested."},
       {"process.lock_memory", &c.process.lock_memory, 0, 0,
-       "true: memory is kept from being swapped out."},
-      {"process.cpu", &c.process.cpu, -1, 1023, "Processor of the tick's thread; -1: any."},
+       "true: lock the memory, so that it is not swapped out."},
+      {"process.cpu", &c.process.cpu, -1, 1023, "CPU of the tick's thread; -1: any."},
       {"process.abort_on_allocation", &c.process.abort_on_allocation, 0, 0,
-       "true: an allocation after the start ends the program (for tests); false: it is counted."}};
+       "true: an allocation after the start aborts the program (for tests); false: it is "
+       "counted."}};
   keys.insert(keys.end(), rows.begin(), rows.end());
 }
 
@@ -119,34 +121,34 @@ bool WithSevcon(const Configuration& c) {
 bool WithOuster(const Configuration& c) {
   return DevicesOf(c.vehicle_type).ouster;
 }
-bool WhereLabelsAreUsed(const Configuration& c) {
+bool WithLabels(const Configuration& c) {
   return c.perception.mapping.use_labels != 0;
 }
-bool WhereInsIsUsed(const Configuration& c) {
+bool WithIns(const Configuration& c) {
   return c.onboard.safety.needs_ins != 0 || c.ins.address.value != 0;
 }
 
 constexpr std::array kRequired = {
     RequiredKey{"drive.gear_ratio", WithSevcon, "the Warthog's is not public: measure it"},
     RequiredKey{"drive.left_sign", WithSevcon,
-                "1 or -1: how the motor is mounted is not public: try it with the wheels up"},
+                "1 or -1: the motor's mounting is not public: try it with the wheels up"},
     RequiredKey{"drive.right_sign", WithSevcon,
-                "1 or -1: how the motor is mounted is not public: try it with the wheels up"},
-    RequiredKey{"lidar.address", Always, "where your lidar sends from"},
+                "1 or -1: the motor's mounting is not public: try it with the wheels up"},
+    RequiredKey{"lidar.address", Always, "the address that your lidar sends from"},
     RequiredKey{"lidar.metadata", WithOuster, "the file with your lidar's beam angles"},
-    RequiredKey{"ins.address", WhereInsIsUsed,
-                "where your INS sends from; without one set safety.needs_ins = 0"},
-    RequiredKey{"ins.port", WhereInsIsUsed,
-                "where your INS sends to; without one set safety.needs_ins = 0"},
-    RequiredKey{"labels.address", WhereLabelsAreUsed,
-                "where labels come from, which mapping.use_labels = 1 asks for"},
+    RequiredKey{"ins.address", WithIns,
+                "the address that your INS sends from; without an INS set safety.needs_ins = 0"},
+    RequiredKey{"ins.port", WithIns,
+                "the port that your INS sends to; without an INS set safety.needs_ins = 0"},
+    RequiredKey{"labels.address", WithLabels,
+                "the address that labels come from; mapping.use_labels = 1 needs it"},
 };
 
 struct Unit {
   std::string_view suffix;
   std::string_view text;
 };
-// A suffix before the shorter ones that it ends in.
+// A longer suffix comes before the shorter ones that it ends in.
 constexpr std::array kUnits = {Unit{"_per_m2", "1/m^2"},
                                Unit{"_per_m", "1/m"},
                                Unit{"_per_s2", "1/s^2"},
@@ -199,7 +201,7 @@ std::vector<ConfigurationKey> KeysOf(Configuration& configuration) {
   AddVehicleType(configuration, keys);
   AddParameters(configuration.planner, keys);
   AddProgram(configuration, keys);
-  // [ins] has keys of the port and parameters; a file may open a table only once.
+  // [ins] has keys of this port and parameters, but a file may open a table only once.
   std::vector<std::string> groups;
   for (const ConfigurationKey& key : keys) groups.push_back(key.group());
   const auto first_of = [&groups](const ConfigurationKey& key) {
@@ -243,12 +245,12 @@ std::string ExpectedOf(const ConfigurationKey& key) {
 
 std::string NumberText(float value) {
   std::string text = Shortest(value);
-  // A file is read as double first. Should that, rounded again, not be the same float, all the
-  // double's digits are.
+  // A file is read as double first. If that double does not round to the same float, write all of
+  // the double's digits.
   double read = 0.0;
   std::from_chars(text.data(), text.data() + text.size(), read);
   if (static_cast<float>(read) != value) text = Shortest(static_cast<double>(value));
-  // Without either it would be a whole number, which has no -0.
+  // Without a point or an exponent it would be a whole number, which has no -0.
   if (text.find_first_of(".en") == std::string::npos) text += ".0";
   return text;
 }

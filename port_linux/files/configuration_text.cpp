@@ -11,7 +11,7 @@
 namespace hardpack {
 namespace {
 
-// The codes of one class are said by what "default" says of all that are not listed.
+// "default" covers the codes of one class, so these are not listed.
 std::string ClassesToToml(const LabelTable& labels) {
   constexpr ReturnClass kUnlisted = ReturnClass::kHard;
   const auto name_of = [](ReturnClass meaning) {

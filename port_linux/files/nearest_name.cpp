@@ -7,7 +7,8 @@
 namespace hardpack {
 namespace {
 
-// Letters to be put in, left out or replaced, one row of the table of Wagner and Fischer at a time.
+// Number of letters to insert, delete or replace (Wagner and Fischer, one row of the table at a
+// time).
 size_t EditDistance(std::string_view a, std::string_view b) {
   std::vector<size_t> row(b.size() + 1);
   for (size_t j = 0; j <= b.size(); ++j) row[j] = j;

@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Where a field may stand besides the top level; the flat form has only data_format.
+// The sections that may contain a field besides the top level; the flat form has only data_format.
 constexpr std::array kSections = {"beam_intrinsics",   "lidar_intrinsics", "data_format",
                                   "lidar_data_format", "sensor_info",      "config_params"};
 
@@ -55,7 +55,7 @@ constexpr int64_t kMaxInitId = 0xffffff;
 constexpr uint64_t kMaxSerialNumber = 0xffffffffffu;
 constexpr FirmwareVersion kFirstWithCrc = {3, 2, 0};
 
-// A text of the file as a message may show it: short, and printable.
+// A text of the file for a message: short and printable.
 std::string Quoted(std::string_view text) {
   constexpr size_t kShown = 40;
   std::string shown = "\"";
@@ -69,8 +69,8 @@ std::string Number(double value) {
   return {text.data(), end};
 }
 
-// Reads fields one after the other; the first that is wrong is kept as the outcome, and everything
-// asked for after it is answered with "absent".
+// Reads fields one after the other; the first error is kept as the outcome, and every later field
+// is reported as absent.
 class FieldReader {
  public:
   FieldReader(const Json& root, std::string_view name) : root_(root), name_(name) {}
@@ -84,7 +84,7 @@ class FieldReader {
     outcome_ = {status, std::string(name_) + ": " + std::string(field) + ": " + what};
   }
 
-  // The field, at the top or in a section; nullptr when it is nowhere, or null.
+  // The field, at the top or in a section; nullptr if it is missing or null.
   const Json* Find(const char* field) {
     if (!ok()) return nullptr;
     if (const Json* value = FindIn(root_, field); value != nullptr) return value;
@@ -230,7 +230,7 @@ void ReadBeams(FieldReader& reader, Metadata& metadata) {
   }
 }
 
-// Columns of a revolution by the mode's name ("1024x10"); 0 when there is none.
+// Columns of a revolution by the mode's name ("1024x10"); 0 without a mode.
 int64_t ColumnsOfMode(FieldReader& reader) {
   const std::string mode = reader.Text("lidar_mode");
   if (!reader.ok() || mode.empty()) return 0;
@@ -278,8 +278,8 @@ void ReadProfile(FieldReader& reader, Metadata& metadata) {
   reader.Fail("udp_profile_lidar", Quoted(name) + " is not a known profile", Status::kUnsupported);
 }
 
-// Takes "3.2.0" off the front of the text; a third number may be missing. False when it does not
-// begin with a version, or one of its numbers is absurd.
+// Parses "3.2.0" at the start of the text; the third number may be missing. False if it does not
+// begin with a version, or one of its numbers is implausible.
 bool ParseVersion(std::string_view text, FirmwareVersion& version) {
   constexpr int32_t kLargest = 9999;
   int32_t* const numbers[] = {&version.first, &version.second, &version.third};
@@ -290,7 +290,7 @@ bool ParseVersion(std::string_view text, FirmwareVersion& version) {
       if (at == end || *at != '.') return number == numbers[2];
       ++at;
     }
-    // from_chars would take a sign.
+    // from_chars would accept a sign.
     if (at == end || *at < '0' || *at > '9') return false;
     const auto [stop, error] = std::from_chars(at, end, *number);
     if (error != std::errc() || *number > kLargest) return false;
@@ -299,8 +299,8 @@ bool ParseVersion(std::string_view text, FirmwareVersion& version) {
   return true;
 }
 
-// image_rev is "ousteros-image-prod-aries-v2.3.0+20220415163956", build_rev "v2.3.0", in builds of
-// the maker's own a commit: a version is what follows the first v that one follows.
+// image_rev is "ousteros-image-prod-aries-v2.3.0+20220415163956", build_rev "v2.3.0", or a commit
+// in the manufacturer's own builds: the version follows the first v that has one after it.
 FirmwareVersion VersionIn(std::string_view text) {
   for (size_t at = text.find('v'); at != std::string_view::npos; at = text.find('v', at + 1)) {
     FirmwareVersion version;
@@ -386,7 +386,7 @@ void ReadGeometry(FieldReader& reader, Metadata& metadata) {
                                             static_cast<float>(m[11] / kMillimetersPerMeter)};
 }
 
-// A direction is complete when all its beams have looked along it (core/scan).
+// A direction is complete when all beams have measured it (core/scan).
 void CheckSpread(FieldReader& reader, const Metadata& metadata) {
   if (!reader.ok() || metadata.columns_per_frame > kMaxColumnsPerRevolution) return;
   const auto beams = static_cast<size_t>(metadata.beams);

@@ -6,8 +6,8 @@
 namespace hardpack {
 namespace {
 
-// Behind the quote that ends a text, or the line's end: a text that does not end is the parser's to
-// tell. `at` is behind the quote that begins it.
+// The position after the quote that ends a text, or the line's end: the parser reports a text
+// without an end. `at` is the position after its first quote.
 size_t BehindText(std::string_view line, size_t at, char quote) {
   while (at < line.size() && line[at] != quote) {
     at += quote == '"' && line[at] == '\\' ? 2 : 1;
@@ -15,22 +15,22 @@ size_t BehindText(std::string_view line, size_t at, char quote) {
   return std::min(at + 1, line.size());
 }
 
-// What is wrong with the line, or null. The parser is outside of quotes where a line begins, as no
-// text reaches over its end.
+// The error of the line, or null. At the start of a line the parser is outside quotes, because no
+// text continues over the end of a line.
 const char* Fault(std::string_view line) {
   for (size_t at = 0; at < line.size();) {
     const char letter = line[at];
     if (letter == '#') return nullptr;
     if (letter != '"' && letter != '\'') {
       if (static_cast<unsigned char>(letter) >= 0x80) {
-        return "a letter that is not ASCII outside of quotes";
+        return "a non-ASCII letter outside quotes";
       }
       ++at;
       continue;
     }
     const std::string_view rest = line.substr(at);
     if (rest.starts_with("\"\"\"") || rest.starts_with("'''")) {
-      return "a text of several lines; none is needed here";
+      return "a multi-line text, which is not supported";
     }
     at = BehindText(line, at + 1, letter);
   }

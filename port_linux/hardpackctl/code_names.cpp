@@ -25,10 +25,10 @@ static_assert(static_cast<int>(Mode::kFault) + 1 == kModes);
 
 constexpr CodeName kStopReasonNames[] = {
     {"none", "", false},
-    {"operator", "told to stop by the operator", false},
+    {"operator", "stopped by the operator", false},
     {"lidar_old", "no lidar column lately", true},
     {"odometry_old", "no wheel speeds lately", true},
-    {"ins_old", "no message of the INS lately", true},
+    {"ins_old", "no message from the INS lately", true},
     {"plan_old", "the plan has not been checked recently", true},
     {"no_plan", "there is no plan, or none yet", true},
     {"operator_silent", "no command or key press from the operator", true},
@@ -43,9 +43,9 @@ constexpr CodeName kStopReasonNames[] = {
     {"person", "a person is in the way, or too close to it", true},
     {"obstacle", "an obstacle is in the way of the path", true},
     {"goal_in_obstacle", "the goal is in an obstacle", true},
-    {"runaway", "it moves when told to stand, or much faster than told", true},
+    {"runaway", "it moves when commanded to stand, or much faster than commanded", true},
     {"wrong_turn", "it turns against its command", true},
-    {"stuck", "it was told to move and does not", true},
+    {"stuck", "it was commanded to move and does not", true},
     {"bad_command", "a command was not a number", true},
     {"blind_ahead", "the lidar has not looked along the path recently", true},
     {"lidar_covered", "the lidar's window is covered, or nothing comes back ahead", true},
@@ -105,7 +105,7 @@ constexpr CodeName kDriveFaultNames[] = {
     {"rebooted", "restarted", true},
     {"emergency", "EMCY", true},
     {"status_fault", "fault bit of the statusword", true},
-    {"wrong_identity", "another device than the configured one", true},
+    {"wrong_identity", "not the configured device", true},
     {"sdo_abort", "refused a request or a setting", true},
     {"sdo_timeout", "does not answer", true},
     {"read_back", "a setting does not read back as written", true},
@@ -199,7 +199,7 @@ CodeName NameOf(FieldKind kind, uint8_t code) {
     case FieldKind::kNmtState:
       return NmtStateName(code);
     case FieldKind::kStatus: {
-      // That nothing has been started is no problem: there was no goal yet.
+      // kNotStarted is not a problem: there was no goal yet.
       const auto status = static_cast<Status>(code);
       return {StatusName(status), WordsOf(status),
               !IsUsable(status) && status != Status::kNotStarted};

@@ -25,14 +25,14 @@ ReadOutcome ConnectFailure(const std::string& path, int code) {
     case ENOENT:
       return {Status::kSystemError, begin + "no such socket: is hardpackd running?"};
     case ECONNREFUSED:
-      return {Status::kSystemError, begin + "nobody listens: hardpackd is not running"};
+      return {Status::kSystemError, begin + "hardpackd is not running"};
     case EACCES:
       return {Status::kNotPermitted,
               begin + "not permitted: you are neither its owner nor in its group"};
     case EAGAIN:
-      return {Status::kTimedOut, begin + "hardpackd does not take connections"};
+      return {Status::kTimedOut, begin + "hardpackd accepts no connections"};
     case EPROTOTYPE:
-      return {Status::kSystemError, begin + "it is not a control socket"};
+      return {Status::kSystemError, begin + "not a control socket"};
     default:
       return {Status::kSystemError, begin + std::strerror(code)};
   }
@@ -52,7 +52,7 @@ ReadOutcome Connection::Open(const std::string& path, milliseconds timeout) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.empty() || path.size() >= sizeof(address.sun_path)) {
-    return {Status::kInvalidArgument, "--socket: " + path + " is not a path of a socket"};
+    return {Status::kInvalidArgument, "--socket: " + path + " is not a valid socket path"};
   }
   std::copy(path.begin(), path.end(), address.sun_path);
   path_ = path;
@@ -72,7 +72,7 @@ ReadOutcome Connection::Exchange(std::span<const uint8_t> message, uint32_t sequ
   const auto until = steady_clock::now() + timeout_;
   ReadOutcome ended = {
       Status::kSystemError,
-      path_ + ": the connection was closed: hardpackd has ended, or has no place left"};
+      path_ + ": the connection was closed: hardpackd has ended, or serves no more clients"};
   ReadOutcome late = {Status::kTimedOut, path_ + ": no answer in time"};
   ReadOutcome interrupted = {Status::kAborted, "interrupted"};
   if (send(socket_.get(), message.data(), message.size(), MSG_NOSIGNAL) < 0) {
@@ -90,18 +90,17 @@ ReadOutcome Connection::Exchange(std::span<const uint8_t> message, uint32_t sequ
     control::Header header;
     const Status status = ReadHeader(answer, header);
     if (!IsUsable(status)) {
-      return {status, path_ + ": an answer that is none (" + StatusName(status) + ")"};
+      return {status, path_ + ": malformed answer (" + StatusName(status) + ")"};
     }
     if (header.sequence == sequence) return {};
   }
 }
 
-// The answer is not of the kind that was asked for: it may say why.
+// For an answer of another kind than requested: it may give the reason.
 ReadOutcome Connection::Refusal(std::span<const uint8_t> answer, Status status) const {
   control::Done done;
   if (!IsUsable(Decode(answer, done))) {
-    return {status,
-            path_ + ": an answer that is none (" + StatusName(status) + "): " + WordsOf(status)};
+    return {status, path_ + ": malformed answer (" + StatusName(status) + "): " + WordsOf(status)};
   }
   return {IsUsable(done.status) ? status : done.status,
           path_ + ": refused: " + StatusName(done.status) + ": " + WordsOf(done.status)};
@@ -142,7 +141,7 @@ ReadOutcome Connection::AskPart(uint32_t offset, control::ParametersPart& part) 
   const Status status = Decode(bytes, part);
   if (!IsUsable(status)) return Refusal(bytes, status);
   if (part.offset == offset) return {};
-  return {Status::kWrongPacketType, path_ + ": another part than was asked for"};
+  return {Status::kWrongPacketType, path_ + ": not the requested part"};
 }
 
 ReadOutcome Connection::AskParameters(std::string& toml) {

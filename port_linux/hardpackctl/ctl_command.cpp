@@ -55,7 +55,7 @@ struct CtlOptions {
 
 volatile std::sig_atomic_t interrupted = 0;
 
-// Ctrl-C ends the wait for an answer or for the next time, and the program then ends as it should.
+// Ctrl-C ends the wait for an answer or for the next update, and the program then ends normally.
 void CatchInterrupt() {
   struct sigaction action {};
   action.sa_handler = [](int) { interrupted = 1; };
@@ -160,13 +160,13 @@ void Waypoints(const CtlOptions& options) {
   Command(options, command);
 }
 
-// Another number than any program said before, as good as surely; not 0.
+// Almost certainly different from the numbers of all earlier programs; not 0.
 uint32_t FirstPress() {
   std::random_device random;
   return std::max(1u, random() & 0x7fffffffu);
 }
 
-// Whoever calls it is there. A program that calls it again and again is nobody.
+// Shows that the caller is present, once. A program that repeats it does not prove an operator.
 void Alive(const CtlOptions& options) {
   control::OperatorCommand command;
   command.kind = Kind::kAlive;
@@ -174,12 +174,12 @@ void Alive(const CtlOptions& options) {
   Command(options, command);
 }
 
-// The terminal gives each key at once and shows none; as it was, in the end.
+// Makes the terminal deliver each key at once without echo; restores it at the end.
 class KeysOfTerminal {
  public:
   KeysOfTerminal() {
     if (isatty(STDIN_FILENO) != 1 || tcgetattr(STDIN_FILENO, &before_) != 0) {
-      throw CommandFailure(kBadInput, "drive needs a terminal: somebody has to press its keys");
+      throw CommandFailure(kBadInput, "drive needs a terminal, where somebody presses keys");
     }
     termios raw = before_;
     raw.c_lflag &= static_cast<tcflag_t>(~(ICANON | ECHO));
@@ -191,8 +191,8 @@ class KeysOfTerminal {
   KeysOfTerminal(const KeysOfTerminal&) = delete;
   KeysOfTerminal& operator=(const KeysOfTerminal&) = delete;
 
-  // The last of those pressed since, and all before it dropped; none within the time. False: the
-  // terminal has gone.
+  // The last key pressed since the last call; earlier ones are dropped. No key if none was pressed
+  // within the time. False: the terminal is gone.
   bool Next(std::optional<char>& key, int wait_ms) {
     key.reset();
     pollfd ready{STDIN_FILENO, POLLIN, 0};
@@ -203,7 +203,7 @@ class KeysOfTerminal {
     if (got <= 0) return false;
     key = keys[static_cast<size_t>(got) - 1];
     for (ssize_t i = 0; i < got; ++i) {
-      if (keys[static_cast<size_t>(i)] == 'e') key = 'e';  // whatever came behind it
+      if (keys[static_cast<size_t>(i)] == 'e') key = 'e';  // whatever followed it
     }
     return true;
   }
@@ -217,14 +217,14 @@ Kind MeaningOf(char key) {
   return key == 's' ? Kind::kStop : Kind::kAlive;
 }
 
-// Ends when the answer is no, or the connection: somebody who relies on it has to know.
+// Ends on a refusal or a lost connection: the operator, who relies on it, must know.
 void Drive(const CtlOptions& options) {
   CatchInterrupt();
   ctl::Connection connection;
   Open(options, connection);
   KeysOfTerminal keys;
   std::cout << "Press or hold any key while you watch the vehicle; s: stop, e: emergency stop, "
-               "q: leave\n"
+               "q: quit\n"
             << std::flush;
   constexpr int kWait_ms = 50;
   control::OperatorCommand command;
@@ -256,8 +256,8 @@ std::string StatusText(const CtlOptions& options, const control::StatusReport& r
   return ctl::ToText(report, before, {TerminalWidth(), options.all, terminal});
 }
 
-// One report after the other: each drawn over the one before on a terminal, one object a line with
-// --json. A connection that ends is made again: hardpackd may start anew.
+// Prints one report after the other: on a terminal over the previous one, with --json one object
+// per line. Reconnects after a lost connection: hardpackd may be restarted.
 void WatchStatus(const CtlOptions& options) {
   CatchInterrupt();
   const bool redraw = !options.json && isatty(STDOUT_FILENO) == 1;
@@ -314,7 +314,7 @@ using Options = std::shared_ptr<CtlOptions>;
 CLI::App* AddSubcommand(CLI::App& ctl, const char* name, const char* description,
                         const Options& options, std::function<void(const CtlOptions&)> run) {
   CLI::App* command = ctl.add_subcommand(name, description);
-  command->fallthrough();  // --socket, --timeout and --json may stand behind it
+  command->fallthrough();  // --socket, --timeout and --json may follow it
   command->callback([options, run = std::move(run)] { run(*options); });
   return command;
 }
@@ -347,7 +347,7 @@ void AddGoals(CLI::App& ctl, const Options& options) {
                      "X Y (and the heading) are relative to the vehicle: ahead and to the left");
   CLI::Option* latitude = goal->add_option("--lat", options->latitude,
                                            "Latitude, WGS 84, in degrees, at most nine decimals");
-  CLI::Option* longitude = goal->add_option("--lon", options->longitude, "Longitude, the same");
+  CLI::Option* longitude = goal->add_option("--lon", options->longitude, "Longitude, likewise");
   latitude->needs(longitude)->excludes(position)->excludes(heading)->excludes(relative);
   longitude->needs(latitude);
 

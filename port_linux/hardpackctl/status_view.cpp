@@ -79,7 +79,7 @@ struct Row {
   uint64_t count = 0;
 };
 
-// "worst_tick_ns" is shown in the unit that suits it.
+// "worst_tick_ns" is shown in a suitable unit.
 std::string ShownName(std::string name, FieldKind kind) {
   const std::string unit = kind == FieldKind::kDuration     ? "_ns"
                            : kind == FieldKind::kNanodegree ? "_ndeg"

@@ -59,7 +59,7 @@ ReadOutcome ParseHeader(const std::string& name, const std::vector<std::string>&
                                  : GoalFrame::kGeodetic;
     return {};
   }
-  return Wrong(name, "one of the words odom, relative or latlon has to come first");
+  return Wrong(name, "the first word must be odom, relative or latlon");
 }
 
 ReadOutcome ParseWaypoint(const std::string& name, const std::vector<std::string>& words,
@@ -68,7 +68,7 @@ ReadOutcome ParseWaypoint(const std::string& name, const std::vector<std::string
   waypoint = {};
   waypoint.frame = frame;
   if (words.size() != 2) {
-    return Wrong(name, geodetic ? "a latitude and a longitude are needed" : "x and y are needed");
+    return Wrong(name, geodetic ? "expected latitude and longitude" : "expected x and y");
   }
   if (geodetic) {
     ReadOutcome outcome = ParseNanodegrees(name + ": latitude", words[0],
@@ -96,7 +96,7 @@ ReadOutcome ParseNanodegrees(const std::string& name, std::string_view text, int
     return Wrong(name, Quoted(text) + " is not a number of degrees such as -96.338912345");
   }
   if (fraction.size() > kFractionDigits) {
-    return Wrong(name, Quoted(text) + " has more than nine digits behind the point");
+    return Wrong(name, Quoted(text) + " has more than nine decimals");
   }
   std::string scaled = std::string(whole) + std::string(fraction);
   scaled.append(kFractionDigits - fraction.size(), '0');

@@ -42,8 +42,8 @@ void NoteAllocation() {
 
 }  // namespace
 
-// A static program already has the C library's malloc by its own name: there the linker's --wrap
-// puts these in between. A dynamic one is asked first, under the name itself.
+// A static program already contains the C library's malloc under its own name: there the linker's
+// --wrap inserts these. In a dynamic program these have the name itself and are found first.
 #if defined(HP_WRAPPED_MALLOC)
 #define HP_OURS(name) __wrap_##name
 #define HP_THEIRS(name) __real_##name

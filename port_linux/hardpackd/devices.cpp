@@ -20,7 +20,7 @@ constexpr int64_t kNanosecondsPerSecond = 1'000'000'000;
 constexpr uint64_t kLogDrain_ns = 5'000'000'000;
 constexpr uint32_t kBitsPerKilobit = 1000;
 
-// Says what came of it; true when it is open.
+// Reports the outcome; true if it is open.
 bool Tell(std::string_view what, const OpenOutcome& outcome) {
   const std::string begin = std::string(what) + ": ";
   const std::string warns = "warning: " + begin;

@@ -16,7 +16,7 @@
 #include "port_linux/hardpackd/devices.h"
 #include "port_linux/hardpackd/revision.h"
 
-// The onboard program: reads its configuration, opens everything, ticks until it is told to end.
+// The onboard program: reads its configuration, opens everything, ticks until it is told to stop.
 
 namespace hardpack {
 namespace {
@@ -37,7 +37,7 @@ constexpr const char* kHelp =
 enum ExitCode : int { kDone = 0, kFailed = 1, kBadInput = 2 };
 
 std::atomic<bool> g_stop = false;
-std::atomic<bool> g_told_to_end = false;  // by a signal that ends it at once when it comes again
+std::atomic<bool> g_told_to_end = false;  // by a signal; a second one ends it at once
 
 extern "C" void OnStopSignal(int /*signal*/) {
   constexpr int kSignalled = 130;
@@ -45,7 +45,8 @@ extern "C" void OnStopSignal(int /*signal*/) {
   g_stop = true;
 }
 
-// A service manager, or a terminal that goes, may send it besides: it never makes the end hasty.
+// A service manager or a closing terminal may send it in addition: it never ends the program at
+// once.
 extern "C" void OnHangUp(int /*signal*/) {
   g_stop = true;
 }
@@ -85,10 +86,10 @@ ReadOutcome ReadStartup(const std::string& path, Startup& startup) {
   return ReadLidar(startup.configuration, startup.lidar_text, startup.lidars);
 }
 
-// 8 MiB that live here and nowhere else.
+// The only instance of these 8 MiB.
 ChosenVehicle g_vehicle;
 
-// Writes to every page once: the first plan is not to wait for them, should memory not be locked.
+// Writes to every page once, so that the first plan does not wait for them if memory is not locked.
 void TouchPages(std::span<std::byte> memory) {
   constexpr size_t kPage_bytes = 4096;
   for (size_t i = 0; i < memory.size(); i += kPage_bytes) {

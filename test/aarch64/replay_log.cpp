@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
   std::printf("%" PRId64 " ticks, decision hash %016" PRIx64 "\n", report.ticks,
               report.decision_hash);
   if (report.difference.found) {
-    std::fprintf(stderr, "tick %" PRIu64 " is decided otherwise: %s\n", report.difference.index,
+    std::fprintf(stderr, "tick %" PRIu64 " decides differently: %s\n", report.difference.index,
                  report.difference.what.c_str());
   }
   if (!report.not_comparable.empty()) std::fprintf(stderr, "%s\n", report.not_comparable.c_str());

@@ -9,5 +9,5 @@ bin/hardpack experiment open --runs 1 --jobs 1 --out runs >runs.md
 bin/hardpackctl --help >/dev/null
 # It says which keys have no default.
 if bin/hardpackd --check-config share/hardpack/warthog.toml 2>check.txt; then exit 1; fi
-grep -q "has to be set" check.txt
+grep -q "must be set" check.txt
 echo "installed: runs without its sources"

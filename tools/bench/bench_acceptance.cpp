@@ -37,7 +37,7 @@ bool Less(const Figure& a, const Figure& b) {
   return a.value < b.value;
 }
 
-// Of the peers of each row the one that finds the best path, where they differ in that.
+// For each row the peer that finds the best path, if they differ in that.
 std::vector<Figure> RatiosOf(const std::vector<BenchRow>& rows) {
   std::vector<Figure> ratios;
   for (const BenchRow& row : rows) {

@@ -48,8 +48,8 @@ StageChain::StageChain(const BenchScene& scene) : mapper_(scene.mapper) {
   }
 }
 
-// Ground at 0 m in each observed cell, and what is to be an obstacle at 1 m: above the obstacles'
-// least height, below the clearance.
+// Ground at 0 m in each observed cell, and obstacles at 1 m: above the least height of an obstacle,
+// below the clearance.
 void StageChain::FillHeights(const BenchScene& scene) {
   heights_ = std::make_unique<HeightGrid>();
   for (int index = 0; index < kMapCells; ++index) {
@@ -72,7 +72,7 @@ void StageChain::FillHeights(const BenchScene& scene) {
 void StageChain::CheckCells(const BenchScene& scene) const {
   for (size_t i = 0; i < scene.flags.size(); ++i) {
     if ((map().flags[i] & kCellFlags) == scene.flags[i]) continue;
-    throw CommandFailure(kWorkFailed, "the heights do not give the cells of " + scene.name);
+    throw CommandFailure(kWorkFailed, "the heights do not reproduce the cells of " + scene.name);
   }
 }
 

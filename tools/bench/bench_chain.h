@@ -8,8 +8,8 @@
 #include "core/costmap/height_grid.h"
 #include "tools/bench/bench_scenes.h"
 
-// The stages of planning on one scene, each ready to be run again and again: what it works on is
-// there from the start. For measuring times and for counting instructions alike.
+// The stages of planning on one scene, each ready to run any number of times: its input exists from
+// the start. Used for measuring times and for counting instructions.
 
 namespace hardpack::command {
 
@@ -18,35 +18,35 @@ class StageChain {
   static constexpr size_t kMostQueries = 8;
   static constexpr int kPathPoints = 200;  // of the path that is optimized, timed and checked
 
-  // Builds the costmap, chooses the scene's first kMostQueries queries that have a way from free
-  // cell to free cell, and runs each stage once. Obstacles are dilated by the vehicle's planning
-  // radius; where that leaves no query, by nothing (`dilated` is false then): in a comb 7 cells
-  // wide the search still has something to do, as the halo gives each way its weight.
-  // Throws a CommandFailure when the heights do not give the scene's cells.
+  // Builds the costmap, selects the scene's first kMostQueries queries that have a path from a free
+  // cell to a free cell, and runs each stage once. Obstacles are dilated by the vehicle's planning
+  // radius; if that leaves no query, they are not dilated (`dilated` is then false): in a comb 7
+  // cells wide the search still has work to do, because the halo gives each path its weight.
+  // Throws a CommandFailure if the heights do not reproduce the scene's cells.
   explicit StageChain(const BenchScene& scene);
 
-  // From Begin to the end; how it ended.
+  // From Begin to the end; returns the final status.
   Status BuildCostmap();  // from heights, pending columns of the mapper included
   Status Search(const BenchQuery& query);
   Status Sample();  // of the last Search
   Status Optimize(const OptimizerParams& optimizer);
   Status Speed();
   Status Check();
-  Status Replan(const BenchQuery& query);  // the whole of it, by the planner
+  Status Replan(const BenchQuery& query);  // a complete planning, by the planner
 
   const std::vector<BenchQuery>& queries() const { return queries_; }
-  // The same, or where there is none the scene's first: to find no way takes its time too.
+  // The same, or the scene's first one if there are none: finding no path takes time, too.
   const std::vector<BenchQuery>& replan_queries() const { return replan_queries_; }
   bool has_path() const { return path_.size() > 1; }
-  // Whose path is optimized, timed and checked: the first one with kPathPoints points, or else the
-  // one with most. Precondition: has_path().
+  // The query whose path is optimized, timed and checked: the first one with kPathPoints points, or
+  // otherwise the one with the most. Precondition: has_path().
   const BenchQuery& path_query() const { return path_query_; }
 
   bool dilated() const { return dilated_; }
   const PlannerParams& params() const { return params_; }
   const hardpack::Costmap& map() const { return builder_->result(); }
   const AstarResult& search_result() const { return search_->result(); }
-  const WorldPath& seed() const { return seed_; }  // as the planner makes one, cut to kPathPoints
+  const WorldPath& seed() const { return seed_; }  // as made by the planner, cut to kPathPoints
   const OptimizerResult& optimizer_result() const { return optimizer_->result(); }
   const WorldPath& path() const { return path_; }  // optimized
   const SpeedProfile& speed() const { return *speed_; }

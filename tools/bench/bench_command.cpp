@@ -69,7 +69,7 @@ std::vector<SceneMaker> ChosenScenes(const BenchOptions& options, std::string& d
   return scenes;
 }
 
-// A run takes minutes: whoever looks at it sees where it is.
+// A run takes minutes, so its progress is shown.
 void ShowScene(const std::string& name) {
   if (isatty(STDERR_FILENO) == 1) std::cerr << "\r\033[Kmeasuring on " << name << std::flush;
 }
@@ -80,7 +80,7 @@ void ClearShown() {
 
 void RunBench(const BenchOptions& options) {
   if (options.json && options.markdown) {
-    throw CommandFailure(kBadInput, "--json and --markdown: give one of them");
+    throw CommandFailure(kBadInput, "give only one of --json and --markdown");
   }
   for (const std::string& stage : options.stages) {
     CheckName("STAGE", "stage", stage, BenchStageNames());
@@ -114,8 +114,8 @@ std::string Joined(const std::vector<std::string>& names) {
 std::string SceneHelp() {
   std::vector<std::string> names;
   for (const SceneMaker& scene : BuiltInScenes()) names.push_back(scene.name);
-  return "Only this one (again for more): " + Joined(names) +
-         "; with recordings the names of the movingai maps, and " + kRellisScene;
+  return "Only this scene; may be repeated: " + Joined(names) +
+         "; with recordings also the names of the movingai maps, and " + kRellisScene;
 }
 
 }  // namespace
@@ -124,19 +124,18 @@ void AddBenchCommand(CLI::App& app) {
   CLI::App* bench = app.add_subcommand(
       "bench",
       "Measure each stage, and a full replanning cycle, on built-in maps and recordings: median,\n"
-      "p99 and worst processor time, size of the stage's object, heap allocations during the\n"
-      "measured calls (exit code 1 when there is one), and by turns with it OpenCV, Boost.Graph\n"
-      "and Ceres on the same input, those of them that this build has. Then what was promised\n"
-      "and measured. All of it takes about two minutes.");
+      "p99 and worst processor time, size of the stage's object, and heap allocations during the\n"
+      "measured calls (exit code 1 if there are any). OpenCV, Boost.Graph and Ceres, where this\n"
+      "build has them, run alternately with it on the same input. Then print each promised\n"
+      "figure beside the measured one. The whole takes about two minutes.");
   const auto options = std::make_shared<BenchOptions>();
-  bench->add_option("STAGE", options->stages,
-                    Joined(BenchStageNames()) + "; all of them when none is named");
+  bench->add_option("STAGE", options->stages, Joined(BenchStageNames()) + "; default: all");
   bench->add_option("--scene", options->scenes, SceneHelp())->allow_extra_args(false);
   bench->add_option("--data", options->data,
-                    "Folder of recordings, with movingai/*.map and rellis/ (default: the "
-                    "environment's HARDPACK_DATA)");
+                    "Folder of recordings, with movingai/*.map and rellis/ (default: environment "
+                    "variable HARDPACK_DATA)");
   bench->add_flag("--json", options->json, "Print one JSON object on stdout");
-  bench->add_flag("--markdown", options->markdown, "Print two tables: stages, and promises");
+  bench->add_flag("--markdown", options->markdown, "Print two tables: stages and promises");
   AddMovingaiCommand(*bench);
   AddQualityCommand(*bench);
   bench->callback([options, bench] {

@@ -8,8 +8,8 @@
 #include "tools/bench/bench_chain.h"
 #include "tools/bench/bench_timing.h"
 
-// Other libraries on the inputs of a StageChain, as many as this build has (tools/bench/peers):
-// what is not there is not in the list. The chain outlives what is returned.
+// Other libraries on the inputs of a StageChain, those that this build has (tools/bench/peers). The
+// chain must outlive the returned list.
 
 namespace hardpack::command {
 
@@ -21,8 +21,8 @@ std::vector<std::string> PeerNames();
 // "opencv": the exact distance transform, once for each layer.
 PeerRuns DistancePeers(const StageChain& chain);
 
-// "boost": astar_search on the same costmap, the queries by turns. Solves each once: throws a
-// CommandFailure when a cost is not that of core/astar.
+// "boost": astar_search on the same costmap, the queries in turn. Solves each once: throws a
+// CommandFailure if a cost differs from that of core/astar.
 PeerRuns SearchPeers(StageChain& chain, const std::string& scene);
 
 // "ceres_trust_region", "ceres_line_search": the same F from the same seed, at most 100 iterations.

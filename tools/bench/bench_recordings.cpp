@@ -25,7 +25,7 @@ T OrThrow(MovingaiOr<T> outcome) {
   return std::get<T>(std::move(outcome));
 }
 
-// The map's first cell lies in the window's first; what is beyond the map is hard.
+// The map's first cell lies in the window's first; cells beyond the map are hard.
 std::vector<uint8_t> FlagsOf(const MovingaiMap& map) {
   std::vector<uint8_t> flags(static_cast<size_t>(kMapCells), Costmap::kHard | Costmap::kObserved);
   size_t read = 0;
@@ -38,10 +38,10 @@ std::vector<uint8_t> FlagsOf(const MovingaiMap& map) {
   return flags;
 }
 
-// The longest are much alike, so not each of them is taken.
+// The longest problems are similar, so only some of them are taken.
 std::vector<BenchQuery> LongestOf(std::vector<MovingaiProblem> problems) {
   constexpr size_t kStride = 7;
-  constexpr size_t kMost = 400;  // where the map is dilated, few of them have a way
+  constexpr size_t kMost = 400;  // on a dilated map few of them have a path
   std::stable_sort(problems.begin(), problems.end(),
                    [](const MovingaiProblem& a, const MovingaiProblem& b) {
                      return a.optimum_cells > b.optimum_cells;

@@ -17,7 +17,7 @@ std::string SceneName(const BenchRow& row) {
   return row.dilated ? row.scene : row.scene + " *";
 }
 
-// What else is known of a row: the peers, and figures that only some stages have.
+// The rest of a row: the peers, and figures that only some stages have.
 std::string Remarks(const BenchRow& row) {
   std::string remarks;
   const auto add = [&remarks](const std::string& remark) {

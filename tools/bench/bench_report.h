@@ -19,7 +19,7 @@ struct BenchReport {
   std::vector<Acceptance> acceptance;
 };
 
-// Every row, then what was promised and measured.
+// Every row, then the promises with their measurements.
 void PrintReport(const BenchReport& report);
 
 // A line for each stage (over its scenes), then the promises.

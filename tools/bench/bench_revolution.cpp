@@ -33,7 +33,7 @@ RevolutionBench::RevolutionBench() : recording_(scene::Record(scene::DemoWorld()
                        metadata_.columns_per_frame, metadata_.lidar_origin_to_beam_origin_m,
                        metadata_.sensor_from_lidar, model_),
          status_);
-  if (!IsUsable(status_)) throw CommandFailure(kWorkFailed, "the made-up metadata are refused");
+  if (!IsUsable(status_)) throw CommandFailure(kWorkFailed, "the synthetic metadata is refused");
   std::erase_if(recording_.datagrams,
                 [](const auto& datagram) { return datagram.port != kLidarPort; });
   // The recording holds a bit of the revolutions before and after.
@@ -74,7 +74,8 @@ void RevolutionBench::StartMapper(bool use_labels) {
   taken_ = 0;
 }
 
-// What a column brings with it on board: its number, its time, and now and then a pose and a tick.
+// The data that accompanies a column on board: its number, its time, and sometimes a pose and a
+// tick.
 void RevolutionBench::Prepare() {
   constexpr uint64_t kColumnsATick = 102;
   const uint64_t now_ns = kStart_ns + taken_ * kColumnPeriod_ns;

@@ -12,15 +12,15 @@
 
 namespace hardpack::command {
 
-// The stages before planning, on one made-up revolution of 1024 columns of 64 beams that comes
-// again and again, to a vehicle that stands.
+// The stages before planning, on one synthetic revolution of 1024 columns of 64 beams, repeated,
+// for a standing vehicle.
 class RevolutionBench {
  public:
   RevolutionBench();
 
   BenchRow Decode();            // the revolution's 64 packets into columns
   BenchRow ColumnByGeometry();  // one column through the mapper, no labels
-  BenchRow ColumnWithLabels();  // the same, and the labels of the column a revolution before it
+  BenchRow ColumnWithLabels();  // the same, with the labels of the column one revolution earlier
   BenchRow Costmap();           // a build from the map that the last of them left, pending columns
                                 // included
 

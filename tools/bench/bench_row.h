@@ -7,7 +7,7 @@
 
 #include "core/base/status.h"
 
-// What a run of `hardpack bench` found: one row for each stage on each scene.
+// The results of `hardpack bench`: one row for each stage on each scene.
 
 namespace hardpack::command {
 
@@ -17,22 +17,22 @@ struct PeerFigure {
   double median_us = 0.0;
   int repetitions = 0;
   double path_cost = 0.0;  // F of its path; optimizers only
-  double ratio = 0.0;      // how many times as long as the stage: the inputs' medians, added up
+  double ratio = 0.0;      // its time over the stage's: sums of the inputs' medians
 };
 
 struct BenchRow {
   std::string stage;
   std::string scene;
-  Status status = Status::kOk;  // how the stage ended; of several queries the gravest
+  Status status = Status::kOk;  // of the stage; the most severe of several queries
   double median_us = 0.0;
   double p99_us = 0.0;
   double worst_us = 0.0;
   int repetitions = 0;
   size_t object_bytes = 0;  // sizeof of the stage's object
   int64_t allocations = 0;  // on the heap, during all measured calls together
-  int queries = 0;          // start and goal pairs that took turns; 0: the stage has none
+  int queries = 0;          // start and goal pairs used in turn; 0: the stage has none
   bool dilated = true;      // by the vehicle's planning radius; see StageChain
-  // Where they mean something, else 0.
+  // 0 where they do not apply.
   double expansions = 0.0;        // the mean of the queries
   double ns_per_expansion = 0.0;  // over all queries
   int points = 0;                 // of the path

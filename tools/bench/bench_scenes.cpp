@@ -18,7 +18,7 @@ constexpr uint8_t kFreeCell = Costmap::kObserved;
 constexpr uint8_t kHardCell = Costmap::kHard | Costmap::kObserved;
 constexpr uint8_t kSoftCell = Costmap::kSoft | Costmap::kObserved;
 
-// Near two corners: 61 m apart, some 220 points of path where the way is straight.
+// Near two corners: 61 m apart, some 220 points of a straight path.
 constexpr BenchQuery kCornerToCorner = {.start_m = {-21.4f, -21.4f}, .goal_m = {21.8f, 21.8f}};
 
 // The middle of a cell, counted from the map's lower left corner.
@@ -27,7 +27,7 @@ Vec2 Place(int x, int y) {
   return CellCenter({window.origin.x + x, window.origin.y + y});
 }
 
-// A map under construction; cells beyond its edge are left alone.
+// A map under construction; cells beyond its edge are ignored.
 class Sketch {
  public:
   explicit Sketch(uint32_t seed)
@@ -54,7 +54,7 @@ class Sketch {
     }
   }
 
-  // With that query first, and others from anywhere to anywhere else far away.
+  // With that query first, then others between random places far apart.
   BenchScene Finish(const std::string& name, const BenchQuery& query = kCornerToCorner) {
     constexpr size_t kQueries = 25;
     constexpr int kFar_cells = 200;

@@ -21,7 +21,7 @@ std::vector<PeerRun*> Pointers(const PeerRuns& peers) {
   return pointers;
 }
 
-// The gravest of what a stage said; statuses are numbered by gravity.
+// The most severe status of a stage; statuses are numbered by severity.
 void Worsen(Status status, Status& gravest) {
   if (gravest < status) gravest = status;
 }

@@ -7,7 +7,7 @@
 
 namespace hardpack::command {
 
-// A line of text as printf makes it, cut at 255 characters.
+// A line of text formatted as by printf, cut at 255 characters.
 template <typename... Values>
 std::string Format(const char* format, Values... values) {
   std::array<char, 256> text = {};

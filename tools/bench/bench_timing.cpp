@@ -29,7 +29,7 @@ double AtShare(std::vector<double>& times_us, double share) {
   return times_us[static_cast<size_t>(share * static_cast<double>(times_us.size() - 1) + 0.5)];
 }
 
-// The times of a stage by its inputs, and of each peer. Room for all is made beforehand.
+// The times of a stage by its inputs, and of each peer. The memory is allocated beforehand.
 class Samples {
  public:
   explicit Samples(const Measurement& what)

@@ -7,34 +7,34 @@
 
 #include "tools/bench/bench_row.h"
 
-// Takes the time of a stage, and of other libraries beside it. The clock is the thread's own
-// processor time: on a machine that others use too, time spent waiting for a processor says nothing
-// about the stage.
+// Measures the time of a stage and of other libraries beside it. The clock is the thread's own
+// processor time: on a shared machine, time spent waiting for a processor says nothing about the
+// stage.
 
 namespace hardpack::command {
 
 struct PeerRun {
   std::string name;
-  std::function<void()> run;  // on the next of the inputs that take turns
+  std::function<void()> run;  // on the next input in turn
   double path_cost = 0.0;     // of the last run; optimizers only
 };
 
 struct Measurement {
   std::function<void()> prepare = [] {};  // not measured, before each run
   std::function<void()> run;
-  int runs_at_once = 1;  // so short a run is measured many at a time; prepared once
-  int inputs = 1;        // that take turns from run to run
+  int runs_at_once = 1;  // more than 1 for short runs; prepared once
+  int inputs = 1;        // used in turn from run to run
   std::vector<PeerRun*> peers = {};
 };
 
-inline constexpr double kBudget_us = 0.4e6;  // of measured time, a row with its peers
+inline constexpr double kBudget_us = 0.4e6;  // of measured time, for a row with its peers
 inline constexpr int kRunsARound = 4;        // of the stage; then each peer once
 inline constexpr int kLeastRounds = 5;
 inline constexpr int kMostRounds = 500;
 
 // Runs the stage and its peers in turn until the budget is spent, and fills in the row's times,
-// repetitions, allocations (the stage's alone) and peers. What comes first, each input once, warms
-// the caches and is not counted. Returns the median time of each input [us].
+// repetitions, allocations (of the stage only) and peers. First, each input is run once to warm the
+// caches, which is not counted. Returns the median time of each input [us].
 std::vector<double> MeasureRow(const Measurement& what, BenchRow& row);
 
 }  // namespace hardpack::command

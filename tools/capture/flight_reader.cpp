@@ -22,7 +22,7 @@ bool IsOwn(const UdpDatagram& datagram) {
          flight_log::KindOf(datagram.payload) != RecordKind::kNone;
 }
 
-// Puts a part behind the ones before it. A first part begins anew.
+// Appends a part to the previous ones. A first part starts again.
 void AddPart(uint64_t offset, uint64_t whole_bytes, std::span<const uint8_t> bytes,
              Assembled& assembled) {
   if (offset == 0) assembled = Assembled{};
@@ -81,7 +81,7 @@ FlightReader::Item FlightReader::Next(LoggedTick& tick) {
   const CaptureCounters& counters = reader_.counters();
   const bool all_taken = counters.frames == counters.datagrams + counters.can_frames;
   if (damage_.empty() && !all_taken) {
-    Damage("it has packets that no flight log has");
+    Damage("it has packets that do not belong in a flight log");
     return Item::kDamaged;
   }
   return Item::kFileEnd;
@@ -97,7 +97,7 @@ bool FlightReader::TakeRecord(const UdpDatagram& datagram, LoggedTick& tick, Ite
   const std::span<const uint8_t> payload = datagram.payload;
   switch (flight_log::KindOf(payload)) {
     case RecordKind::kVersion:
-      if (!IsUsable(Decode(payload, version_))) return Damage("a version record is not whole");
+      if (!IsUsable(Decode(payload, version_))) return Damage("a version record is malformed");
       has_version_ = true;
       return true;
     case RecordKind::kConfiguration:
@@ -115,7 +115,7 @@ bool FlightReader::TakeRecord(const UdpDatagram& datagram, LoggedTick& tick, Ite
       return EndTick(payload, tick);
     case RecordKind::kGap: {
       flight_log::GapRecord gap;
-      if (!IsUsable(Decode(payload, gap))) return Damage("a gap record is not whole");
+      if (!IsUsable(Decode(payload, gap))) return Damage("a gap record is malformed");
       gap_records_ = gap.records;
       in_tick_ = false;
       item = Item::kGap;
@@ -127,12 +127,12 @@ bool FlightReader::TakeRecord(const UdpDatagram& datagram, LoggedTick& tick, Ite
     case RecordKind::kNone:
       break;
   }
-  return Damage("a record is of no kind that is known");
+  return Damage("a record is of an unknown kind");
 }
 
 bool FlightReader::TakePart(RecordKind kind, std::span<const uint8_t> payload) {
   flight_log::PartRecord part;
-  if (!IsUsable(Decode(payload, part))) return Damage("a part of a text is not whole");
+  if (!IsUsable(Decode(payload, part))) return Damage("a part of a text is malformed");
   if (part.whole_bytes > flight_log::FlightLog::kMaxTextBytes) return Damage("a text is too long");
   AddPart(part.offset, part.whole_bytes, part.bytes,
           kind == RecordKind::kConfiguration ? configuration_ : lidar_metadata_);
@@ -162,17 +162,17 @@ bool FlightReader::TakeImage(std::span<const uint8_t> payload) {
 }
 
 bool FlightReader::BeginTick(std::span<const uint8_t> payload, int64_t time_ns, LoggedTick& tick) {
-  if (in_tick_) return Damage("a tick begins before the one before it has ended");
+  if (in_tick_) return Damage("a tick begins before the previous one has ended");
   tick = LoggedTick{};
   tick.time_ns = time_ns;
-  if (!IsUsable(Decode(payload, tick.begin))) return Damage("a tick's first record is not whole");
+  if (!IsUsable(Decode(payload, tick.begin))) return Damage("a tick's first record is malformed");
   in_tick_ = true;
   return true;
 }
 
 bool FlightReader::EndTick(std::span<const uint8_t> payload, LoggedTick& tick) {
-  if (!in_tick_) return Damage("a tick ends that was not begun");
-  if (!IsUsable(Decode(payload, tick.end))) return Damage("a tick's last record is not whole");
+  if (!in_tick_) return Damage("a tick ends that has not begun");
+  if (!IsUsable(Decode(payload, tick.end))) return Damage("a tick's last record is malformed");
   size_t datagrams = 0;
   for (const uint16_t count : tick.begin.datagrams) datagrams += count;
   const bool agrees =
@@ -180,7 +180,7 @@ bool FlightReader::EndTick(std::span<const uint8_t> payload, LoggedTick& tick) {
       tick.datagrams.size() == datagrams && tick.command.size() == tick.begin.command_bytes &&
       tick.frames_out.size() == tick.end.frames;
   if (!agrees) {
-    return Damage("tick " + std::to_string(tick.begin.index) + " is not what its records say");
+    return Damage("tick " + std::to_string(tick.begin.index) + " does not match its records");
   }
   in_tick_ = false;
   return true;
@@ -189,13 +189,13 @@ bool FlightReader::EndTick(std::span<const uint8_t> payload, LoggedTick& tick) {
 bool FlightReader::TakeCommand(std::span<const uint8_t> payload, LoggedTick& tick) {
   flight_log::CommandRecord command;
   const bool good = in_tick_ && tick.command.empty() && IsUsable(Decode(payload, command));
-  if (!good) return Damage("a command is not whole, or in no tick");
+  if (!good) return Damage("a command is malformed or outside a tick");
   tick.command.assign(command.bytes.begin(), command.bytes.end());
   tick.command_user = command.user;
   return true;
 }
 
-// The datagrams of a tick stand in the order of their sources, so many of each.
+// The datagrams of a tick are in the order of their sources, with a given number of each.
 bool FlightReader::TakeDatagram(const UdpDatagram& datagram, LoggedTick& tick) {
   size_t last = 0;
   for (size_t source = 0; source < kInputSources; ++source) {
@@ -206,11 +206,11 @@ bool FlightReader::TakeDatagram(const UdpDatagram& datagram, LoggedTick& tick) {
                               {datagram.payload.begin(), datagram.payload.end()}});
     return true;
   }
-  return Damage("a datagram is in no tick");
+  return Damage("a datagram is outside a tick");
 }
 
 bool FlightReader::TakeFrame(const CapturedPacket& packet, LoggedTick& tick) {
-  if (!in_tick_) return Damage("a CAN frame is in no tick");
+  if (!in_tick_) return Damage("a CAN frame is outside a tick");
   if (packet.packet_type == static_cast<uint8_t>(flight_log::Direction::kIn)) {
     tick.frames_in.push_back(packet.frame);
     // Logs of before frames had a time of their own have the tick's: they came in it.

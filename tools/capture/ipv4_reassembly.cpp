@@ -10,7 +10,7 @@ namespace hardpack::capture {
 Ipv4Reassembly::Slot& Ipv4Reassembly::SlotFor(const Fragment& fragment) {
   Slot* chosen = nullptr;
   for (Slot& slot : slots_) {
-    // The 16-bit identification comes round again: what is old is another datagram's.
+    // The 16-bit identification wraps around: an old one belongs to another datagram.
     if (slot.used && std::abs(fragment.time_ns - slot.first_time_ns) > kMaxAge_ns) {
       slot.used = false;
       ++counters_.incomplete;
@@ -32,7 +32,7 @@ Ipv4Reassembly::Slot& Ipv4Reassembly::SlotFor(const Fragment& fragment) {
   return *chosen;
 }
 
-// False when the fragment contradicts what the slot holds.
+// False if the fragment contradicts the contents of the slot.
 bool Ipv4Reassembly::Place(const Fragment& fragment, Slot& slot) {
   const size_t end = fragment.offset + fragment.bytes.size();
   if (!fragment.more) {

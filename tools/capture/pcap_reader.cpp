@@ -31,15 +31,15 @@ bool IsVlanTag(uint16_t ether_type) {
   return ether_type == 0x8100 || ether_type == 0x88a8 || ether_type == 0x9100;
 }
 
-// Where the IPv4 packet or the can_frame begins in a frame.
+// The start of the IPv4 packet or the can_frame in a frame.
 struct PacketStart {
   enum class Kind : uint8_t { kIpv4, kCan, kOther, kTooShort };
   Kind kind = Kind::kTooShort;
   size_t offset = 0;
 };
 
-// Behind an EtherType field, stepping over VLAN tags. `offset`: of the field; `header_end`: of what
-// follows it.
+// The position after an EtherType field, past any VLAN tags. `offset`: of the field; `header_end`:
+// start of the data after it.
 PacketStart BehindEtherType(ByteReader& reader, size_t offset, size_t header_end) {
   uint16_t type = U16NetworkOrder(reader, offset);
   for (int tag = 0; tag < kMaxVlanTags && IsVlanTag(type); ++tag) {
@@ -51,7 +51,8 @@ PacketStart BehindEtherType(ByteReader& reader, size_t offset, size_t header_end
           header_end};
 }
 
-// Behind the header of a cooked capture, whose protocols are EtherTypes and Linux's own.
+// The position after the header of a cooked capture, whose protocols are EtherTypes and Linux's
+// own.
 PacketStart BehindCooked(ByteReader& reader, size_t offset, size_t header_end) {
   if (U16NetworkOrder(reader, offset) != kCookedCan || header_end > reader.size()) {
     return BehindEtherType(reader, offset, header_end);
@@ -263,7 +264,7 @@ bool PcapReader::TakeIpv4(std::span<const uint8_t> packet, bool cut, UdpDatagram
     ++(cut ? counters_.cut_frames : counters_.malformed_frames);
     return false;
   }
-  // Behind total_bytes there may be padding.
+  // Padding may follow total_bytes.
   fragment.bytes = packet.subspan(header_bytes, total_bytes - header_bytes);
   fragment.time_ns = datagram.time_ns;
   fragment.offset = (fragment_bits & 0x1fffu) * size_t{8};

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kMillimetres = 1000.0;
-// Farther than any lidar sees, and within what a return's range is packed in.
+// Farther than any lidar sees, and within the packed range of a return.
 constexpr double kMaxRange_m = 500.0;
 
 struct Direction {
@@ -87,8 +87,8 @@ std::optional<Rows> RowsOfRings(const std::vector<Direction>& directions) {
   return RowsOfGroups(RowsFrom::kRing, directions, group, static_cast<int>(groups.size()));
 }
 
-// Where the elevations lie in groups, as those of a spinning lidar do: each narrow, and a step from
-// one to the next.
+// The rows if the elevations form groups, as for a spinning lidar: narrow ones with a step between
+// them.
 std::optional<Rows> RowsOfElevations(const std::vector<Direction>& directions) {
   constexpr double kLeastStep_rad = 0.05 / kDegrees;
   constexpr double kMaxWidth_rad = 0.1 / kDegrees;
@@ -189,7 +189,7 @@ ReadOutcome MakeColumns(const std::vector<CloudPoint>& points, PointColumns& col
   const std::vector<float> azimuth_deg(altitude_deg.size(), 0.0f);
   const Status status =
       MakeBeamModel(altitude_deg, azimuth_deg, count, 0.0f, Transform3{}, columns.model);
-  if (!IsUsable(status)) return {status, "the points' elevations are those of no lidar"};
+  if (!IsUsable(status)) return {status, "the points' elevations match no lidar"};
   columns.rows = rows->from;
   columns.columns.resize(static_cast<size_t>(count));
   for (size_t i = 0; i < directions.size(); ++i) {

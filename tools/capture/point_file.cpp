@@ -25,8 +25,7 @@ ReadOutcome Failure(const std::string& file, const std::string& what,
   return {status, file + ": " + what};
 }
 
-// The words of a line, parted by any of `separators`. Where the separator is a comma, two of them
-// part an empty word.
+// The words of a line, separated by `separator` and trimmed. Between two commas is an empty word.
 std::vector<std::string_view> WordsOf(std::string_view line, char separator) {
   std::vector<std::string_view> words;
   while (!line.empty()) {
@@ -53,7 +52,7 @@ std::string_view TakeLine(std::string_view& text) {
   return line;
 }
 
-// "nan" is a number that is none.
+// "nan" counts as a number.
 std::optional<double> NumberOf(std::string_view word) {
   double number = 0.0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
@@ -75,7 +74,7 @@ std::string LowerCase(std::string_view word) {
   return lower;
 }
 
-// Which of a file's fields are the ones that are wanted; -1: it has none of that name.
+// The indices of the required fields in the file; -1: it has no field of that name.
 struct Columns {
   std::array<int, 3> position = {-1, -1, -1};
   int ring = -1;
@@ -94,7 +93,7 @@ struct Columns {
   }
 };
 
-// Adds a point, with a ring if the file has them; false: that is no number of a ring.
+// Adds a point, with a ring if the file has them; false: not a valid ring number.
 bool Add(const std::array<double, 3>& position_m, bool has_ring, double ring, PointCloud& cloud) {
   CloudPoint point;
   if (has_ring) {
@@ -185,7 +184,7 @@ struct PcdHeader {
   int lines = 0;
 };
 
-// A line of the header into it. Empty: done, else what is wrong.
+// Parses a line into the header. Empty, or the error.
 std::string TakeEntry(const std::vector<std::string_view>& words, PcdHeader& header) {
   const std::string_view key = words[0];
   const size_t values = words.size() - 1;
@@ -195,7 +194,8 @@ std::string TakeEntry(const std::vector<std::string_view>& words, PcdHeader& hea
     return {};
   }
   if (key == "SIZE" || key == "COUNT" || key == "TYPE") {
-    if (values != header.fields.size()) return std::string(key) + ": not one for each of FIELDS";
+    if (values != header.fields.size())
+      return std::string(key) + ": needs one value for each of FIELDS";
     for (size_t i = 0; i < values; ++i) {
       const std::string_view word = words[i + 1];
       if (key == "TYPE") {
@@ -218,8 +218,9 @@ std::string TakeEntry(const std::vector<std::string_view>& words, PcdHeader& hea
     (key == "POINTS" ? header.points : key == "WIDTH" ? header.width : header.height) = *number;
     return {};
   }
-  return key == "VERSION" || key == "VIEWPOINT" ? std::string{}
-                                                : std::string(key) + ": no entry of a PCD header";
+  return key == "VERSION" || key == "VIEWPOINT"
+             ? std::string{}
+             : std::string(key) + ": not an entry of a PCD header";
 }
 
 ReadOutcome ReadHeader(const std::string& path, std::string_view& text, PcdHeader& header) {
@@ -237,7 +238,7 @@ ReadOutcome ReadHeader(const std::string& path, std::string_view& text, PcdHeade
       header.width <= kMaxCloudPoints && header.height <= kMaxCloudPoints) {
     header.points = header.width * header.height;
   }
-  if (header.points < 0) return Failure(path, "POINTS: is needed");
+  if (header.points < 0) return Failure(path, "POINTS: missing");
   if (header.points > kMaxCloudPoints) {
     return Failure(path, "POINTS: more than 16 million", Status::kCapacityExceeded);
   }
@@ -251,7 +252,7 @@ double As(const char* bytes) {
   return static_cast<double>(value);
 }
 
-// How a field of that type and size is read; nullptr: the format has none such.
+// The reader for a field of that type and size; nullptr: not in the format.
 using ReadNumber = double (*)(const char*);
 ReadNumber ReaderOf(const PcdField& field) {
   const int64_t size = field.size_bytes;

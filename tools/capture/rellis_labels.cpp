@@ -74,12 +74,12 @@ class LabelReader {
       return Failure("meas_id", "the sensor has no such column");
     }
     if (label < 0 || label > UINT8_MAX) {
-      return Failure("label", std::to_string(label) + " is no code of 0 .. 255");
+      return Failure("label", std::to_string(label) + " is not a code from 0 to 255");
     }
     std::optional<uint8_t>& slot =
         labels_.codes[static_cast<size_t>(measurement_id) * static_cast<size_t>(labels_.beams) +
                       static_cast<size_t>(ring)];
-    if (slot) return Failure("meas_id", "this return was named before");
+    if (slot) return Failure("meas_id", "this return is listed twice");
     slot = static_cast<uint8_t>(label);
     return {};
   }

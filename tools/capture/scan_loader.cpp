@@ -40,7 +40,7 @@ class RevolutionPicker {
     return revolution.received == window_columns_;
   }
 
-  // The complete one, else the fullest, of equals the first; nullptr when there is none.
+  // The complete one, otherwise the fullest (the first of equals); nullptr without any.
   const Revolution* best() const {
     const Revolution* best = fullest_.received > 0 ? &fullest_ : nullptr;
     for (const Revolution& revolution : open_) {
@@ -70,7 +70,7 @@ class RevolutionPicker {
   std::vector<Revolution> open_;  // in the order of their first column
 };
 
-// Where a sensor's packets come from and go to.
+// The source and destination of a sensor's packets.
 struct Connection {
   uint32_t source_address = 0;
   uint16_t destination_port = 0;
@@ -121,7 +121,7 @@ int64_t LabelledReturns(const Revolution& revolution, const ScanLabels& labels) 
   return labelled;
 }
 
-// What a revolution is read with.
+// The data required to read a revolution.
 struct Preparation {
   ouster::PacketLayout layout;
   BeamModel model;
@@ -149,7 +149,7 @@ ReadOutcome Prepare(const LidarScanRequest& request, Mapper& mapper, ouster::Met
   perception.mapping.use_labels = request.labels_path.empty() ? 0 : 1;
   status = mapper.Configure(perception, request.costmap, request.labels, ready.model,
                             metadata.column_window_first, metadata.column_window_last);
-  if (status == Status::kParameterOutOfRange) return {status, "parameters: out of their range"};
+  if (status == Status::kParameterOutOfRange) return {status, "parameters: out of range"};
   if (!IsUsable(status)) return Failure(file, "a revolution does not fit the scan ring", status);
   if (request.labels_path.empty()) return {};
   return ReadLabels(request.labels_path, metadata.beams, metadata.columns_per_frame, ready.labels);

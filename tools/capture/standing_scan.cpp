@@ -6,8 +6,8 @@
 namespace hardpack::capture {
 namespace {
 
-// The revolution as the sensor would send it to a vehicle that stands still: its columns spread
-// over a tenth of a second, the labels of each right behind it.
+// The revolution as the sensor would send it to a standing vehicle: its columns spread over a tenth
+// of a second, the labels of each right after it.
 class StandingDrive {
  public:
   StandingDrive(const StampedPose& pose, const ScanLabels* labels, Mapper& mapper)

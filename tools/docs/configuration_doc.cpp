@@ -18,8 +18,8 @@ constexpr const char* kPageIntroduction = R"(# Configuration
 
 <!-- Printed by configuration_doc (tools/docs/configuration_doc.cpp); do not edit. -->
 
-`hardpackd` takes everything that it must know about its vehicle from one TOML file. Nothing is guessed, and anything
-it does not understand is an error: the program does not start.
+`hardpackd` reads all settings of its vehicle from one TOML file. Nothing is guessed: anything it does not understand is
+an error, and the program does not start.
 
 1. Copy `config/warthog.toml`. It has every key with its meaning, range and default (for the Clearpath Warthog).
 2. Fill in the keys marked `"TO BE FILLED IN"`: no value is right for every vehicle (below).
@@ -30,7 +30,7 @@ it does not understand is an error: the program does not start.
 warthog.toml:12: costmap.halo_m: 5 is not a number from 0 to 3 m
 warthog.toml:13: costmap.halo: unknown key, did you mean costmap.halo_m?
 warthog.toml:20: speed.min_speed_mps: 6.0 is above speed.max_speed_mps, which is 5.0
-warthog.toml: drive.gear_ratio: has to be set: the Warthog's is not public: measure it
+warthog.toml: drive.gear_ratio: must be set: the Warthog's is not public: measure it
 ```
 
 `hardpackd --print-config FILE` prints every key with its effective value. Each flight log starts with the same text, and
@@ -47,7 +47,7 @@ wrong table is an error.
 )";
 
 constexpr const char* kPageClasses = R"(
-## Classes of labels
+## Label classes
 
 `[labels.classes]` maps the codes of the segmentation computer (`docs/label_datagram.md`) to classes: `ignored`,
 `ground`, `soft`, `hard` or `person`. Codes that are not listed keep their RELLIS-3D class

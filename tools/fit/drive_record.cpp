@@ -96,7 +96,7 @@ ReadOutcome ParseDriveRecord(std::string_view text, const std::string& name,
     ++number;
     if (line.ends_with('\r')) line.remove_suffix(1);
     if (number == 1) {
-      if (line != kDriveRecordHeader) return Fault(name, number, "is no recording of a drive");
+      if (line != kDriveRecordHeader) return Fault(name, number, "is not a recording of a drive");
       continue;
     }
     Row row;
@@ -105,7 +105,7 @@ ReadOutcome ParseDriveRecord(std::string_view text, const std::string& name,
     }
     const int segment = row[0] >= 0.0 ? static_cast<int>(row[0]) : -1;  // kLargest fits
     if (segment < 0 || static_cast<double>(segment) != row[0]) {
-      return Fault(name, number, "the segment is no whole number from 0 on");
+      return Fault(name, number, "the segment is not a whole number from 0");
     }
     if (read.empty() || read.back().number != segment) {
       if (!read.empty() && read.back().number > segment) {
@@ -114,7 +114,7 @@ ReadOutcome ParseDriveRecord(std::string_view text, const std::string& name,
       read.emplace_back().number = segment;
     }
     if (!read.back().samples.empty() && !(row[2] > read.back().samples.back().t_s)) {
-      return Fault(name, number, "the time does not go on");
+      return Fault(name, number, "the time does not increase");
     }
     Append(read.back(), SampleOf(row));
   }

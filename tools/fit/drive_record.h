@@ -8,12 +8,13 @@
 #include "port_linux/files/read_outcome.h"
 #include "tools/sim/vehicle/wheel_dynamics.h"
 
-// A recording of a driven vehicle at a fixed rate, in segments: what was commanded, what the
-// wheels' encoders said, and where a lidar saw it. The format is that of config/vehicles' source, a
+// A recording of a driven vehicle at a fixed rate, in segments: the commands, the wheels' encoder
+// speeds, and the poses determined with a lidar. The format is that of config/vehicles' source, a
 // CSV with the header kDriveRecordHeader.
 //
-// Values are held between updates: the wheels' come at 4 Hz, the pose at about 10 Hz. Only a sample
-// whose value differs from the one before is fresh, and only fresh ones are compared with a model.
+// Values are held between updates: wheel speeds arrive at 4 Hz, poses at about 10 Hz. Only a sample
+// whose value differs from the previous one is fresh, and only fresh ones are compared with a
+// model.
 
 namespace hardpack::fit {
 
@@ -22,7 +23,7 @@ inline constexpr std::string_view kDriveRecordHeader =
     "icp_x,icp_y,icp_z,icp_roll,icp_pitch,icp_yaw";
 
 struct DriveSample {
-  double t_s = 0.0;  // since the segment's begin
+  double t_s = 0.0;  // since the start of the segment
   sim::WheelSpeeds command;
   sim::WheelSpeeds measured;
   double x_m = 0.0;
@@ -33,19 +34,19 @@ struct DriveSample {
   bool fresh_pose = false;
 };
 
-// Segments whose numbers share all but the last digit were driven in one go: a run.
+// Segments whose numbers share all but the last digit were driven without a break: a run.
 struct DriveSegment {
   int number = 0;
-  bool has_history = false;  // the segment before is there, and this one goes on from it
-  sim::WheelSpeeds history;  // the setpoints before its begin; else what the wheels did then
+  bool has_history = false;  // the previous segment exists, and this one continues it
+  sim::WheelSpeeds history;  // the setpoints before its start; otherwise the wheel speeds then
   std::vector<DriveSample> samples;
 
   int run() const { return number / 10; }
 };
 
-// kInvalidArgument, with file and line: not readable, another header, a row with something else
-// than finite numbers, segments not in order, steps of time that are not positive, fewer than 4
-// samples in a segment. kOversized: above 64 MiB. Lengths of a segment may differ.
+// kInvalidArgument, with file and line: not readable, another header, a row with a value that is
+// not a finite number, segments out of order, time steps that are not positive, fewer than 4
+// samples in a segment. kOversized: above 64 MiB. The lengths of segments may differ.
 ReadOutcome ReadDriveRecord(const std::string& path, std::vector<DriveSegment>& segments);
 ReadOutcome ParseDriveRecord(std::string_view text, const std::string& name,
                              std::vector<DriveSegment>& segments);

@@ -19,7 +19,7 @@ double Elapsed_s(const DriveSegment& segment, const PoseWindow& window) {
   return segment.samples[window.to].t_s - segment.samples[window.from].t_s;
 }
 
-// From the first fresh pose to the fresh one nearest to `horizon_s` later; {0, 0}: there are none.
+// From the first fresh pose to the fresh one nearest to `horizon_s` later; {0, 0}: no such poses.
 PoseWindow HorizonOf(const DriveSegment& segment, double horizon_s) {
   PoseWindow window;
   for (size_t i = 0; i < segment.samples.size(); ++i) {

@@ -7,16 +7,16 @@
 
 #include "tools/fit/prediction.h"
 
-// How far predictions lie from what was recorded. Only fresh samples count. A value is older than
-// the sample in which it shows: the wheels' by kWheelAge_s, the pose by an age that is fitted.
+// The errors of predictions against a recording. Only fresh samples count. A value is older than
+// the sample in which it appears: a wheel speed by kWheelAge_s, a pose by an age that is fitted.
 
 namespace hardpack::fit {
 
-// Half of the 50 ms between samples. What the vehicle's own reporting adds is not known apart from
-// its dead time, which therefore contains it.
+// Half of the 50 ms between samples. The delay of the vehicle's own reporting cannot be separated
+// from its dead time, which therefore contains it.
 inline constexpr double kWheelAge_s = 0.025;
 
-// Two fresh poses, kWindow_s or a little more apart: their difference gives a yaw rate.
+// Two fresh poses, kWindow_s or slightly more apart: their difference gives a yaw rate.
 inline constexpr double kWindow_s = 0.5;
 struct PoseWindow {
   size_t from = 0;  // samples
@@ -45,9 +45,9 @@ struct Spread {
 };
 Spread SpreadOf(std::vector<double> errors);
 
-// After a time from the first fresh pose, where the prediction is laid on it.
+// Errors at a time after the first fresh pose, with which the prediction is aligned.
 struct HorizonErrors {
-  double mean_s = 0.0;  // the time in fact
+  double mean_s = 0.0;  // the actual time
   Spread position_m;
   Spread heading_rad;
   Spread yaw_rate_radps;  // of the last window of that time

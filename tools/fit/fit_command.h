@@ -5,7 +5,7 @@
 
 namespace hardpack::command {
 
-// hardpack fit: the simulator's vehicle out of a recorded drive.
+// hardpack fit: fits the simulator's vehicle to a recorded drive.
 void AddFitCommand(CLI::App& app);
 
 }  // namespace hardpack::command

@@ -6,7 +6,7 @@
 #include "tools/fit/vehicle_fit.h"
 #include "tools/picture/canvas.h"
 
-// Recorded and predicted, over time, for some segments: yaw rate above, forward speed beneath.
+// Recorded and predicted motion over time, for some segments: yaw rate above, forward speed below.
 
 namespace hardpack::fit {
 
@@ -16,9 +16,9 @@ inline constexpr size_t kDrawnSegments = 6;
 // order with the stock separation.
 picture::Canvas DrawFit(const std::vector<DriveSegment>& segments, const VehicleFit& fit);
 
-// Of the segments in which a wheel is to change its speed by more than 4 rad/s (of all, where those
-// are fewer than kDrawnSegments): from that whose yaw rate the model predicts worst to the best
-// one, evenly through the order.
+// Selected from the segments in which a wheel is commanded to change its speed by more than 4 rad/s
+// (from all, if those are fewer than kDrawnSegments): evenly spaced in the order from the worst to
+// the best predicted yaw rate.
 std::vector<DriveSegment> FromWorstToBest(const std::vector<DriveSegment>& segments,
                                           const VehicleFit& fit);
 

@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kStep_s = sim::VehicleModel::kStep_s;
-// Separations of a differential drive that is taken for the vehicle (docs/vehicle.md).
+// Separations for a differential drive as a model of the vehicle (docs/vehicle.md).
 constexpr double kGeometricTrack_m = 1.1364;
 constexpr double kStockSeparation_m = 1.6875;
 constexpr double kMeasuredBaseline_m = 1.87;

@@ -8,15 +8,15 @@
 #include "nlohmann/json.hpp"
 #include "tools/fit/vehicle_fit.h"
 
-// What `hardpack fit` found, as text, as JSON and as files of vehicles.
+// The results of `hardpack fit`, as text, as JSON and as vehicle files.
 
 namespace hardpack::fit {
 
-// What predicted, and how far off it was on the held-out segments.
+// A predictor and its errors on the held-out segments.
 struct Contender {
   std::string key;          // in JSON
   std::string text;         // in tables
-  double pose_age_s = 0.0;  // with which it does best on what was fitted (evaluation.h)
+  double pose_age_s = 0.0;  // with which it predicts the fitted data best (evaluation.h)
   Errors errors;
 };
 
@@ -26,12 +26,12 @@ struct FitReport {
   int segments_fitted = 0;
   int segments_held_out = 0;
   VehicleFit fit;
-  sim::VehicleModelParams deviation;  // over the runs that were fitted
+  sim::VehicleModelParams deviation;  // over the fitted runs
   std::vector<Contender> contenders;  // the first one is the fitted model
 };
 
-// The whole of it: split by runs, fit, spread, and the errors of all contenders on what was held
-// out. The recording has at least four runs.
+// The complete fit: split by runs, fit, spread, and the errors of all contenders on the held-out
+// runs. Precondition: the recording has at least four runs.
 FitReport MakeFitReport(const std::vector<DriveSegment>& segments, const std::string& drive,
                         double held_out_share, uint64_t seed, const FitSettings& settings);
 
@@ -39,13 +39,13 @@ nlohmann::ordered_json FitReportToJson(const FitReport& report);
 std::string FitReportToMarkdown(const FitReport& report);
 
 // The fitted vehicle with its deviations, each to four digits; wheel_limit_radps is not fitted but
-// given. `note` goes into the file's head, as do the recording and the command.
+// given. `note` is written at the top of the file, with the recording and the command.
 sim::UncertainVehicle FittedVehicle(const FitReport& report, double wheel_limit_radps);
 std::string FittedVehicleToml(const FitReport& report, double wheel_limit_radps,
                               const std::string& note);
 
-// Of the two vehicles that `hardpack fit` writes, by the wheel speeds that they reach.
-inline constexpr double kRecordedWheelLimit_radps = 13.4;  // what straight setpoints end at
+// The highest wheel speeds of the two vehicles that `hardpack fit` writes.
+inline constexpr double kRecordedWheelLimit_radps = 13.4;  // reached with straight setpoints
 inline constexpr double kPaperWheelLimit_radps = 17.5;     // 5 m/s over ground
 
 }  // namespace hardpack::fit

@@ -6,17 +6,18 @@
 #include "tools/fit/drive_record.h"
 #include "tools/sim/vehicle/vehicle_model.h"
 
-// What a model makes of a segment's setpoints: from the wheel speeds at its begin, open loop.
+// A model's prediction from the setpoints of a segment and the wheel speeds at its start, open
+// loop.
 
 namespace hardpack::fit {
 
 struct TrackPoint {
   sim::WheelSpeeds wheels;
-  sim::Pose pose;  // in the frame of the segment's begin
+  sim::Pose pose;  // in the frame of the segment's start
 };
 
-// At each multiple of step_s from the segment's begin; at other times straight lines between, the
-// ends beyond them.
+// At each multiple of step_s from the segment's start; in between interpolated linearly, beyond the
+// ends constant.
 struct Track {
   double step_s = 0.0;
   std::vector<TrackPoint> points;
@@ -24,9 +25,9 @@ struct Track {
   TrackPoint At(double t_s) const;
 };
 
-// With the model. Of a segment that goes on from the one predicted before, the drives' integral
-// action is carried on, as nothing recorded tells it; else it is that of settled wheels. `track` is
-// overwritten; its memory is used again.
+// With the model. If a segment continues the one predicted before, the drives' integral action is
+// carried over, because no recorded quantity shows it; otherwise it is that of settled wheels.
+// `track` is overwritten; its memory is reused.
 class ModelPredictor {
  public:
   ModelPredictor(const sim::VehicleModelParams& params, double step_s)
@@ -37,11 +38,12 @@ class ModelPredictor {
  private:
   sim::VehicleModelParams params_;
   double step_s_;
-  int before_ = -2;  // number of the segment before; none
+  int before_ = -2;  // number of the previous segment; none
   double integral_radps_ = 0.0;
 };
 
-// Wheels that turn as commanded at once, wheel_radius_m and separation_m as a differential drive.
+// An ideal differential drive with wheel_radius_m and separation_m: its wheels follow commands at
+// once.
 void PredictIdeal(double separation_m, const DriveSegment& segment, double step_s, Track& track);
 
 // Each side a first-order lag after a dead time, the body as in PredictIdeal.
@@ -54,9 +56,9 @@ struct FirstOrderPowertrain {
 void PredictFirstOrder(const FirstOrderPowertrain& powertrain, double separation_m,
                        const DriveSegment& segment, double step_s, Track& track);
 
-// The wheels as recorded, with straight lines between their fresh samples, and the body of the
-// model: what would be left to a perfect model of the wheels alone. wheel_age_s: how old a fresh
-// sample is.
+// The recorded wheels, interpolated linearly between their fresh samples, with the model's body:
+// the error that a perfect model of the wheels alone would leave. wheel_age_s: the age of a fresh
+// sample.
 void PredictFromWheels(const sim::VehicleModelParams& params, double wheel_age_s,
                        const DriveSegment& segment, double step_s, Track& track);
 

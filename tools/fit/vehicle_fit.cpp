@@ -16,7 +16,7 @@ namespace {
 using sim::VehicleModelParams;
 using P = VehicleModelParams;
 
-// What is fitted, within which bounds, and how far a variable is moved for a difference.
+// The fitted numbers, their bounds, and the step of each variable for differences.
 struct Fitted {
   double P::*value;
   double low;
@@ -46,7 +46,7 @@ constexpr std::array<Fitted, 19> kFitted = {{
 }};
 constexpr Variable kPoseAge = {.start = 0.1, .low = -0.1, .high = 0.4, .step = 0.005};
 
-// What the record is unsure of.
+// The uncertainty of the recording.
 constexpr double kWheel_radps = 0.4;
 constexpr double kYawRate_radps = 0.12;
 constexpr double kSpeed_mps = 0.25;

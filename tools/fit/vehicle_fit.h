@@ -9,9 +9,9 @@
 #include "tools/sim/vehicle/vehicle_model_params.h"
 
 // Fits the vehicle model to a recording: the numbers with which open-loop predictions from the
-// setpoints come nearest to the wheels' fresh speeds and to what the poses moved and turned by in
-// windows of half a second. The scale of each kind of residual is what the record itself is unsure
-// of; beyond it residuals count less and less than their square (pseudo-Huber), as poses sometimes
+// setpoints come closest to the fresh wheel speeds and to the translations and rotations of the
+// poses in windows of half a second. Each kind of residual is scaled by the uncertainty of the
+// recording; larger residuals count less than their square (pseudo-Huber), because poses sometimes
 // jump.
 
 namespace hardpack::fit {
@@ -28,23 +28,23 @@ struct VehicleFit {
   int evaluations = 0;  // of the whole set of segments
 };
 
-// From where the search begins.
+// The starting point of the search.
 VehicleFit FirstGuess();
 
 VehicleFit FitVehicle(const std::vector<DriveSegment>& segments, const VehicleFit& start,
                       const FitSettings& settings);
 
-// Which part of the segments is for the fit: whole runs, drawn by the seed, as segments of one run
-// share its ground. Both parts keep the order.
+// Splits the segments into those to fit and those held out: by whole runs drawn with the seed,
+// because segments of one run share its ground. Both parts keep the order.
 struct Split {
   std::vector<DriveSegment> fit;
   std::vector<DriveSegment> held_out;
 };
 Split SplitByRun(const std::vector<DriveSegment>& segments, double held_out_share, uint64_t seed);
 
-// How the numbers differ from run to run: the fit is repeated for each run alone, held to `whole`
-// by a prior whose width is a third of each number, and the standard deviation taken over the runs.
-// 0 for what is not fitted.
+// The variation of the numbers between runs: the fit is repeated for each run alone, with a prior
+// around `whole` whose width is a third of each number, and the standard deviation is taken over
+// the runs. 0 for numbers that are not fitted.
 sim::VehicleModelParams DeviationOverRuns(const std::vector<DriveSegment>& segments,
                                           const VehicleFit& whole, const FitSettings& settings);
 

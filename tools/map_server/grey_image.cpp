@@ -38,7 +38,7 @@ class PgmWords {
 
   size_t position() const { return position_; }
 
-  // False when the next word is not a number from 0 to 2^31 - 1, or there is none.
+  // False if the next word is missing or not a number from 0 to 2^31 - 1.
   bool NextNumber(int& value) {
     SkipBlank();
     const char* first = bytes_.data() + position_;

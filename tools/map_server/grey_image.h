@@ -8,7 +8,7 @@
 #include "port_linux/files/read_outcome.h"
 
 // Grey images as map_server files use them: PGM (P2 and P5, 8 and 16 bit, with comments) and PNG.
-// The kind is told from the file's first bytes, not from its name. Colour is averaged to grey.
+// The file's first bytes determine its kind, not its name. Colour is averaged to grey.
 
 namespace hardpack::map_server {
 

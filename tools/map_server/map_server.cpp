@@ -19,7 +19,7 @@ constexpr double kMaxResolution_m = 100.0;
 constexpr double kMaxOrigin_m = 1.0e5;
 constexpr float kUnknownGrey = 205.0f;  // of 255
 
-// What the YAML says, checked.
+// The contents of the YAML file, checked.
 struct MapKeys {
   std::string image;
   double resolution_m = 0.0;

@@ -38,26 +38,26 @@ struct OccupancyMap {
 // Reads a map. p, the probability of being occupied, is 1 - white (white when `negate` is set):
 //   p > occupied_thresh   hard
 //   p < free_thresh       free
-//   between               soft: grey ground is to be avoided, but may be driven through; except
+//   between               soft: grey ground should be avoided, but may be driven through; except
 //                         that in mode trinary the value 205, which map_server's own map saver
-//                         writes for it, is unknown, whatever free_thresh says, and
+//                         writes for unknown, is unknown regardless of free_thresh, and
 //                         that in mode scale a pixel that is not opaque is unknown
 // Keys: image, resolution, origin [x, y, yaw], negate, occupied_thresh, free_thresh, and mode
-// (trinary, the default, or scale). Refused with a one-line message that names file and key:
-// whatever is missing, of another type, not finite or out of range, a yaw other than 0, mode raw.
+// (trinary, the default, or scale). Refused with a one-line message that names file and key: a
+// value that is missing, of another type, not finite or out of range, a yaw other than 0, mode raw.
 ReadOutcome ReadOccupancyMap(const std::string& yaml_path, OccupancyMap& map);
 
 // The window for a plan on this map. Along an axis on which the map fits into the window, the
-// window holds all of it; on another it is centred on the start.
+// window contains all of it; otherwise it is centred on the start.
 GridWindow WindowFor(const OccupancyMap& map, Vec2 start_m);
 
 // What unknown pixels become.
 enum class UnknownIs : uint8_t { kFree, kSoft, kHard };
 
-// The flags of Costmap::Flag for each cell of the window, row-major along y [kMapCells]. Whatever
-// the resolution, a cell takes the gravest of the pixels that it touches, so nothing is lost when
-// the map is finer than the grid. A cell that is not wholly on the map is hard and not observed:
-// the vehicle is to stay on the map. Unknown cells are not observed.
+// The flags of Costmap::Flag for each cell of the window, row-major along y [kMapCells]. At any
+// resolution, a cell takes the most severe of the pixels that it touches, so nothing is lost if the
+// map is finer than the grid. A cell that is not entirely on the map is hard and not observed: the
+// vehicle must stay on the map. Unknown cells are not observed.
 std::vector<uint8_t> CellFlags(const OccupancyMap& map, const GridWindow& window,
                                UnknownIs unknown_is);
 

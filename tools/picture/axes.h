@@ -7,7 +7,7 @@
 
 #include "tools/picture/canvas.h"
 
-// A plot's frame: where numbers lie on the canvas, with ticks, labels, lines and marks.
+// A plot's frame: maps numbers to the canvas, with ticks, labels, lines and marks.
 
 namespace hardpack::picture {
 
@@ -37,10 +37,10 @@ struct LineStyle {
 
 class Axes {
  public:
-  // Inside `area`, which holds the data alone; ticks and labels lie outside.
+  // `area` contains only the data; ticks and labels lie outside it.
   Axes(Canvas& canvas, const Rectangle& area, Range x, Range y);
 
-  // The same scale on both axes, as a map has it: the ranges are widened to the area's shape.
+  // The same scale on both axes, as for a map: the ranges are widened to the area's shape.
   static Axes OfMap(Canvas& canvas, const Rectangle& area, Range x, Range y);
 
   const Rectangle& area() const { return area_; }
@@ -56,7 +56,7 @@ class Axes {
   void Line(std::span<const DataPoint> points, const LineStyle& style);
   void Polygon(std::span<const DataPoint> points, const Colour& fill, const Colour& rim);
   void HorizontalLine(double y, const LineStyle& style);
-  // Leaves out what is drawn outside the area, until ClipEnd.
+  // Clips to the area, until ClipEnd.
   void ClipBegin();
   void ClipEnd();
 
@@ -70,7 +70,7 @@ class Axes {
 // Round values within the range, about `wanted` of them: 1, 2 or 5 times a power of ten apart.
 std::vector<double> Ticks(Range range, int wanted);
 
-// As few digits as show the step between two ticks.
+// The fewest digits that show the step between two ticks.
 std::string TickText(double value, double step);
 
 }  // namespace hardpack::picture

@@ -19,7 +19,7 @@ struct Colour {
   double alpha = 1.0;
 };
 
-// The colour a share of the way from one to another; 0 gives `from`, 1 gives `to`.
+// Linear interpolation between two colours; 0 gives `from`, 1 gives `to`.
 Colour Mix(const Colour& from, const Colour& to, double share);
 
 enum class Align { kLeft, kCenter, kRight };
@@ -61,7 +61,7 @@ class Canvas {
   void Text(double x_px, double y_px, const std::string& text, const TextStyle& style);
   double TextWidth(const std::string& text, const TextStyle& style);
 
-  // kInvalidArgument, and a line that names the path, when it cannot be written.
+  // kInvalidArgument, and a line that names the path, if it cannot be written.
   ReadOutcome WritePng(const std::string& path);
 
  private:
@@ -77,8 +77,8 @@ class Canvas {
 
 void SetColour(cairo_t* context, const Colour& colour);
 
-// Gives back what the font libraries keep for the next picture, so that a leak checker finds
-// nothing. For the end of a program, when no Canvas is left.
+// Frees the caches of the font libraries, so that a leak checker finds nothing. For the end of a
+// program, when no Canvas is left.
 void ReleaseFonts();
 
 }  // namespace hardpack::picture

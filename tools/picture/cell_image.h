@@ -8,11 +8,11 @@
 #include "tools/picture/axes.h"
 #include "tools/picture/canvas.h"
 
-// Cells of a grid as squares of one colour each, at their place in a plot.
+// Draws the cells of a grid as squares of one colour each, at their position in a plot.
 
 namespace hardpack::picture {
 
-// colour_of(index): row-major index of the window. Only the cells in the plot's range are asked.
+// colour_of(index): row-major index of the window. Only cells in the plot's range are queried.
 void DrawCells(Canvas& canvas, const Axes& axes, const GridWindow& window,
                const std::function<Colour(int)>& colour_of);
 

@@ -17,12 +17,12 @@ namespace hardpack::picture {
 namespace {
 
 constexpr int kWidth_px = 1480;
-constexpr double kMargin_px = 1132.0;  // left edge of what stands beside the view from above
+constexpr double kMargin_px = 1132.0;  // left edge of the column beside the view from above
 constexpr double kStripTop_px = 1216.0;
 constexpr double kStripHeight_px = 256.0;
 constexpr double kStripWidth_px = 1370.0;
 
-// What a return is drawn as, from what may be hidden to what must not.
+// How returns are drawn, from those that may be hidden to those that must not.
 enum Kind : uint8_t { kNothing, kSelf, kIgnored, kGround, kSoftKind, kHardKind, kPersonKind };
 constexpr int kKinds = kPersonKind + 1;
 
@@ -40,7 +40,7 @@ constexpr std::array<KindStyle, kKinds> kStyles = {
     {"hard", kHard, 4.0},
     {"person (hard)", kPerson, 6.0}};
 
-// A person is one even where the vehicle itself is looked for.
+// A person stays one even inside the self filter's box.
 Kind KindOf(const SeenReturn& seen) {
   if (seen.return_class == ReturnClass::kPerson) return kPersonKind;
   if (seen.self) return kSelf;
@@ -58,7 +58,7 @@ Kind KindOf(const SeenReturn& seen) {
   return kIgnored;
 }
 
-// What is shown from above, of one coordinate.
+// The visible range of one coordinate from above.
 Range Shown(float middle_m) {
   const double middle = double{middle_m};
   return Range{middle, middle}.WidenedBy(kClassesReach_m);

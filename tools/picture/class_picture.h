@@ -10,9 +10,9 @@
 #include "core/costmap/costmap.h"
 #include "tools/picture/canvas.h"
 
-// classes.png: one revolution of the lidar as the vehicle understood it. Above its returns seen
-// from above, over what ground was observed; below them the range image, all around the vehicle.
-// One colour a class in both (docs/algorithm.md section 8).
+// classes.png: one revolution of the lidar as classified by the vehicle. At the top its returns
+// from above, over the observed ground; below them the range image, all around the vehicle. One
+// colour per class in both (docs/algorithm.md section 8).
 
 namespace hardpack::picture {
 
@@ -25,7 +25,7 @@ struct SeenReturn {
 };
 
 struct ClassPicture {
-  const Costmap* map = nullptr;  // what was observed
+  const Costmap* map = nullptr;  // of the observed ground
   VehicleParams vehicle;
   Pose2 pose;       // of the vehicle
   int beams = 1;    // of the sensor
@@ -34,19 +34,19 @@ struct ClassPicture {
   std::string title;  // the number of returns is added
 };
 
-// All returns in the mapper's ring, which holds one revolution, taken where the vehicle stands.
+// All returns in the mapper's ring, which holds one revolution, taken by a standing vehicle.
 std::vector<SeenReturn> ReturnsOf(const Mapper& mapper, const Pose2& pose);
 
 Canvas DrawClasses(const ClassPicture& picture);
 
-// Water blue: of what is left out as rain, dust or void. The other classes are in palette.h.
+// Water blue: returns ignored as rain, dust or void. The other classes are in palette.h.
 inline constexpr Colour kIgnoredReturn = {0.15, 0.60, 0.78};
-// Of the vehicle itself.
+// Returns from the vehicle itself.
 inline constexpr Colour kSelfReturn = {0.35, 0.35, 0.38};
-// Behind the returns where ground was observed, and where a beam came back from nowhere.
+// Background where ground was observed, and where a beam did not return.
 inline constexpr Colour kObservedGround = {0.97, 0.97, 0.95};
 inline constexpr Colour kNoReturn = {1.0, 1.0, 1.0};
-// Where what the picture shows lies on it [px]; beams of the range image are whole pixels high.
+// The layout of the picture [px]; beams of the range image are whole pixels high.
 inline constexpr Rectangle kClassesFromAbove = {78.0, 92.0, 1024.0, 1024.0};
 inline constexpr double kClassesReach_m = 30.0;  // from the vehicle to the view's edges
 Rectangle RangeImageArea(int beams);

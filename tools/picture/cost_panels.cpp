@@ -22,7 +22,7 @@ Rectangle PanelArea(int index) {
   return {left_px, top_px, kPanel_px, kPanel_px};
 }
 
-// The map of the cells that have one of `flags`, alone.
+// The map of only the cells that have one of `flags`.
 std::unique_ptr<CostmapBuilder> BuildLayer(const Costmap& map, const CostmapParams& params,
                                            uint8_t flags) {
   auto builder = std::make_unique<CostmapBuilder>();

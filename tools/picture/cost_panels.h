@@ -14,8 +14,8 @@
 
 namespace hardpack::picture {
 
-// Shows the part of the map within x and y [m, odom]. The costs of one layer are had by building a
-// costmap of that layer's obstacles alone, with the same parameters.
+// Shows the part of the map within x and y [m, odom]. The costs of one layer come from a costmap
+// built from that layer's obstacles alone, with the same parameters.
 Canvas DrawCostPanels(const Costmap& map, const CostmapParams& params, Range x, Range y,
                       const std::string& title);
 

@@ -29,7 +29,7 @@ inline constexpr Colour kFaintInk = {0.42, 0.42, 0.42};
 inline constexpr Colour kGridLine = {0.90, 0.90, 0.90};
 
 // The colour of one cell of a costmap: obstacles first, then the lethal region, then green that
-// fades to grey with the cost; what was not observed has a colour of its own. flags: Costmap::Flag.
+// fades to grey with the cost; unobserved cells have their own colour. flags: Costmap::Flag.
 Colour CellColour(uint8_t flags, uint16_t cost_q8);
 
 // A sequential scale for costs: light for 0, dark for 1.

@@ -16,7 +16,7 @@ namespace {
 constexpr int kWidth_px = 1480;
 constexpr int kHeight_px = 1060;
 constexpr Rectangle kMapArea = {78.0, 62.0, 1000.0, 930.0};
-constexpr double kMargin_px = 1112.0;  // left edge of what stands beside the map
+constexpr double kMargin_px = 1112.0;  // left edge of the column beside the map
 constexpr double kAround_m = 4.0;      // shown around everything of interest
 constexpr double kSmallestView_m = 16.0;
 
@@ -46,7 +46,7 @@ std::array<DataPoint, 4> Footprint(const VehicleParams& vehicle, const Pose2& po
 void DrawPathsAndMarks(Canvas& canvas, Axes& axes, const PlanPicture& picture) {
   const Plan& plan = *picture.plan;
   axes.ClipBegin();
-  // Where the vehicle will be every 3 m or so, faintly, so that tight places can be judged.
+  // The vehicle's outline every 3 m or so, faintly, so that tight places can be judged.
   constexpr double kFootprintEvery_m = 3.0;
   double since_m = 0.0;
   for (int i = 1; i < plan.path.size(); ++i) {
@@ -150,7 +150,7 @@ void FindView(const PlanPicture& picture, Range& x, Range& y) {
     x.Include(double{x_m});
     y.Include(double{y_m});
   };
-  // A goal far off the map would shrink everything else to nothing; the frame says where it is.
+  // A goal far off the map would shrink everything else to nothing, so the view leaves it out.
   const GridWindow& window = picture.map->window;
   if (window.Contains(CellAt(picture.request.goal_odom))) {
     include(picture.request.goal_odom.x_m, picture.request.goal_odom.y_m);

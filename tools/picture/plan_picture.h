@@ -21,16 +21,16 @@ struct PlanPicture {
   const PlannerParams* params = nullptr;
   PlanRequest request;
   std::string title;
-  // Shown in the margin, in this order: what, and its value with the unit.
+  // Shown in the margin, in this order: name, and value with its unit.
   std::vector<std::pair<std::string, std::string>> figures;
 };
 
-// The part of the map that is of interest: start, goal and both paths, with a margin [m, odom].
+// The part of the map to show: start, goal and both paths, with a margin [m, odom].
 void FindView(const PlanPicture& picture, Range& x, Range& y);
 
 Canvas DrawPlan(const PlanPicture& picture);
 
-// The outline of the vehicle, with a line from its middle to the front to say where that is.
+// The outline of the vehicle, with a line from its middle to the front.
 void DrawVehicle(Canvas& canvas, Axes& axes, const VehicleParams& vehicle, const Pose2& pose,
                  const Colour& fill, const Colour& rim);
 

@@ -15,12 +15,12 @@ namespace {
 constexpr int kWidth_px = 1640;
 constexpr int kHeight_px = 1520;
 constexpr Rectangle kMapArea = {78.0, 62.0, 900.0, 690.0};
-// The three plots beneath the map: their tops, and what they have in common.
+// The three plots below the map: their tops, and their common layout.
 constexpr std::array<double, 3> kPlotTops_px = {838.0, 1072.0, 1306.0};
 constexpr Rectangle kPlotArea = {78.0, 0.0, 1530.0, 152.0};
-constexpr double kMargin_px = 1016.0;  // left edge of what stands beside the map
+constexpr double kMargin_px = 1016.0;  // left edge of the column beside the map
 constexpr double kAround_m = 3.5;
-constexpr double kShownLimits = 2.0;  // what is beyond so many times its limit lies on the edge
+constexpr double kShownLimits = 2.0;  // values beyond this many times their limit lie on the edge
 
 // One for each curve, in their order: chosen to differ on grey, green and orange.
 constexpr std::array<LineStyle, 6> kStyles = {{{.colour = kBasePath, .line_px = 1.8},
@@ -46,7 +46,7 @@ std::vector<DataPoint> PointsOf(const WorldPath& path) {
   return points;
 }
 
-// What changes along a path, over the distance.
+// The quantities of a path over the distance.
 struct Courses {
   std::vector<DataPoint> curvature_per_m;
   std::vector<DataPoint> rate_per_m2;

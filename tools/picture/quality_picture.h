@@ -11,8 +11,8 @@
 #include "core/path/path.h"
 #include "tools/picture/canvas.h"
 
-// One problem, and the paths that several solvers found on it: on the costmap, and beneath it their
-// curvature along the way.
+// One problem and the paths of several solvers: on the costmap, and below it their curvature along
+// the path.
 
 namespace hardpack::picture {
 

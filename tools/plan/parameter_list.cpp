@@ -39,7 +39,7 @@ constexpr std::string_view kLabelPrefix = "labels.";
 void SetLabelFromText(const std::string& name, const std::string& text, LabelTable& table) {
   const double code = ParseNumber("--param " + name, name.substr(kLabelPrefix.size()));
   if (!(code >= 0.0 && code < kLabelCodes) || code != static_cast<int>(code)) {
-    throw CommandFailure(kBadInput, "--param " + name + ": a label code is 0 .. 255");
+    throw CommandFailure(kBadInput, "--param " + name + ": a label code must be 0 .. 255");
   }
   const auto known = std::find(kReturnClassNames.begin(), kReturnClassNames.end(), text);
   if (known == kReturnClassNames.end()) {
@@ -77,21 +77,21 @@ void SetFromText(const std::string& assignment, Parameters& parameters) {
 }
 
 void Refuse(const ParameterConflict& conflict) {
-  throw CommandFailure(kBadInput, "--param " + std::string(conflict.name) + ": does not go with " +
-                                      conflict.other + ": it has to be " + conflict.rule);
+  throw CommandFailure(kBadInput, "--param " + std::string(conflict.name) + ": conflicts with " +
+                                      conflict.other + ": it must be " + conflict.rule);
 }
 
 }  // namespace
 
 void SetParameters(const std::vector<std::string>& assignments, Parameters& parameters) {
   for (const std::string& assignment : assignments) SetFromText(assignment, parameters);
-  // Each is within its own range; what is left is that two do not go together.
+  // Each is within its own range; check the conditions on pairs.
   const auto check_order = [](auto& group, const auto& table) {
     for (const auto& entry : table) {
       if (IsInOrder(entry, group)) continue;
       for (const auto& other : table) {
         if (other.number != entry.not_above) continue;
-        Refuse({entry.full_name, other.full_name, "no more than it"});
+        Refuse({entry.full_name, other.full_name, "no greater"});
       }
     }
   };

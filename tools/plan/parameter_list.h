@@ -8,7 +8,7 @@
 #include "core/segmentation/label_table.h"
 #include "nlohmann/json.hpp"
 
-// The parameters as the command line sees them: by name, checked against the one table of ranges.
+// The parameters on the command line: by name, checked against the one table of ranges.
 
 namespace hardpack::command {
 
@@ -19,8 +19,8 @@ struct Parameters {
 };
 
 // "group.name=value" for each, or "labels.CODE=CLASS" (ignored, ground, soft, hard, person); a
-// CommandFailure (bad input) for an unknown name (with the nearest known one), a value that is no
-// number or a value out of the table's range.
+// CommandFailure (bad input) for an unknown name (with the nearest known one), a value that is not
+// a number, or one out of the table's range.
 void SetParameters(const std::vector<std::string>& assignments, Parameters& parameters);
 
 // {"costmap": {"halo_m": 2.0, ...}, ..., "labels": {"ignored": [0, 7], ...}}; codes that are not

@@ -40,7 +40,7 @@ PlanRequest RequestFrom(const PlanOptions& options) {
     const auto start = ParseNumbers("--start", options.start, 3, 3, "X,Y,THETA (m, m, rad)");
     request.start.pose = {start[0], start[1], WrapAngle(start[2])};
   } else if (!options.map.yaml.empty()) {
-    throw CommandFailure(kBadInput, "--start: is needed with --map (X,Y,THETA in m, m, rad)");
+    throw CommandFailure(kBadInput, "--start: required with --map (X,Y,THETA in m, m, rad)");
   }
   const auto goal = ParseNumbers("--goal", options.goal, 2, 3, "X,Y[,THETA] (m, m, rad)");
   request.goal_odom = {goal[0], goal[1]};
@@ -53,16 +53,17 @@ void CheckInputs(const PlanOptions& options) {
   const bool lidar = !options.lidar.capture.empty();
   const int inputs =
       (lidar ? 1 : 0) + (options.points.path.empty() ? 0 : 1) + (options.map.yaml.empty() ? 0 : 1);
-  if (inputs != 1) throw CommandFailure(kBadInput, "give one of --lidar, --points and --map");
+  if (inputs != 1)
+    throw CommandFailure(kBadInput, "give exactly one of --lidar, --points and --map");
   if (lidar && options.lidar.metadata.empty()) {
-    throw CommandFailure(kBadInput, "--metadata: is needed with --lidar (the sensor's JSON)");
+    throw CommandFailure(kBadInput, "--metadata: required with --lidar (the sensor's JSON)");
   }
   if (!lidar && (!options.lidar.metadata.empty() || !options.lidar.labels.empty())) {
-    throw CommandFailure(kBadInput, "--metadata and --labels go with --lidar");
+    throw CommandFailure(kBadInput, "--metadata and --labels need --lidar");
   }
 }
 
-// Why there is no plan, and whether that lies in what was asked or in the world.
+// The reason why there is no plan, and whether the request or the world causes it.
 CommandFailure FailureOf(Status status, const PlanRequest& request) {
   const std::string goal = Format("--goal: %g", double{request.goal_odom.x_m}) +
                            Format(",%g", double{request.goal_odom.y_m});
@@ -73,13 +74,13 @@ CommandFailure FailureOf(Status status, const PlanRequest& request) {
     case Status::kStartOutsideMap:
       return {kBadInput, name + "--start lies off the map"};
     case Status::kParameterOutOfRange:
-      return {kBadInput, name + "--param: the values do not fit together"};
+      return {kBadInput, name + "--param: the values are inconsistent"};
     case Status::kNoPath:
-      return {kWorkFailed, name + "every way to the goal is closed"};
+      return {kWorkFailed, name + "every way to the goal is blocked"};
     case Status::kStartEnclosed:
       return {kWorkFailed, name + "the start lies in a hard obstacle and nothing leads out"};
     case Status::kPivotBlocked:
-      return {kWorkFailed, name + "a turn on the spot is needed and has no room"};
+      return {kWorkFailed, name + "there is no room for the required turn on the spot"};
     case Status::kNeedsManoeuvre:
       return {kWorkFailed, name +
                                "the way bends more sharply than the vehicle can be steered, or "
@@ -91,23 +92,23 @@ CommandFailure FailureOf(Status status, const PlanRequest& request) {
   }
 }
 
-// What an outcome that can be used, but is not quite what was asked, means.
+// The meaning of a usable outcome that is not exactly as requested.
 std::string Remark(Status status) {
   switch (status) {
     case Status::kGoalOutsideMap:
-      return "the goal is off the map, the nearest cell was used";
+      return "the goal is off the map: the nearest cell was used";
     case Status::kGoalMoved:
-      return "the goal lies in a hard obstacle, the nearest free cell was used";
+      return "the goal lies in a hard obstacle: the nearest free cell was used";
     case Status::kStartInObstacle:
-      return "the start lies in a hard obstacle, which is left slowly";
+      return "the start lies in a hard obstacle: the vehicle leaves it slowly";
     case Status::kPartialPath:
-      return "the expansion limit was hit, the path ends on the way";
+      return "the expansion limit was reached: the path ends before the goal";
     case Status::kPathCut:
-      return "the path is longer than its capacity and was cut";
+      return "the path exceeds its capacity and was cut";
     case Status::kIterationLimit:
       return "the optimizer reached its sweep limit";
     case Status::kNarrowGap:
-      return "little room beside the outline, driven at low speed there";
+      return "little room beside the outline: low speed there";
     case Status::kLimitExceeded:
       return "a curvature limit is exceeded";
     default:
@@ -245,7 +246,7 @@ void AddPlanCommand(CLI::App& app) {
       ->check(CLI::IsMember({"soft", "hard", "free"}));
   plan->add_option("--start", options->start, "Start pose X,Y,THETA [m, m, rad]");
   plan->add_option("--goal", options->goal, "Goal X,Y or X,Y,THETA [m, m, rad]")->required();
-  plan->add_option("--param", options->parameters, "GROUP.NAME=VALUE, may be repeated")->take_all();
+  plan->add_option("--param", options->parameters, "GROUP.NAME=VALUE; may be repeated")->take_all();
   plan->add_option("--out", options->out, "Folder to write to; created if missing")->required();
   plan->add_flag("--json", options->json, "Print plan.json on stdout instead of a line");
   plan->footer("Exit codes: 0 planned; 1 no plan (no path, collision); 2 bad usage or input.");

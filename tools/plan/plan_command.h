@@ -5,7 +5,7 @@
 
 namespace hardpack::command {
 
-// hardpack plan: one lidar scan, or one occupancy map, to one plan with its pictures.
+// hardpack plan: plans on one lidar scan or one occupancy map, and draws pictures of it.
 void AddPlanCommand(CLI::App& app);
 
 }  // namespace hardpack::command

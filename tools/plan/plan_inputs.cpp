@@ -15,7 +15,7 @@
 namespace hardpack::command {
 namespace {
 
-// Of what is read from a file, which the message does not name.
+// For messages that do not name the file.
 void Require(const std::string& path, const ReadOutcome& outcome) {
   command::Require(ReadOutcome{outcome.status, path + ": " + outcome.message});
 }
@@ -140,7 +140,7 @@ PlannedInput PlanOnPoints(const PointsFile& file, const Parameters& parameters,
   const int last = columns.model.columns_per_revolution - 1;
   Require(file.path, {mapper.Configure(parameters.perception, parameters.planner.costmap,
                                        parameters.labels, columns.model, 0, last),
-                      "parameters: out of their range"});
+                      "parameters: out of range"});
   Require(file.path, {capture::MapRevolution(columns.columns, PoseOf(request), nullptr, mapper),
                       "cannot be placed"});
   input.report = PointsReport(file, cloud, columns, capture::ReturnsIn(mapper));

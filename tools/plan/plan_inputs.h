@@ -10,8 +10,8 @@
 #include "tools/plan/parameter_list.h"
 #include "tools/plan/planner_run.h"
 
-// What a plan can be made on: a recorded revolution of the lidar, plain points, and an occupancy
-// map. Each fills a planner, runs it, and says what was read.
+// The possible inputs of a plan: a recorded revolution of the lidar, plain points, and an occupancy
+// map. Each fills a planner, runs it, and reports the data read.
 
 namespace hardpack::command {
 
@@ -34,19 +34,19 @@ struct MapFile {
 struct PlannedInput {
   std::unique_ptr<Planner> planner = std::make_unique<Planner>();
   std::unique_ptr<Mapper> mapper;             // the revolution, with --lidar or --points
-  std::string revolution;                     // what it is called in a picture
-  Status begin_status = Status::kNotStarted;  // the planner has run when it is usable
+  std::string revolution;                     // its name in a picture
+  Status begin_status = Status::kNotStarted;  // usable: the planner has run
   StageTimes times;
   double load_us = 0.0;   // reading and filing the input, wall clock
   nlohmann::json report;  // "input" of plan.json
 };
 
-// All throw a CommandFailure (bad input) naming the file and the field when it cannot be read.
+// All throw a CommandFailure (bad input) naming the file and the field if it cannot be read.
 PlannedInput PlanOnLidar(const LidarFiles& files, const Parameters& parameters,
                          const PlanRequest& request);
 PlannedInput PlanOnPoints(const PointsFile& file, const Parameters& parameters,
                           const PlanRequest& request);
-// Besides: when the start or the goal is off the map.
+// Also if the start or the goal is off the map.
 PlannedInput PlanOnMap(const MapFile& file, const Parameters& parameters,
                        const PlanRequest& request);
 

@@ -6,8 +6,8 @@
 #include "nlohmann/json.hpp"
 #include "tools/plan/planner_run.h"
 
-// plan.json: a plan with everything that is needed to judge it. Each key is explained in
-// docs/plan_json.md; a test holds the two together.
+// plan.json: a plan with all data required to judge it. docs/plan_json.md explains each key; a test
+// compares the two.
 
 namespace hardpack::command {
 
@@ -17,7 +17,7 @@ struct PlanReport {
   PlannerParams params;
   StageTimes times;
   double load_us = 0.0;       // reading the input files, wall clock
-  nlohmann::json input;       // what was read, by kind
+  nlohmann::json input;       // the data read, by kind
   nlohmann::json parameters;  // every parameter's value, by group
 };
 

@@ -7,7 +7,7 @@
 #include "core/autonomy/mapper.h"
 #include "core/autonomy/planner.h"
 
-// Runs a Planner that has begun to its end, and says how long each stage took.
+// Runs a Planner that has begun to its end, and measures the time of each stage.
 
 namespace hardpack::command {
 
@@ -19,8 +19,8 @@ struct StageTimes {
   double total_us() const;
 };
 
-// The planner is stepped in slices, and a slice counts for the stage it began in. A slice is short
-// beside a stage, so what is misplaced at the seams is below a percent of either.
+// The planner is stepped in slices, and a slice counts for the stage in which it began. A slice is
+// short compared with a stage, so the error at each boundary is below one percent of either stage.
 StageTimes RunToEnd(Planner& planner, const Mapper& mapper);
 StageTimes RunCellsToEnd(Planner& planner);
 

@@ -1,20 +1,20 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures what hardpack promises, and writes assurance.md.
+"""Measures hardpack's promises and writes assurance.md.
 
 usage: tools/proof/assure.sh [--fuzz-minutes N] [--mutants N] [--only NAME]... [--resume] [--out FILE]
                        [--list]
 
-On a machine with nothing but Debian and this checkout: packages are installed, everything is built in
-build/, and each command below is run, one after the other, its output kept in build/assure. The page
-has a section for each command, with how long it took and a line for each promise that it shows: the
-figure that was measured, and the budget that it is held to. What is not kept is named at its top.
+Runs on a machine with nothing but Debian and this checkout: it installs packages, builds everything in
+build/, and runs each command below, one after the other, with its output kept in build/assure. The page
+has a section for each command, with its duration and a line for each promise that it shows: the
+measured figure and its budget. Broken promises are named at its top.
 
-  --fuzz-minutes N  of all targets together (default 30)
-  --mutants N       faults planted (default 300)
+  --fuzz-minutes N  total for all targets (default 30)
+  --mutants N       faults to plant (default 300)
   --only NAME       only these commands (--list prints their names); the page then has their sections
-  --resume          what has succeeded on this very commit is not run again, but read from its output;
-                    nothing is resumed where sources have changed since the commit
+  --resume          commands that succeeded on this very commit are not run again, but read from their
+                    output; nothing is resumed if sources have changed since the commit
   --out FILE        the page (default assurance.md)
 
 Exit code: 0 every promise is kept, 1 one is not (the page says which), 2 bad usage.

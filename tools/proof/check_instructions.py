@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Counts each stage's instructions with callgrind and holds them against test/instructions/counts.txt.
+"""Counts each stage's instructions with callgrind and compares them with test/instructions/counts.txt.
 
 usage: tools/proof/check_instructions.py [DRIVER] [--update] [--counts FILE]
 
-DRIVER is test/instructions/instruction_counts of a release build by g++; without it, that of
-build/release, which `cmake --build --preset release --target instruction_counts` makes. A count that is more than
-3 % above the one in the file is a slow-down; one that is more than 10 % below it makes the file
-useless as a measure, so it is to be renewed: --update writes what was counted.
+DRIVER is test/instructions/instruction_counts of a release build by g++; the default is that of
+build/release, built by `cmake --build --preset release --target instruction_counts`. A count more than
+3 % above the one in the file is a slow-down; one more than 10 % below it makes the file useless as a
+reference, so it must be renewed: --update writes the new counts.
 
 Exit code: 0 all as in the file (or written), 1 a count is off, or runs and file differ, 2 bad usage,
-77 not comparable: no valgrind, or the file is of another compiler or processor.
+77 not comparable: no valgrind, or the file is for another compiler or processor.
 """
 
 import argparse

@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Which lines of core and hal the tests run.
+"""Measures which lines of core and hal the tests run.
 
 usage: tools/proof/coverage.py [--build DIR] [--least PERCENT] [--missing]
 
 Builds with g++ --coverage under --build (default build/coverage), runs the tests of core and hal, and
-prints the share of lines that ran, a line a folder, and in all. A line counts once, however many
-templates and inlined copies it is in.
+prints the share of lines that ran, per folder and in total. A line counts once, however many templates
+and inlined copies contain it.
 
-  --least PERCENT  fewer in all are a failure (default 95)
-  --missing        print the lines that did not run, too
+  --least PERCENT  a smaller total is a failure (default 95)
+  --missing        also print the lines that did not run
 
-Exit code: 0; 1 too few, or a test failed; 2 it does not build.
+Exit code: 0 passed; 1 too few lines, or a test failed; 2 the build failed.
 """
 
 import argparse

@@ -6,11 +6,11 @@ usage() {
   cat <<'TEXT'
 usage: tools/proof/decision_hash.sh [--all | --planted] [--build-dir DIR] [--help]
 
-Builds the decision program in several ways, runs it, and compares what it prints, line by line:
-the same decisions must come out of every compiler, option and processor. Without options: g++ and
+Builds the decision program in several ways, runs it, and compares its output line by line:
+the decisions must be the same for every compiler, option and processor. Without options: g++ and
 clang++, Release and Debug, and g++ for x86-64-v3.
 
-  --all        aarch64 under qemu-aarch64 and Cortex-M7 under qemu-system-arm too; a missing
+  --all        also aarch64 under qemu-aarch64 and Cortex-M7 under qemu-system-arm; a missing
                compiler is then a failure, otherwise that build is skipped
   --planted    a g++ build with -ffast-math (NaN kept) against one without: must be reported as different
   --build-dir  where to build (default: build/decision)

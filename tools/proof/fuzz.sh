@@ -7,21 +7,21 @@ usage() {
 usage: tools/proof/fuzz.sh [--minutes N] [--seed N] [--build DIR] [--data DIR] [TARGET]...
 
 Fuzzes with libFuzzer, both sanitizers and float-cast-overflow (clang++; preset fuzz): every codec, the
-parsers of files, planning, and the whole tick; every loop of core and hal is held to its record. It takes
-so many minutes (default 10), which the targets share, one a processor at a time; without any named,
-all of test/fuzz are run. What they find interesting is kept in BUILD/corpus and is where the next run
-begins; the first one begins with seeds made of recordings (--data, default as the tests:
-../shared/data), where there are some.
+parsers of files, planning, and the whole tick; every loop of core and hal is held to its record. The
+targets share the given minutes (default 10) and run one per processor at a time; if none is named, all of
+test/fuzz are run. Interesting inputs are kept in BUILD/corpus, from which the next run starts; the
+first run starts from seeds made of recordings, if there are any (--data; default ../shared/data, as for
+the tests).
 
-With a --seed the inputs are the same every time, as far as the minutes reach, where BUILD/corpus begins
-empty: what fails then has been changed. Without, others are tried each time.
+With a --seed, and if BUILD/corpus is empty at the start, the inputs are the same every time as far as the
+minutes reach: a new failure then comes from a change of the code. Without it, each run tries others.
 
-For each target it prints its runs, the edges of the code that were reached, and of how many kinds its
-seeds are. Of each kind one has to be accepted (test/fuzz/accepted.h): seeds that are all refused begin
-nothing. A target that did not run has failed. An input that fails is kept as BUILD/failed/TARGET-*;
-run the target with it to see it again.
+For each target it prints its runs, the edges of the code that were reached, and the number of kinds of
+its seeds. One seed of each kind must be accepted (test/fuzz/accepted.h): seeds that are all refused are
+no use as a start. A target that did not run has failed. An input that fails is kept as
+BUILD/failed/TARGET-*; run the target with it to reproduce the failure.
 
-Exit code: 0 nothing failed, 1 something did, 2 bad usage or it does not build.
+Exit code: 0 nothing failed, 1 something did, 2 bad usage or the build failed.
 TEXT
 }
 

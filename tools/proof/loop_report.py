@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Whether the tests come to every loop of core and hal, and how near to its record.
+"""Reports whether the tests enter every loop of core and hal, and how close they come to its record.
 
 usage: tools/proof/loop_report.py [--all] REPORT
 
-REPORT is what programs of the counting build append to the file that HARDPACK_LOOP_REPORT names
-(test/loop_count/loop_counter.cpp); a record that no test comes to is held to nothing by them. Loops
-of consteval functions are none of the program.
+REPORT is the file named by HARDPACK_LOOP_REPORT, to which programs of the counting build append
+(test/loop_count/loop_counter.cpp). The tests say nothing about a record that they never reach. Loops
+of consteval functions are not part of the program.
 
   --all  print each loop: its place, the largest count, its bound
 
-Prints the records that were never entered, how many there are, and how many loops were gone round as
+Prints the records that were never entered, their number, and the number of loops that iterated as
 often as their record says. Exit code: 0 every one was entered, 1 one was not, 2 bad usage.
 """
 
@@ -23,12 +23,12 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 RECORD = re.compile(r"\s*HP_LOOP_BOUND\w*\(")
 FUNCTION = re.compile(r"(?! *(?:for|if|while|switch) ) {0,2}(?:inline |\[\[.*?\]\] )*"
                       r"(consteval)?.*\) (?:const )?\{")
-# Records that no test can come to, by file and by the line behind them.
+# Records that no test can reach, by file and by the line after them.
 NOT_ENTERED = {
     # Once in 2^30 columns, which halves them: a range of fixed length.
     ("core/safety/reaction_meter.cpp", "for (uint32_t& bin : time_) {"),
     ("core/safety/reaction_meter.cpp", "for (uint32_t& bin : radius_) {"),
-    # Called in constant evaluation alone, by what is not.
+    # Called only in constant evaluation, by functions that are not consteval.
     ("hal/onboard/control/status_report.cpp",
      "for (int i = 0; text[i] != '\\0'; ++i) Add(static_cast<uint8_t>(text[i]));"),
 }

@@ -1,27 +1,28 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Plants single-token faults in core and hal, and counts how many of them the tests notice.
+"""Plants single-token faults in core and hal, and counts how many of them the tests detect.
 
 usage: tools/proof/mutate.py [--mutants N] [--seed N] [--jobs N | --shard K/N] [--only REGEX]
                        [--build DIR] [--out FILE] [--again FILE]
 
 In a copy of the sources under --build (default build/mutate) one token at a time is changed: a
 comparison, a sign, a logical operator, a number, a truth value. A fault that does not compile, or
-leaves the object code as it was, is none and another one is drawn. Then the tests run that are
-about the file, the nearest first: its stage's, and where nobody notices those of the stages behind
-it, and its stage's with loops counted. What survives is listed with its place and its change.
+does not change the object code, does not count, and another one is drawn. Then the tests that
+cover the file run, the nearest first: those of its stage and, if none of these detects the fault,
+those of the stages behind it, and its stage's with loops counted. Surviving faults are listed with
+their place and change.
 
   --mutants N   faults to plant (default 300)
-  --seed N      of the draw (default 1); the same seed and sources are the same faults
-  --jobs N      so many shards at a time (default: one a processor)
-  --shard K/N   only each N-th of them, beginning with the K-th
+  --seed N      seed of the draw (default 1); the same seed and sources give the same faults
+  --jobs N      shards in parallel (default: one per processor)
+  --shard K/N   only every N-th fault, beginning with the K-th
   --only REGEX  only where path:line matches
   --out FILE    a line of JSON for each fault, as it is judged
-  --again FILE  such a file of the same seed and sources: only what survived then is planted again,
-                for tests that were added; the count is of all its faults, and what --only
-                leaves out still survives
+  --again FILE  such a file of the same seed and sources: only the faults that survived then are
+                planted again, to evaluate new tests; the count is of all faults in it, and those
+                that --only leaves out still survive
 
-Exit code: 0 at least 90 % are noticed, 1 fewer, 2 bad usage or the tests fail without a fault.
+Exit code: 0 at least 90 % are detected, 1 fewer, 2 bad usage or the tests fail without a fault.
 """
 
 import argparse

@@ -11,7 +11,7 @@ namespace hardpack::replay {
 namespace {
 
 constexpr int64_t kMillisecond_ns = 1'000'000;
-// A capture that pauses for longer was stopped meanwhile: no ticks are made for that.
+// A capture with a longer pause was stopped in between: that time gets no ticks.
 constexpr int64_t kMaxPause_ns = 60'000'000'000;
 
 // Whether an identifier is one that only the master sends: a capture does not tell who did.
@@ -52,7 +52,7 @@ class CaptureReplay {
     return {};
   }
 
-  // What has been taken and not ticked yet.
+  // Input that no tick has taken yet.
   void Finish() {
     while (Waiting()) Tick();
   }
@@ -161,7 +161,7 @@ ReadOutcome ReplayCapture(const Request& request, ChosenVehicle& vehicle,
     if (!taken.ok()) return taken;
   }
   replay.Finish();
-  if (report.ticks == 0) report.not_comparable = "there is nothing for a tick in it";
+  if (report.ticks == 0) report.not_comparable = "it contains no input for a tick";
   return {};
 }
 

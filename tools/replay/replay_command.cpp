@@ -23,7 +23,7 @@ std::string Summary(const replay::Report& report) {
   std::string text = std::to_string(report.ticks) + " ticks, decision hash " +
                      replay::HashText(report.decision_hash);
   if (!report.is_flight_log) text += " (a plain capture: nothing to compare)";
-  if (report.from_image) text += ", from the file's image of the state";
+  if (report.from_image) text += ", from the file's state image";
   if (report.is_flight_log && !report.ended) text += ", the log does not say that the run ended";
   return text;
 }
@@ -46,7 +46,7 @@ void RunReplay(const ReplayOptions& options) {
   if (options.json) std::cout << object.dump() << "\n";
   if (report.difference.found) {
     throw CommandFailure(kWorkFailed, "tick " + std::to_string(report.difference.index) +
-                                          " is decided otherwise: " + report.difference.what);
+                                          " decides differently: " + report.difference.what);
   }
   if (!report.not_comparable.empty()) throw CommandFailure(kWorkFailed, report.not_comparable);
   if (!options.json) std::cout << "ok: " << Summary(report) << "\n";
@@ -60,7 +60,7 @@ void AddReplayCommand(CLI::App& app) {
       "Run a recorded drive through the same code again: a flight log, whose decisions must be\n"
       "reproduced bit for bit, or a plain capture of `tcpdump -i any`. Prints the decision hash.");
   const auto options = std::make_shared<ReplayOptions>();
-  replay->add_option("files", options->request.files, "The log's files, of one run; or captures")
+  replay->add_option("files", options->request.files, "The log files of one run, or captures")
       ->required();
   replay->add_option("--config", options->request.configuration_path,
                      "Configuration (TOML) instead of the log's; a plain capture needs one");

@@ -39,7 +39,7 @@ std::string TextOf(const CanFrame& frame) {
   return text;
 }
 
-// What a file says of itself before its first tick.
+// The opening records of a file, before its first tick.
 struct Opening {
   std::string path;
   bool has_version = false;
@@ -65,10 +65,11 @@ ReadOutcome OrderFiles(const std::vector<std::string>& files, std::vector<Openin
   for (const Opening& opening : openings) {
     if (openings.size() == 1) break;
     if (!opening.has_version) {
-      return {Status::kInvalidArgument, opening.path + ": does not say which run it is of"};
+      return {Status::kInvalidArgument, opening.path + ": does not say which run it belongs to"};
     }
     if (opening.version.run != openings.front().version.run) {
-      return {Status::kInvalidArgument, opening.path + ": of another run than " + files.front()};
+      return {Status::kInvalidArgument,
+              opening.path + ": belongs to another run than " + files.front()};
     }
   }
   std::stable_sort(openings.begin(), openings.end(), [](const Opening& a, const Opening& b) {
@@ -100,16 +101,16 @@ class LogReplay {
       if (!replayed.ok()) return replayed;
     }
     if (report_.ticks == 0 && report_.not_comparable.empty()) {
-      report_.not_comparable = "there is no whole tick in it";
+      report_.not_comparable = "it contains no complete tick";
     }
     return {};
   }
 
  private:
-  // Whether a later file begins where the one before ended.
+  // Whether a later file begins where the previous one ended.
   bool Follows(const Opening& opening) {
     if (opening.version.next_tick == report_.last_index + 1) return true;
-    return Stop(opening.path, "a file before it is missing");
+    return Stop(opening.path, "an earlier file is missing");
   }
 
   bool Stop(const std::string& path, const std::string& reason) {
@@ -144,7 +145,7 @@ class LogReplay {
     }
   }
 
-  // Whether more of the file is to be read after what was no tick.
+  // Whether to continue reading the file after an item that is not a tick.
   bool GoesOn(Item item, const FlightReader& reader, const std::string& path, bool is_last) {
     switch (item) {
       case Item::kEnd:
@@ -152,7 +153,7 @@ class LogReplay {
         return true;
       case Item::kGap:
         return Stop(path, "not comparable: " + std::to_string(reader.gap_records()) +
-                              " records are missing behind tick " +
+                              " records are missing after tick " +
                               std::to_string(report_.last_index));
       case Item::kDamaged:
         return Stop(path, "damaged: " + reader.damage());
@@ -160,14 +161,15 @@ class LogReplay {
         break;
     }
     report_.cut = reader.ends_within_tick() || !reader.outcome().ok();
-    if (report_.cut && !is_last) Stop(path, "it was cut off, and another file follows");
+    if (report_.cut && !is_last) Stop(path, "it is truncated, but another file follows");
     return false;
   }
 
   ReadOutcome Configure(const std::string& path, const FlightReader& reader) {
     const std::string& own = request_.configuration_path;
     if (own.empty() && !reader.configuration().whole) {
-      return {Status::kTruncated, path + ": its configuration is not whole; --config gives one"};
+      return {Status::kTruncated,
+              path + ": its configuration is incomplete; give one with --config"};
     }
     const ReadOutcome parsed = own.empty()
                                    ? ParseConfiguration(TextOf(reader.configuration()),
@@ -179,7 +181,7 @@ class LogReplay {
     }
     const bool has_own_lidar = request_.metadata_path.empty();
     if (has_own_lidar && !reader.lidar_metadata().whole) {
-      return {Status::kTruncated, path + ": its metadata are not whole; --metadata gives some"};
+      return {Status::kTruncated, path + ": its metadata is incomplete; give it with --metadata"};
     }
     const auto lidars = std::make_unique<LidarConfigs>();
     if (!has_own_lidar) configuration_.lidar.metadata = request_.metadata_path;
@@ -219,14 +221,14 @@ class LogReplay {
   ReadOutcome LoadImage(const Opening& opening) {
     const flight_log::VersionRecord& version = opening.version;
     if (!opening.has_version) {
-      return {Status::kInvalidArgument, opening.path + ": goes on from a file before it"};
+      return {Status::kInvalidArgument, opening.path + ": continues an earlier file"};
     }
     const bool same_layout = vehicle_.Choose(TextOf(version.vehicle)) &&
                              version.state_bytes == vehicle_.get()->state().size() &&
                              version.state_layout == vehicle_.get()->state_layout();
     if (!same_layout) {
       return {Status::kUnsupported,
-              opening.path + ": its image of the state is of another layout (hardpack " +
+              opening.path + ": its state image has another layout (hardpack " +
                   std::string(TextOf(version.version)) + ", build " +
                   std::string(TextOf(version.build)) + "): replay it from the run's first file"};
     }
@@ -245,7 +247,7 @@ class LogReplay {
                         reader.image_index() + 1 == version.next_tick;
     if (!usable) {
       return {Status::kTruncated, opening.path +
-                                      ": its image of the state is not whole: replay it "
+                                      ": its state image is incomplete: replay it "
                                       "with the files before it"};
     }
     static_cast<void>(vehicle_.get()->Restore(std::as_bytes(std::span(reader.image().bytes))));
@@ -253,7 +255,7 @@ class LogReplay {
     return {};
   }
 
-  // The image holds what the loop was configured with; the pictures want the port's part, too.
+  // The image contains the loop's configuration; the pictures also need the port's part.
   void ParseOnce(const std::string& path, const FlightReader& reader) {
     if (parsed_ || !reader.configuration().whole) return;
     parsed_ = true;

@@ -24,7 +24,7 @@ std::string NameOf(FieldKind kind, Code code) {
   return ctl::NameOf(kind, static_cast<uint8_t>(code)).name;
 }
 
-// To so many steps a unit: 10 keeps one decimal.
+// Rounds to `steps` per unit: 10 keeps one decimal.
 double Rounded(double value, double steps) {
   return std::round(value * steps) / steps;
 }

@@ -1,27 +1,27 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Drives the worlds' missions over many seeds, and writes one table of what came of them.
+"""Drives the worlds' missions over many seeds and writes one table of the results.
 
 usage: tools/sim/worlds.py [--out DIR] [--worlds A,B] [--share S] [--jobs N] [--hardpack BINARY]
                        [--against BINARY] [--fault-free HOURS] [-- OPTION...]
 
-Runs `hardpack experiment` for each world, each in a folder of its own under --out. Called again
-with the same --out and the same build it carries on where it was stopped.
+Runs `hardpack experiment` for each world, each in its own folder under --out. If called again with
+the same --out and the same build, it continues where it was stopped.
 
   --out DIR          folder to write to (default build/worlds): worlds.md, worlds.json, and runs/
   --worlds A,B       only these worlds (--help lists all of them at its end)
-  --share S          of each world's seeds, but at least 3 of them (default 1)
-  --jobs N           missions at a time (default: as many as there are cores)
+  --share S          share of each world's seeds to drive, but at least 3 of them (default 1)
+  --jobs N           missions in parallel (default: number of cores)
   --hardpack BINARY  the build to drive with (default build/release/tools/hardpack)
-  --against BINARY   another build, which drives the same seeds: its figures stand beside, with the
-                     time ratio (this build's over the other's) over the seeds in which both reached
-                     the goal. What it has no option or no world for is told as "-"
-  --fault-free HOURS instead of the table: drives worlds in which nothing is faulty, without and
-                     with rain, dust and lost packets, for so many simulated hours together, and
-                     counts the alarms that tell of a fault; fault_free.md, fault_free.json
-  OPTION...          options of `hardpack experiment` that all runs have (--lidar-columns 512)
+  --against BINARY   another build, which drives the same seeds: its figures are shown beside, with
+                     the time ratio (this build's over the other's) over the seeds in which both
+                     reached the goal. "-" where it lacks an option or a world
+  --fault-free HOURS instead of the table: drives worlds without faults, without and with rain, dust
+                     and lost packets, for that many simulated hours in total, and counts the alarms
+                     that indicate a fault; writes fault_free.md, fault_free.json
+  OPTION...          options of `hardpack experiment` for all runs (--lidar-columns 512)
 
-Exit code: 0 done, 1 there was an alarm (--fault-free), 2 bad usage or a run that cannot be made.
+Exit code: 0 done, 1 there was an alarm (--fault-free), 2 bad usage or a run that cannot be started.
 """
 
 import argparse

@@ -180,7 +180,7 @@ TEST(UdpSocket, SaysWhyItCannotBeOpened) {
   options = Loopback();
   options.receive_buffer_bytes = 0;
   EXPECT_EQ(why(options, Status::kInvalidArgument),
-            "UDP 127.0.0.1:0: a receive buffer of less than a byte");
+            "UDP 127.0.0.1:0: the receive buffer is smaller than one byte");
   options = Loopback();
   options.bind_address = 0xc0000201;  // 192.0.2.1, nobody's (RFC 5737)
   EXPECT_EQ(why(options, Status::kInvalidArgument),

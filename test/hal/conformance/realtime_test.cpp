@@ -52,7 +52,7 @@ TEST(BecomeRealtime, TriesTheRestWhenOneThingIsRefused) {
         BecomeRealtime({.priority = 1000, .lock_memory = false, .cpu = 100000});
     ASSERT_EQ(outcome.refused.size(), 2u);
     EXPECT_EQ(outcome.refused[0],
-              "processor 100000: Invalid argument (is there such a one, and may it be used?)");
+              "processor 100000: Invalid argument (does it exist, and may it be used?)");
     EXPECT_EQ(outcome.refused[1],
               "real-time scheduling, priority 1000: Invalid argument (needs CAP_SYS_NICE or "
               "LimitRTPRIO)");

@@ -133,7 +133,7 @@ TEST(SocketCanBusOpening, IsDownUntilItSucceeds) {
 }
 
 TEST_F(SocketCanBusTest, SaysWhatItOpened) {
-  EXPECT_EQ(harness_.outcome().message, "vcan0: no bit rate told (a virtual bus?)");
+  EXPECT_EQ(harness_.outcome().message, "vcan0: no bit rate reported (a virtual bus?)");
   EXPECT_TRUE(harness_.outcome().warnings.empty()) << harness_.outcome().warnings.front();
   EXPECT_TRUE(harness_.bus().may_restart());
 }

@@ -141,7 +141,7 @@ TEST(ServiceWatchdog, SpeaksTheManagersProtocol) {
     ServiceWatchdog watchdog;
     const OpenOutcome outcome = watchdog.Open();
     ASSERT_TRUE(outcome.ok()) << outcome.message;
-    EXPECT_EQ(outcome.message, "watchdog: the service manager waits 200 ms at the most");
+    EXPECT_EQ(outcome.message, "watchdog: the service manager's time-out is 200 ms");
     EXPECT_EQ(watchdog.period_ns(), kPeriod_ns);
     watchdog.Ready();
     watchdog.Feed(1);
@@ -160,7 +160,7 @@ TEST(ServiceWatchdog, FeedsNobodyWhereNobodyWatches) {
   EXPECT_EQ(alone.Open().message, "watchdog: no service manager");
   ServiceManager manager(AbstractName());
   ServiceWatchdog unwatched;
-  EXPECT_EQ(unwatched.Open().message, "watchdog: the service manager does not watch");
+  EXPECT_EQ(unwatched.Open().message, "watchdog: not enabled by the service manager");
   SetVariable("WATCHDOG_USEC", "200000");
   SetVariable("WATCHDOG_PID", "1");
   ServiceWatchdog another;  // process is meant

@@ -289,7 +289,7 @@ TEST(Example, IsRefusedUntilItIsFilledIn) {
   const std::string message = ParseConfiguration(Example(), "f", configuration).message;
   for (const std::string key : {"drive.gear_ratio", "drive.left_sign", "drive.right_sign",
                                 "lidar.address", "lidar.metadata", "ins.address", "ins.port"}) {
-    EXPECT_NE(message.find(": " + key + ": has to be set: "), std::string::npos) << message;
+    EXPECT_NE(message.find(": " + key + ": must be set: "), std::string::npos) << message;
   }
   EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 6) << message;
 }

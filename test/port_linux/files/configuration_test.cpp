@@ -133,7 +133,7 @@ TEST(Configuration, HoldsEveryKeyToItsRange) {
     const std::string complaint = key.full_name + ": ";
     const double low = static_cast<double>(key.low);
     const double high = static_cast<double>(key.high);
-    // What does not go together or has to be set is told in other words.
+    // Messages about conflicts and missing keys use other words.
     EXPECT_EQ(with(value_of(low)).find("is not"), std::string::npos) << with(value_of(low));
     EXPECT_EQ(with(value_of(high)).find("is not"), std::string::npos) << with(value_of(high));
     const double step = std::holds_alternative<float*>(key.value) ? high * 1e-6 + 1e-6 : 1.0;
@@ -151,7 +151,7 @@ TEST(Configuration, NamesTheNearestKeyForAnUnknownOne) {
             "f:7: costmap.halo: unknown key, did you mean costmap.halo_m?");
   EXPECT_EQ(Message("astar.halo_m = 2"),
             "f:7: astar.halo_m: unknown key, did you mean costmap.halo_m?");
-  EXPECT_EQ(Message("halo_m = 2"), "f:7: halo_m: stands in no table, did you mean costmap.halo_m?");
+  EXPECT_EQ(Message("halo_m = 2"), "f:7: halo_m: is not in a table, did you mean costmap.halo_m?");
   EXPECT_EQ(Message("speed.xyzzyxyzzy = 2"), "f:7: speed.xyzzyxyzzy: unknown key");
   EXPECT_EQ(Message("log.directory.x = 2"),
             "f:7: log.directory: a table is not a text of 1 to 500 letters without control "
@@ -227,33 +227,33 @@ TEST(Configuration, TellsAKeyThatIsThereTwice) {
 }
 
 // SR-CFG01
-TEST(Configuration, TellsWhatHasToBeSetAndWhy) {
+TEST(Configuration, TellsWhichKeysMustBeSetAndWhy) {
   Configuration configuration;
   EXPECT_EQ(ParseConfiguration("", "f", configuration).message,
-            "f: drive.gear_ratio: has to be set: the Warthog's is not public: measure it\n"
-            "f: drive.left_sign: has to be set: 1 or -1: how the motor is mounted is not public: "
+            "f: drive.gear_ratio: must be set: the Warthog's is not public: measure it\n"
+            "f: drive.left_sign: must be set: 1 or -1: the motor's mounting is not public: "
             "try it with the wheels up\n"
-            "f: drive.right_sign: has to be set: 1 or -1: how the motor is mounted is not public: "
+            "f: drive.right_sign: must be set: 1 or -1: the motor's mounting is not public: "
             "try it with the wheels up\n"
-            "f: lidar.address: has to be set: where your lidar sends from\n"
-            "f: lidar.metadata: has to be set: the file with your lidar's beam angles\n"
-            "f: ins.address: has to be set: where your INS sends from; without one set "
+            "f: lidar.address: must be set: the address that your lidar sends from\n"
+            "f: lidar.metadata: must be set: the file with your lidar's beam angles\n"
+            "f: ins.address: must be set: the address that your INS sends from; without an INS set "
             "safety.needs_ins = 0\n"
-            "f: ins.port: has to be set: where your INS sends to; without one set "
+            "f: ins.port: must be set: the port that your INS sends to; without an INS set "
             "safety.needs_ins = 0");
 }
 
-TEST(Configuration, TakesNoNoneForWhatHasToBeSet) {
+TEST(Configuration, RefusesAnEmptyValueForARequiredKey) {
   std::string text = kRequiredLines;
   text = std::regex_replace(text, std::regex("left_sign = 1"), "left_sign = 0");
   text = std::regex_replace(text, std::regex("10.0.0.2"), "");
   text = std::regex_replace(text, std::regex("5000"), "'TO BE FILLED IN'");
   Configuration configuration;
   EXPECT_EQ(ParseConfiguration(text, "f", configuration).message,
-            "f:2: drive.left_sign: has to be set: 1 or -1: how the motor is mounted is not "
-            "public: try it with the wheels up\n"
-            "f:4: lidar.address: has to be set: where your lidar sends from\n"
-            "f:6: ins.port: has to be set: where your INS sends to; without one set "
+            "f:2: drive.left_sign: must be set: 1 or -1: the motor's mounting is not public: "
+            "try it with the wheels up\n"
+            "f:4: lidar.address: must be set: the address that your lidar sends from\n"
+            "f:6: ins.port: must be set: the port that your INS sends to; without an INS set "
             "safety.needs_ins = 0");
 }
 
@@ -263,13 +263,13 @@ TEST(Configuration, NeedsNoInsWhereNoneIsNeeded) {
   Configuration configuration;
   EXPECT_TRUE(ParseConfiguration(text + "safety.needs_ins = 0\nins.address = '10.0.0.3'", "f",
                                  configuration)
-                  .message.starts_with("f: ins.port: has to be set"));
+                  .message.starts_with("f: ins.port: must be set"));
 }
 
 TEST(Configuration, NeedsAnAddressWhereLabelsAreUsed) {
   EXPECT_EQ(Message("mapping.use_labels = 1"),
-            "f: labels.address: has to be set: where labels come from, which mapping.use_labels = "
-            "1 asks for");
+            "f: labels.address: must be set: the address that labels come from; "
+            "mapping.use_labels = 1 needs it");
   EXPECT_EQ(Message("mapping.use_labels = 1\nlabels.address = '10.0.0.9'"), "");
 }
 
@@ -280,30 +280,26 @@ TEST(Configuration, TellsWhatDoesNotGoTogether) {
   EXPECT_EQ(Message("log.file_size_mb = 2\nlog.max_total_mb = 1\n"),
             "f:8: log.file_size_mb: 2 is above log.max_total_mb, which is 1");
   EXPECT_EQ(Message("costmap.ground_window_cells = 4\n"),
-            "f:7: costmap.ground_window_cells: is 4, has to be odd");
-  EXPECT_EQ(
-      Message("drive.heartbeat_timeout_ms = 100\n"),
-      "f:7: drive.heartbeat_timeout_ms: 100 does not go with drive.heartbeat_period_ms, which "
-      "is 100: it has to be above it");
+            "f:7: costmap.ground_window_cells: must be odd, not 4");
+  EXPECT_EQ(Message("drive.heartbeat_timeout_ms = 100\n"),
+            "f:7: drive.heartbeat_timeout_ms: 100 conflicts with drive.heartbeat_period_ms, which "
+            "is 100: it must be greater");
   // What counts as an obstacle is what the vehicle cannot pass over.
-  EXPECT_EQ(
-      Message("costmap.obstacle_height_m = 0.3\n"),
-      "f:7: costmap.obstacle_height_m: 0.3 does not go with vehicle.max_step_m, which is 0.2: "
-      "it has to be no more: the vehicle does not pass over what is higher");
-  EXPECT_EQ(
-      Message("vehicle.ground_clearance_m = 0.15\n"),
-      "f:7: costmap.obstacle_height_m: 0.2 does not go with vehicle.ground_clearance_m, which "
-      "is 0.15: it has to be no more: the vehicle does not pass over what is higher");
-  EXPECT_EQ(
-      Message("segmentation.ground_band_m = 0.2\n"),
-      "f:7: segmentation.ground_band_m: 0.2 does not go with costmap.obstacle_height_m, which "
-      "is 0.2: it has to be below it: what is no higher is ground");
+  EXPECT_EQ(Message("costmap.obstacle_height_m = 0.3\n"),
+            "f:7: costmap.obstacle_height_m: 0.3 conflicts with vehicle.max_step_m, which is 0.2: "
+            "it must be no greater: the vehicle cannot drive over anything higher");
+  EXPECT_EQ(Message("vehicle.ground_clearance_m = 0.15\n"),
+            "f:7: costmap.obstacle_height_m: 0.2 conflicts with vehicle.ground_clearance_m, which "
+            "is 0.15: it must be no greater: the vehicle cannot drive over anything higher");
+  EXPECT_EQ(Message("segmentation.ground_band_m = 0.2\n"),
+            "f:7: segmentation.ground_band_m: 0.2 conflicts with costmap.obstacle_height_m, which "
+            "is 0.2: it must be less: returns up to this height are ground");
   EXPECT_EQ(
       Message("drive.max_bus_load_percent = 1\n"),
-      "f:7: drive.max_bus_load_percent: is 1, but what is sent and asked for in these periods "
-      "takes 5 % of the bus");
+      "f:7: drive.max_bus_load_percent: is 1, but the frames sent and requested at these periods "
+      "take 5 % of the bus");
   EXPECT_EQ(Message("lidar.port = 5000"),
-            "f:6: ins.port: is lidar.port too: each sensor needs its own");
+            "f:6: ins.port: is the same as lidar.port: each sensor needs its own");
   EXPECT_EQ(Message("labels.port = 5000"), "");  // no labels are used
 }
 
@@ -356,7 +352,7 @@ TEST(Configuration, SaysWhatReplacesAFormerKey) {
        {"footprint_disc_radius_m", "footprint_disc_offset_m", "pivot_radius_m"}) {
     EXPECT_EQ(Message("vehicle." + key + " = 1.0\n"),
               "f:7: vehicle." + key +
-                  ": is no key any more: it follows from vehicle.length_m, vehicle.width_m and "
+                  ": is no longer a key: it follows from vehicle.length_m, vehicle.width_m and "
                   "vehicle.axle_offset_m");
   }
 }
@@ -367,7 +363,8 @@ TEST(Configuration, RefusesClassesAndCodesThatAreNone) {
             "or \"person\"");
   for (const std::string code : {"256", "-1", "019", "99999999999999999999", "x", "'1 '"}) {
     const std::string message = Message("labels.classes." + code + " = 'soft'");
-    EXPECT_NE(message.find("is no code from 0 to 255"), std::string::npos) << message;
+    EXPECT_NE(message.find("is neither a code from 0 to 255 nor \"default\""), std::string::npos)
+        << message;
   }
   EXPECT_EQ(Message("labels.classes = 2"),
             "f:7: labels.classes: is 2, expected a table: [labels.classes]");
@@ -441,12 +438,10 @@ TEST(Configuration, RefusesDeepNesting) {
 
 // The parser has undefined behaviour on some of them.
 TEST(Configuration, RefusesLettersBeyondAsciiOutsideOfQuotes) {
-  EXPECT_EQ(Message("[costmap]\nh\xc3\xb6he = 1"),
-            "f:8: a letter that is not ASCII outside of quotes");
-  EXPECT_EQ(Message("costmap.halo_m = 1 \xc2\xb5"),
-            "f:7: a letter that is not ASCII outside of quotes");
+  EXPECT_EQ(Message("[costmap]\nh\xc3\xb6he = 1"), "f:8: a non-ASCII letter outside quotes");
+  EXPECT_EQ(Message("costmap.halo_m = 1 \xc2\xb5"), "f:7: a non-ASCII letter outside quotes");
   EXPECT_EQ(Message("log.directory = 'a' \"b\\\"\" \xc2\xb5 '"),
-            "f:7: a letter that is not ASCII outside of quotes");
+            "f:7: a non-ASCII letter outside quotes");
   EXPECT_EQ(Message("# Gr\xc3\xb6\xc3\x9f"
                     "e\n"),
             "");
@@ -458,9 +453,8 @@ TEST(Configuration, RefusesLettersBeyondAsciiOutsideOfQuotes) {
 
 TEST(Configuration, RefusesTextsOfSeveralLines) {
   EXPECT_EQ(Message("log.directory = \"\"\"\n#\"\"\" \xc3\xb6"),
-            "f:7: a text of several lines; none is needed here");
-  EXPECT_EQ(Message("log.directory = '''a'''"),
-            "f:7: a text of several lines; none is needed here");
+            "f:7: a multi-line text, which is not supported");
+  EXPECT_EQ(Message("log.directory = '''a'''"), "f:7: a multi-line text, which is not supported");
   EXPECT_EQ(Message("control.group = \"\""), "");
   EXPECT_EQ(Message("control.group = '\"\"\"'"), "");
 }
@@ -491,7 +485,7 @@ TEST(ReadConfiguration, TellsWhatIsWrongWithTheFile) {
 
   const std::string path = (folder / "a.toml").string();
   std::ofstream(path) << kRequiredLines << "x = 1";
-  EXPECT_EQ(ReadConfiguration(path, configuration).message, path + ":7: x: stands in no table");
+  EXPECT_EQ(ReadConfiguration(path, configuration).message, path + ":7: x: is not in a table");
   std::ofstream(path) << kRequiredLines << "costmap.halo_m = 1.5";
   EXPECT_TRUE(ReadConfiguration(path, configuration).ok());
   EXPECT_EQ(configuration.planner.costmap.halo_m, 1.5f);

@@ -29,11 +29,11 @@ TEST(VehicleConfiguration, AsksOnlyForWhatTheVehicleHas) {
 
 TEST(VehicleConfiguration, RefusesAVelodyneThatThereIsNot) {
   EXPECT_EQ(MessageOf(kRequiredLines + "velodyne.model = \"hdl64\"\n"),
-            "f:7: velodyne.model: is \"hdl64\", has to be vlp16 or vlp32c");
+            "f:7: velodyne.model: must be vlp16 or vlp32c, not \"hdl64\"");
   EXPECT_EQ(MessageOf(kRequiredLines + "velodyne.returns = \"all\"\n"),
-            "f:7: velodyne.returns: is \"all\", has to be strongest, last or dual");
+            "f:7: velodyne.returns: must be strongest, last or dual, not \"all\"");
   EXPECT_EQ(MessageOf(kRequiredLines + "velodyne.rpm = 610\n"),
-            "f:7: velodyne.rpm: is 610, has to be a multiple of 60");
+            "f:7: velodyne.rpm: must be a multiple of 60, not 610");
 }
 
 TEST(VehicleConfiguration, RefusesAMotionControllerThatDoesNotFitTheVehicle) {

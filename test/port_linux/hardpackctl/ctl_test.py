@@ -225,7 +225,7 @@ class Goals(CtlTest):
                                 (("--lat", "1", "--lon", "2", "--relative"), "--relative"),
                                 (("--lat", "90.000000001", "--lon", "0"), "within 90"),
                                 (("--lat", "0", "--lon", "-180.1"), "within 180"),
-                                (("--lat", "1.0000000001", "--lon", "0"), "nine digits"),
+                                (("--lat", "1.0000000001", "--lon", "0"), "nine decimals"),
                                 (("--lat", "1e1", "--lon", "0"), "'1e1'"),
                                 (("--lat", "1.", "--lon", "0"), "'1.'"),
                                 (("--lat", ".5", "--lon", "0"), "'.5'"),
@@ -364,7 +364,7 @@ class Parameters(CtlTest):
     def test_another_part_than_asked_for(self):
         self.serve(lambda kind, sequence, body: [
             message(PARAMETERS, sequence, struct.pack("<II", 1, 9) + b"abc")])
-        self.expect_failure(2, ["params"], "another part")
+        self.expect_failure(2, ["params"], "not the requested part")
 
     def test_a_refusal(self):
         self.serve(done(status_code("kNotStarted")))

@@ -35,9 +35,9 @@ TEST(RellisLabels, NamesFileLineAndColumnOfWhatIsWrong) {
       {"ring,meas_id,label\n16,2,3\n", ": line 2: ring: the sensor has no such beam"},
       {"ring,meas_id,label\n-1,2,3\n", ": line 2: ring: the sensor has no such beam"},
       {"ring,meas_id,label\n1,512,3\n", ": line 2: meas_id: the sensor has no such column"},
-      {"ring,meas_id,label\n1,2,256\n", ": line 2: label: 256 is no code of 0 .. 255"},
-      {"ring,meas_id,label\n1,2,-1\n", ": line 2: label: -1 is no code of 0 .. 255"},
-      {"ring,meas_id,label\n1,2,3\n\n1,2,4\n", ": line 4: meas_id: this return was named before"},
+      {"ring,meas_id,label\n1,2,256\n", ": line 2: label: 256 is not a code from 0 to 255"},
+      {"ring,meas_id,label\n1,2,-1\n", ": line 2: label: -1 is not a code from 0 to 255"},
+      {"ring,meas_id,label\n1,2,3\n\n1,2,4\n", ": line 4: meas_id: this return is listed twice"},
   };
   for (const auto& [text, message] : cases) {
     const TextFile file(text);

@@ -266,7 +266,7 @@ TEST_F(ScanLoader, NamesTheFileOfWhatIsWrong) {
   EXPECT_EQ(Load().status, Status::kNotFinite);
   request_.pose.roll_rad = 0.0f;
   request_.perception.mapping.ageing_revolutions = 0;
-  EXPECT_EQ(Load().message, "parameters: out of their range");
+  EXPECT_EQ(Load().message, "parameters: out of range");
 }
 
 TEST_F(ScanLoader, SaysWhenACaptureHoldsNoPacketOfTheSensor) {

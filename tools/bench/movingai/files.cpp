@@ -13,7 +13,7 @@ namespace {
 // No line of either format comes near this; a file of another kind may be one long line.
 constexpr size_t kMaxLine = 4096;
 
-// Lines of a text file, without their LF or CRLF, and what to say about them.
+// Lines of a text file, without their LF or CRLF, and messages about them.
 class LineReader {
  public:
   explicit LineReader(const std::string& path) : path_(path), file_(path, std::ios::binary) {}
@@ -85,7 +85,7 @@ std::string ReadRow(LineReader& reader, MovingaiMap& map) {
   for (const char c : *line) {
     const bool free = c == '.' || c == 'G' || c == 'S';
     if (!free && c != '@' && c != 'O' && c != 'T' && c != 'W') {
-      return reader.Complaint("a character that is none of . G S @ O T W");
+      return reader.Complaint("a character other than . G S @ O T W");
     }
     map.free.push_back(free);
   }
@@ -113,7 +113,7 @@ std::string ParseProblem(const LineReader& reader, std::string_view line,
                        ToNumber(words[4], problem.start.x) && ToNumber(words[5], problem.start.y) &&
                        ToNumber(words[6], problem.goal.x) && ToNumber(words[7], problem.goal.y) &&
                        ToNumber(words[8], problem.optimum_cells);
-  if (!numbers) return reader.Complaint("a column that should be a number is not");
+  if (!numbers) return reader.Complaint("a column is not a number");
   if (width < 1 || height < 1 || width > kMapSize_cells || height > kMapSize_cells) {
     return reader.Complaint("a map size outside 1 to " + std::to_string(kMapSize_cells));
   }
@@ -124,7 +124,7 @@ std::string ParseProblem(const LineReader& reader, std::string_view line,
   }
   // Also false for NaN; no path over 512 x 512 cells is longer.
   if (!(problem.optimum_cells >= 0.0 && problem.optimum_cells <= 2.0 * kMapCells)) {
-    return reader.Complaint("a length that is not one");
+    return reader.Complaint("an invalid length");
   }
   problem.rounding_cells = RoundingOf(words[8]);
   problem.line = reader.number();

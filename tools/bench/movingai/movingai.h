@@ -28,10 +28,10 @@ struct MovingaiProblem {
   Cell start;  // on that map
   Cell goal;
   double optimum_cells = 0.0;   // the listed length
-  double rounding_cells = 0.0;  // of the listed length, by the decimals it is written with
+  double rounding_cells = 0.0;  // of the listed length, from its number of decimals
 };
 
-// Either what was read or one line that names the file, the line and what is wrong.
+// Either the data read, or one line that names the file, the line and the error.
 template <typename T>
 using MovingaiOr = std::variant<T, std::string>;
 

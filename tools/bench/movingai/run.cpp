@@ -17,7 +17,7 @@ namespace {
 constexpr double kTolerance = 1.0e-3;
 constexpr double kSqrt2 = 1.4142135623730951;
 
-// One file's searches and what came of them.
+// The searches of one file and their results.
 class Run {
  public:
   explicit Run(const MovingaiMap& map)
@@ -30,7 +30,7 @@ class Run {
 
  private:
   bool Free(Cell cell) const;
-  // Length of the path found; what is wrong with it, if anything.
+  // Length of the path found; its error, if any.
   std::string WalkPath(double& length_cells) const;
   std::string Judge(const MovingaiProblem& problem);
 
@@ -65,7 +65,7 @@ std::string Run::WalkPath(double& length_cells) const {
   return cell == result.end ? "" : "the path does not lead to its end";
 }
 
-// Searches have been run. What is wrong, or empty.
+// Checks a finished search. The error, or empty.
 std::string Run::Judge(const MovingaiProblem& problem) {
   const AstarResult& result = search_->result();
   if (result.status != Status::kOk) return StatusName(result.status);

@@ -8,13 +8,13 @@
 #include "core/base/grid.h"
 #include "core/costmap/costmap.h"
 
-// Boost.Graph's A*, beside core/astar: the same cells, steps, integer costs and octile heuristic.
-// Its best fair use: the grid is an implicit graph (its edges are found from the map as the search
-// asks for them), the property maps are arrays that stay from query to query, and a visitor leaves
-// the search at the goal by an exception, as Boost's documentation does it. astar_search_no_init is
-// called with the costs and the colours filled beforehand: astar_search would write two maps more,
-// cell by cell, which is slower; maps that are reset as cells are met were tried, and are faster
-// only for short searches. Boost allocates its heap anew in each query. The start lies outside
+// Boost.Graph's A*, for comparison with core/astar: the same cells, steps, integer costs and octile
+// heuristic. Its best fair use: the grid is an implicit graph (its edges are derived from the map
+// when the search requests them), the property maps are arrays kept from query to query, and a
+// visitor leaves the search at the goal by an exception, as in Boost's documentation.
+// astar_search_no_init is called with costs and colours filled beforehand: astar_search would write
+// two more maps, cell by cell, which is slower; resetting the maps as cells are met was tried, and
+// is faster only for short searches. Boost allocates its heap in each query. The start lies outside
 // lethal cells: the way out of an obstacle is not searched here.
 
 namespace hardpack::peers {
@@ -31,7 +31,7 @@ class BoostAstar {
   BoostAstar();
   ~BoostAstar();
 
-  // A path of least cost. Not reached: there is none, or start or goal lies off the map or is
+  // A path of least cost. Not reached: there is no path, or start or goal lies off the map or is
   // lethal.
   BoostAstarResult Search(const Costmap& map, Cell start, Cell goal);
 

@@ -14,8 +14,9 @@
 namespace hardpack::peers {
 namespace {
 
-// Where |u| is rounded off, and what keeps the slope of the map term's root finite. Larger ones are
-// solved in fewer steps, but further from F; these gave the lowest F after 100 iterations.
+// The widths of the rounding of |u|, and the floor that keeps the slope of the map term's root
+// finite. Larger ones need fewer steps, but deviate more from F; these gave the lowest F after 100
+// iterations.
 constexpr double kRoundedTurn_rad = 3e-3;
 constexpr double kRoundedStep_per_m = 3e-2;
 constexpr double kRoundedExcess = 1e-2;
@@ -135,7 +136,7 @@ class LeastSquares {
                MovedPath& path);
   ceres::Problem& problem() { return problem_; }
 
-  // What half the sum of squares is above the rounded F without the map terms of fixed points.
+  // Half the sum of squares minus the rounded F without the map terms of fixed points.
   double constant() const { return map_terms_ * kMapFloor_m; }
 
  private:
@@ -303,8 +304,8 @@ void SolveWhole(const ceres::GradientProblem& problem, int max_iterations, Moved
   Report(summary, result);
 }
 
-// Keeps a solution, evenly spread where F is lower so: points crowd on the inside of a bend, where
-// the turns between them are lost in single precision.
+// Keeps a solution, evenly spread if that lowers F: points crowd on the inside of a bend, where the
+// turns between them are lost in single precision.
 void Keep(const Costmap& map, const OptimizerParams& params, const MovedPath& moved,
           float start_curvature_per_m, bool keep_end_heading, CeresResult& result) {
   moved.CopyTo(result.path);

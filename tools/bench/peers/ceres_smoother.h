@@ -10,26 +10,25 @@
 #include "core/optimizer/optimizer.h"
 #include "core/path/path.h"
 
-// Ceres as a path smoother, beside core/optimizer: it moves the free points of a path across it,
-// each along the normal that it has on the seed, so that F (core/optimizer/optimizer.h) falls, with
-// F's |u| rounded off at 0, which Ceres needs. Two of its solvers can do that, and both are
-// offered:
+// Ceres as a path smoother, for comparison with core/optimizer: it moves the free points of a path
+// sideways, each along its normal on the seed, so that F (core/optimizer/optimizer.h) falls, with
+// |u| in F rounded at 0, as Ceres requires. Two of its solvers can do that, and both are offered:
 // - kTrustRegion: F as nonlinear least squares, one residual block a term. A term a |u| is the
 //   residual u under a loss function, which Ceres solves by reweighting; the map's term is the
 //   square of its root. Levenberg-Marquardt with sparse Cholesky, as nav2's constrained smoother.
 // - kLineSearch: F as one function of all offsets (GradientProblemSolver), by L-BFGS.
-// That is its best fair use: derivatives are analytic and found once a step for all residuals
-// (EvaluationCallback), one thread, tolerances at Ceres' defaults. Points free in x and y, which
-// has twice the unknowns and lets points slide along the path, was tried and is slower and worse.
-// The points of the solution are spread evenly where F is lower so, as core/optimizer does. The
-// problem is built anew for each path, as nav2 does, so that belongs to the time.
+// That is its best fair use: derivatives are analytic and computed once per step for all residuals
+// (EvaluationCallback), one thread, tolerances at Ceres' defaults. Points free in x and y, with
+// twice the unknowns, so that points can slide along the path, were tried: slower and worse. The
+// points of the solution are spread evenly if that lowers F, as in core/optimizer. The problem is
+// built for each path, as in nav2, so building it is part of the time.
 
 namespace hardpack::peers {
 
 enum class CeresMethod : uint8_t { kTrustRegion, kLineSearch };
 
 struct CeresResult {
-  bool usable = false;  // what Ceres says of its solution; otherwise `path` is the seed
+  bool usable = false;  // according to Ceres; otherwise `path` is the seed
   bool converged = false;
   int32_t iterations = 0;
   PathCost before;  // CostOf the seed: the true F, in single precision
@@ -37,9 +36,9 @@ struct CeresResult {
   WorldPath path;   // as many points as the seed; headings from the chords
 };
 
-// What stays where it is is what stays in Optimizer::Begin: the first two points and the last one,
-// the last two when keep_end_heading. Fewer than 4 points, points that are not finite and chords
-// without a length are not usable.
+// The same points stay fixed as in Optimizer::Begin: the first two and the last one, or the last
+// two if keep_end_heading. Fewer than 4 points, points that are not finite and chords of length 0
+// are not usable.
 CeresResult Smooth(CeresMethod method, const Costmap& map, const OptimizerParams& params,
                    const WorldPath& seed, float start_curvature_per_m, bool keep_end_heading,
                    int max_iterations);
@@ -48,7 +47,7 @@ CeresResult Smooth(CeresMethod method, const Costmap& map, const OptimizerParams
 // the seed, along the normal to the left (for tests). offsets_m: one a free point, from point 2 on.
 // Without a gradient where Smooth is not usable.
 struct CeresObjective {
-  double value = 0.0;                  // less what no free point changes
+  double value = 0.0;                  // without terms that no free point changes
   std::vector<double> gradient_per_m;  // [free points]
 };
 CeresObjective ObjectiveOf(CeresMethod method, const Costmap& map, const OptimizerParams& params,

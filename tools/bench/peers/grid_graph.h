@@ -11,8 +11,8 @@
 #include "core/costmap/costmap.h"
 
 // A costmap as Boost.Graph sees it: an implicit graph of 8-connected cells that models its
-// IncidenceGraph and VertexListGraph. A vertex is a cell's index. The edges out of a cell are found
-// when they are asked for, by core/astar's rules: to cells on the map that are not lethal, and
+// IncidenceGraph and VertexListGraph. A vertex is a cell's index. The edges out of a cell are
+// derived on request, by core/astar's rules: to cells on the map that are not lethal, and
 // diagonally only past two such cells.
 
 namespace hardpack::peers {
@@ -43,7 +43,7 @@ class GridEdgeIterator : public boost::iterator_facade<GridEdgeIterator, GridEdg
   bool equal(const GridEdgeIterator& other) const { return directions_ == other.directions_; }
 
   uint32_t from_ = 0;
-  uint32_t directions_ = 0;  // that are left, a bit each
+  uint32_t directions_ = 0;  // remaining, one bit each
 };
 
 class GridGraph {
@@ -52,7 +52,7 @@ class GridGraph {
 
   const Costmap& map() const { return *map_; }
 
-  // A bit a direction: the steps that may be taken out of a cell.
+  // One bit per direction: the steps allowed out of a cell.
   uint32_t DirectionsFrom(uint32_t cell) const {
     const uint32_t x = cell % kMapSize_cells;
     const uint32_t y = cell / kMapSize_cells;
@@ -85,7 +85,7 @@ class GridGraph {
 
 }  // namespace hardpack::peers
 
-// What Boost finds by its name. NOLINTBEGIN(readability-identifier-naming)
+// Functions that Boost finds by name. NOLINTBEGIN(readability-identifier-naming)
 
 template <>
 struct boost::graph_traits<hardpack::peers::GridGraph> {

@@ -5,8 +5,8 @@
 
 #include "core/path/path.h"
 
-// What a general solver may change of a path: how far each free point lies from its place on a seed
-// along the seed's normal there. The first two points and the last one (or two) stay.
+// The variables of a path for a general solver: the offset of each free point from its position on
+// a seed, along the seed's normal there. The first two points and the last one (or two) stay fixed.
 
 namespace hardpack::peers {
 
@@ -14,18 +14,18 @@ class MovedPath {
  public:
   static constexpr int kFirstFree = 2;
 
-  // Precondition: at least 3 points, 4 when keep_end_heading; each chord has a length.
+  // Precondition: at least 3 points, 4 if keep_end_heading; no chord has length 0.
   MovedPath(const WorldPath& seed, bool keep_end_heading);
 
   int points() const { return static_cast<int>(offsets_m_.size()); }
-  int free_end() const { return free_end_; }  // behind the last free point
+  int free_end() const { return free_end_; }  // after the last free point
   int free_points() const { return free_end_ - kFirstFree; }
 
   double* offsets_m() { return offsets_m_.data(); }              // [points], to the left
   const double* normals() const { return normals_.data(); }      // [points x 2], to the left
   const double* positions_m() const { return moved_m_.data(); }  // [points x 2], odom
 
-  // Puts the free points where their offsets say.
+  // Places the free points according to their offsets.
   void Place();
 
   // As placed; headings from the chords. Precondition: `path` is the seed.

@@ -6,12 +6,12 @@
 
 #include "core/costmap/costmap.h"
 
-// OpenCV's exact distance transform, beside core/costmap: cv::distanceTransform with DIST_L2,
-// DIST_MASK_PRECISE (Felzenszwalb and Huttenlocher's two passes) and CV_32F, once for the hard
-// layer and once for the soft one, on one thread. That is its best fair use: the one mask that is
-// exact, no labels, the images made beforehand and the results in matrices that stay, so that a
-// transform allocates only what OpenCV itself asks for. It gives the distance outside the obstacles
-// alone and no costs: less than what the costmap's build is held against.
+// OpenCV's exact distance transform, for comparison with core/costmap: cv::distanceTransform with
+// DIST_L2, DIST_MASK_PRECISE (Felzenszwalb and Huttenlocher's two passes) and CV_32F, once for the
+// hard layer and once for the soft one, on one thread. That is its best fair use: the only exact
+// mask, no labels, images made beforehand and results in permanent matrices, so that a transform
+// allocates only what OpenCV itself requests. It gives only the distance outside the obstacles and
+// no costs: less than the costmap's build with which it is compared.
 
 namespace hardpack::peers {
 
@@ -28,8 +28,8 @@ class OpencvDistance {
   void Transform();
 
   // Distance [cells] between the centres of each cell and of the nearest hard (soft) one; 0 in such
-  // a cell. [kMapSize_cells x kMapSize_cells], row-major along y, as a Costmap. Large and without a
-  // meaning where there is no such cell on the whole map.
+  // a cell. [kMapSize_cells x kMapSize_cells], row-major along y, as a Costmap. Large and
+  // meaningless if there is no such cell on the whole map.
   std::span<const float> hard_distance_cells() const;
   std::span<const float> soft_distance_cells() const;
 

@@ -8,7 +8,7 @@
 namespace hardpack::peers {
 namespace {
 
-// Where the points k - 1, k and k + 1 begin in Term::by.
+// The indices of the points k - 1, k and k + 1 in Term::by.
 constexpr int kBefore = 2;
 constexpr int kHere = 4;
 constexpr int kAfter = 6;

@@ -8,11 +8,11 @@
 #include "core/costmap/costmap.h"
 
 // The terms of F (core/optimizer/optimizer.h) in double precision with their analytic derivatives,
-// taken apart so that a solver for smooth functions can put them together again: with
+// separated so that a solver for smooth functions can combine them: with
 //   ds f(kappa)  = alpha  |phi|         + (beta  - alpha)  max(0, |phi|         - kappa_max  ds)
 //   ds f(kappa') = alpha' |delta kappa| + (beta' - alpha') max(0, |delta kappa| - kappa'_max ds)
-// F is a sum of positive weights times sizes of five numbers a point: ds cost, the turn phi, its
-// excess, the change of curvature, its excess.
+// F is a sum of positive weights times the magnitudes of five numbers per point: ds cost, the turn
+// phi, its excess, the change of curvature, its excess.
 
 namespace hardpack::peers {
 
@@ -33,12 +33,12 @@ struct PointTerms {
 
 class RoundedCost {
  public:
-  // Of a path with so many points.
+  // For a path with that many points.
   RoundedCost(const Costmap& map, const OptimizerParams& params, int points,
               float start_curvature_per_m);
 
-  // Finds the terms of the path through `points` ([points x 2], x and y) at its points 1 and on;
-  // without derivatives when they are not asked for. The last point has a map term alone.
+  // Computes the terms of the path through `points` ([points x 2], x and y) from its point 1 on;
+  // without derivatives unless requested. The last point has only a map term.
   void Find(const double* points, bool derivatives);
 
   int points() const { return points_; }

@@ -139,9 +139,9 @@ void AddQualityCommand(CLI::App& bench) {
   quality->add_flag("--json", options->json, "Print one JSON object on stdout");
   quality->add_option("--problems", options->problems, "Number of problems (default 100)")
       ->check(CLI::Range(1, 999));
-  quality->add_option("--problem", options->only, "Only this one; may be given more than once")
+  quality->add_option("--problem", options->only, "Only this problem; may be repeated")
       ->check(CLI::Range(1, 999));
-  quality->add_option("--seed", options->seed, "Of the problems (default 1)");
+  quality->add_option("--seed", options->seed, "Seed of the problems (default 1)");
   quality->callback([options] { RunQuality(*options); });
 }
 

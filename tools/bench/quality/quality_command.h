@@ -5,8 +5,8 @@
 
 namespace hardpack::command {
 
-// hardpack bench quality: how good the paths are, and how fast they are found, of our optimizers
-// and others on the same problems.
+// hardpack bench quality: path quality and run time of our optimizers and others on the same
+// problems.
 void AddQualityCommand(CLI::App& bench);
 
 }  // namespace hardpack::command

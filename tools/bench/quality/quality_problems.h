@@ -14,7 +14,7 @@
 #include "core/path/path.h"
 #include "core/path/path_smoother.h"
 
-// The problems that path quality is measured on: made up from a seed, the same on every machine.
+// The problems on which path quality is measured: generated from a seed, the same on every machine.
 
 namespace hardpack::command {
 
@@ -28,10 +28,10 @@ struct QualityProblem {
   float goal_heading_rad = 0.0f;
 };
 
-// What an optimizer is given.
+// The input of an optimizer.
 struct QualitySeed {
   WorldPath base;  // A* alone: sampled, and joined to the start's (and the goal's) heading
-  WorldPath seed;  // what the planner begins its optimizer with
+  WorldPath seed;  // with which the planner starts its optimizer
   bool keeps_end_heading = false;
 };
 
@@ -41,12 +41,12 @@ class SeedMaker {
  public:
   explicit SeedMaker(const PlannerParams& params) : params_(params) {}
 
-  // kOk alone says that there is a seed, of a path from the start to the goal that needs no turn on
-  // the spot and no narrower map; else why there is none (kPivotBlocked where it needs a turn).
+  // Only kOk means that there is a seed, of a path from the start to the goal that needs no turn on
+  // the spot and no narrower map; otherwise the reason (kPivotBlocked if it needs a turn).
   Status Make(const QualityProblem& problem);
 
-  // From here on what Make made last. The search once more, sampled and joined: what A* alone
-  // takes.
+  // The following refer to the last Make. Repeats the search, with sampling and joining: the work
+  // of A* alone.
   void RepeatBase(const QualityProblem& problem);
   const Costmap& map() const { return builder_->result(); }
   const QualitySeed& result() const { return result_; }
@@ -65,10 +65,10 @@ class SeedMaker {
   QualitySeed result_;
 };
 
-// Problem `number` (from 1) of a seed, with what its seed path is in `maker`. The kinds of ground
-// take turns. Three of five are about 200 points long, the others about 100. Start headings are up
-// to 60 degrees off; one in four starts on a bend, one in five has a goal heading. Nothing when 200
-// draws gave none that can be planned.
+// Problem `number` (from 1) of a seed; its seed path is left in `maker`. The kinds of ground
+// alternate. Three of five are about 200 points long, the others about 100. Start headings are up
+// to 60 degrees off; one in four starts on a bend, one in five has a goal heading. Nothing if none
+// of 200 draws can be planned.
 std::optional<QualityProblem> MakeQualityProblem(uint32_t seed, int number, SeedMaker& maker);
 
 }  // namespace hardpack::command

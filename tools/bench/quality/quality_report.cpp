@@ -76,7 +76,7 @@ int Collisions(const std::vector<QualityResult>& results, SolverId id) {
   return CountOf(results, id, [](const QualityRun& run) { return run.measures.collides; });
 }
 
-// F of ours over F of the other. Where both are next to nothing they are equal.
+// F of ours over F of the other. If both are almost 0 they are equal.
 double CostShare(const QualityResult& result, SolverId other) {
   constexpr double kNothing = 1.0e-6;
   return (double{result.of(SolverId::kOurs).measures.cost.total()} + kNothing) /

@@ -8,12 +8,12 @@
 #include "nlohmann/json.hpp"
 #include "tools/bench/quality/quality_solvers.h"
 
-// What comes out of the quality benchmark: a table of all solvers, and our optimizer held
-// against the others problem by problem.
+// The results of the quality benchmark: a table of all solvers, and our optimizer compared with the
+// others problem by problem.
 
 namespace hardpack::command {
 
-// A problem solved; the problem itself can be made again.
+// A solved problem; the problem itself can be generated again.
 struct QualityResult {
   int number = 0;
   std::string kind;
@@ -24,8 +24,8 @@ struct QualityResult {
 
 // Our optimizer beside another solver.
 struct HeadToHead {
-  int no_worse = 0;                // F equal or lower, on so many
-  int problems = 0;                // of so many
+  int no_worse = 0;                // problems with F equal or lower
+  int problems = 0;                // compared
   double median_cost_share = 0.0;  // F of ours over F of the other
   double worst_cost_share = 0.0;
   int worst_cost_problem = 0;
@@ -37,9 +37,9 @@ struct HeadToHead {
 
 HeadToHead Compare(const std::vector<QualityResult>& results, SolverId other);
 
-// Problems to look at: up to a quarter of them those where the paper's optimizer keeps the limits
-// and ours does not; of the rest, by F beside `other`, a third our largest wins, a third around the
-// median, a third our largest losses. Indices into `results`, none twice.
+// Problems worth drawing: up to a quarter of them those in which the paper's optimizer keeps the
+// limits and ours does not; of the rest, by F relative to `other`, a third our largest wins, a
+// third around the median, a third our largest losses. Indices into `results`, none twice.
 std::vector<size_t> MostTelling(const std::vector<QualityResult>& results, SolverId other,
                                 size_t wanted);
 

@@ -46,8 +46,8 @@ float SumOfAngles(const WorldPath& path) {
   return sum_rad;
 }
 
-// What this thread has had of a processor. On a machine that others use too, the clock on the wall
-// would count their time in, and more of it for a long run than for one that fits into a slice.
+// The processor time of this thread. On a shared machine, wall clock time would include that of
+// other programs, and more of it for a long run than for one that fits into a time slice.
 double ProcessorTime_us() {
   timespec time = {};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);

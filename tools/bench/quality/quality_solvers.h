@@ -11,18 +11,18 @@
 #include "core/safety/path_check.h"
 #include "tools/bench/quality/quality_problems.h"
 
-// The solvers that path quality is compared of, each from the same seed on the same map, one after
-// the other in every round, so that what disturbs the machine disturbs all.
+// The solvers whose path quality is compared, each from the same seed on the same map, one after
+// the other in every round, so that disturbances of the machine affect all of them.
 
 namespace hardpack::command {
 
 enum class SolverId : uint8_t {
-  kAstar,           // the base path as it is: what the optimizers are there for
+  kAstar,           // the unchanged base path, which the optimizers improve
   kPaper,           // the paper's solver, default parameters
-  kPaperConverged,  // the same, until a sweep gains next to nothing
+  kPaperConverged,  // the same, until a sweep gains almost nothing
   kOurs,            // the lateral Newton descent, default parameters
   kCeresSquares,    // Ceres as least squares, and ...
-  kCeresLines,      // ... by line search: only where it is installed
+  kCeresLines,      // ... by line search: only if it is installed
 };
 
 struct SolverName {
@@ -63,7 +63,7 @@ class QualityBench {
   QualityBench(const PlannerParams& params, int rounds);
 
   // One run for each of Solvers(). `maker` holds the problem's seed. Time of A* alone: search,
-  // sampling and joining, which all others need before their own.
+  // sampling and joining, which all others need first.
   std::vector<QualityRun> Solve(const QualityProblem& problem, SeedMaker& maker);
 
  private:

@@ -13,10 +13,10 @@ namespace {
 constexpr uint8_t kHard = Costmap::kHard;
 constexpr uint8_t kSoft = Costmap::kSoft;
 
-constexpr float kBeside_m = 16.0f;  // how far to either side of the way something may stand
-constexpr float kBeyond_m = 8.0f;   // and how far before the start and behind the goal
+constexpr float kBeside_m = 16.0f;  // farthest obstacle to either side of the way
+constexpr float kBeyond_m = 8.0f;   // and before the start and behind the goal
 
-// One obstacle in so many square metres, anywhere along the way.
+// One obstacle per each_m2 square metres, anywhere along the way.
 template <typename DrawOne>
 void Scatter(Draw& random, const Terrain& terrain, float each_m2, DrawOne&& draw_one) {
   const float length_m = terrain.way().length_m + 2.0f * kBeyond_m;
@@ -55,7 +55,7 @@ Vec2 StraightAhead(const Terrain& terrain) {
   return {terrain.way().length_m, 0.0f};
 }
 
-// The same where obstacles were scattered: room for the vehicle at both ends.
+// The same among scattered obstacles: with room for the vehicle at both ends.
 Vec2 StraightAheadBetweenFreeEnds(Terrain& terrain) {
   constexpr float kRoom_m = 3.0f;
   const Vec2 goal = StraightAhead(terrain);

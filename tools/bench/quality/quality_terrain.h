@@ -9,12 +9,12 @@
 #include "core/base/grid.h"
 #include "core/base/pose.h"
 
-// Made-up ground between a start and a goal: what obstacles a path has to get around. The same on
-// every machine: integers of a standard generator, and no function of the C library's.
+// Synthetic ground between a start and a goal: the obstacles that a path must avoid. The same on
+// every machine: integers of a standard generator, and no function of the C library.
 
 namespace hardpack::command {
 
-// Numbers in a row that depend on the seed and the stream alone.
+// A sequence of numbers that depends only on the seed and the stream.
 class Draw {
  public:
   Draw(uint32_t seed, uint32_t stream);
@@ -26,7 +26,7 @@ class Draw {
   std::mt19937 engine_;
 };
 
-// The way from start to goal as a frame: its origin is the start, x points at the goal, y left.
+// The line from start to goal as a frame: its origin is the start, x points to the goal, y left.
 struct Way {
   Vec2 start_odom;
   float direction_rad = 0.0f;
@@ -35,8 +35,8 @@ struct Way {
   Vec2 ToOdom(Vec2 point_way) const;
 };
 
-// Cells of a 512 x 512 map around the origin, drawn upon in the frame of a way. What lies off the
-// map is left out.
+// Cells of a 512 x 512 map around the origin, for drawing in the frame of such a line. Anything off
+// the map is ignored.
 class Terrain {
  public:
   explicit Terrain(const Way& way);
@@ -49,7 +49,7 @@ class Terrain {
   }
   // A rectangle of twice the half sides; angle_rad from the way's x.
   void Box(Vec2 centre_way, float half_length_m, float half_width_m, float angle_rad, uint8_t flag);
-  // Nothing is known of its free cells.
+  // The free cells of a disc become unobserved.
   void Unobserved(Vec2 centre_way, float radius_m);
 
   const Way& way() const { return way_; }
@@ -65,14 +65,14 @@ class Terrain {
   std::vector<uint8_t> flags_;
 };
 
-// A kind of ground: what it is called, and what draws it.
+// A kind of ground: its name, and the function that draws it.
 struct TerrainKind {
   const char* name;
-  // Draws on the ground and says where the goal lies, in the way's frame.
+  // Draws on the ground and returns the goal, in the line's frame.
   Vec2 (*draw)(Draw& random, Terrain& terrain);
 };
 
-// All kinds, in the order in which the problems take turns.
+// All kinds, in the order in which the problems alternate.
 const std::vector<TerrainKind>& TerrainKinds();
 
 }  // namespace hardpack::command

@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Implicit path enumeration: the most instructions that a function can take.
 
-How often each edge of the control-flow graph is gone along is one unknown of a linear program: what
-enters a block leaves it, and the loops' back edges are bounded by their records (loop_bounds.py).
-Every way through the function is a solution; the greatest sum of instructions of any solution, with
-the bounds of what is called, is the bound.
+The number of times each edge of the control-flow graph is taken is an unknown of a linear program:
+each block is left as often as it is entered, and the loops' back edges are bounded by their records
+(loop_bounds.py). Every path through the function is a solution; the largest sum of instructions of
+any solution, including the bounds of the called functions, is the bound.
 
-No solver is needed, as the best prices of these bounds are known (the dual of the program): going
-along a back edge costs what the dearest trip round its loop gains, and what allows for n trips, the
-loop's entry or its records, pays n prices back. With them no cycle gains, which is checked, and the
-dearest way from entry to exit is a bound on every solution (weak duality), in whole numbers.
+No solver is needed, because the optimal prices of these bounds are known (the dual of the program):
+taking a back edge costs what the most expensive pass through its loop gains, and whatever allows n
+passes, the loop's entry or its records, pays n prices back. With these prices no cycle gains, which
+is checked, and the most expensive path from entry to exit bounds every solution (weak duality), in
+integers.
 
 Functions are taken from the leaves of the call graph upwards; recursion is refused.
 """
@@ -23,14 +24,14 @@ from sized_calls import SizedCalls, bytes_an_iteration
 class Analysis:
     """Bounds of an image's functions.
 
-    given: {name: instructions} of functions that are not looked into.
+    given: {name: instructions} of functions that are not analysed.
     sizes: {name: most bytes} of functions that call memcpy or the like (sized_calls.py).
-    units: {name: n} of functions that do resumable work in a loop of units: the outermost loop of
-    the largest bound is gone round n times and not as often as its record says.
+    units: {name: n} of functions that do resumable work in a loop of units: the outermost loop with
+    the largest bound iterates n times instead of as often as its record says.
     calls: {name: {callee: n}}: in one call of the named function the callee is called at most n
-    times, by whomever. It costs nothing where it is called, and n times its bound beside.
+    times, by any caller. It costs nothing at the calls, and n times its bound in addition.
     rounds: {name: {callee: n}}: in one call of the named function the callee's loop of units (see
-    there) is gone round at most n times, in all of the callee's calls together.
+    units) iterates at most n times, in all of the callee's calls together.
     """
 
     def __init__(self, image, given=None, sizes=None, units=None, calls=None, rounds=None):

@@ -1,23 +1,22 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The most stack that functions can take, with all that they call, without running them.
+"""Bounds the stack of functions, including everything they call, without running them.
 
 usage: tools/proof/wcet/stack_bound.py [--stops NAME]... [--frame NAME=BYTES]... [--path]
                                  [--most BYTES] FOLDER FUNCTION...
 
 Reads the call graphs (.ci) that g++ writes beside the objects of FOLDER with
--fcallgraph-info=su,da, and adds up the frames along the dearest way down. A FUNCTION is named with
+-fcallgraph-info=su,da, and adds up the frames along the deepest call path. A FUNCTION is named with
 or without its parameters. Refused: recursion, calls through pointers, frames whose size depends on
-data, and functions of which there is no call graph, unless their bytes are stated. A tail call
-counts like any other.
+data, and functions without a call graph, unless their bytes are stated. A tail call counts like any
+other.
 
-  --stops NAME        a function that does not return; what it takes does not count
-  --frame NAME=BYTES  what a function of a library takes, with all that it calls
-  --path              print the dearest way too
-  --most BYTES        of each function; more is a failure
+  --stops NAME        a function that does not return; its stack does not count
+  --frame NAME=BYTES  stack of a library function, including everything it calls
+  --path              also print the deepest path
+  --most BYTES        limit for each function; more is a failure
 
-Exit code: 0; 1 where no bound can be vouched for, with the reason, or where it is too large; 2 bad
-usage.
+Exit code: 0 passed; 1 no bound can be guaranteed, with the reason, or it is too large; 2 bad usage.
 """
 
 import argparse

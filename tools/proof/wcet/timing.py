@@ -1,23 +1,23 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The static bounds of a tick's work, held to their budgets and against what was measured.
+"""Checks the static bounds of a tick's work against their budgets and against measurements.
 
 usage: tools/proof/wcet/timing.py [--facts FILE] [--measured FILE]... [--set NAME=N]... [--json]
                             [--budgets] [--schedule] IMAGE
 
-Reads config/timing.toml (--facts): what the bounds rest on, what is bounded and how much each may
-take. Prints a table; where a budget is exceeded, or something measured exceeds its bound, it says
-so.
+Reads config/timing.toml (--facts): the assumptions of the bounds, the bounded work and the budgets.
+Prints a table, and reports every budget that is exceeded and every measurement that exceeds its
+bound.
 
   --measured FILE  lines "name number" of a run of the same code: test/timing/measure_units and
-                   test/bare_metal/replay_tape. Lines "constant name number" have to be as the facts
-                   say, those of parameters where they are not set otherwise.
-  --set NAME=N     another value of one of the facts' parameters; budgets are then not looked at
+                   test/bare_metal/replay_tape. Lines "constant name number" must agree with the
+                   facts, those of parameters only if they are not set otherwise.
+  --set NAME=N     another value of one of the facts' parameters; budgets are then not checked
   --json           the table as JSON
-  --schedule       what they mean in time on the processor of the facts' schedule, an estimate
-  --budgets        print the budgets as the facts' file has them, each 5 % above its bound
+  --schedule       also estimate their time on the processor of the facts' schedule
+  --budgets        print the budgets in the format of the facts' file, each 5 % above its bound
 
-Exit code: 0; 1 where a bound is not as it should be, or cannot be vouched for; 2 bad usage.
+Exit code: 0 passed; 1 a bound is not as it should be, or cannot be guaranteed; 2 bad usage.
 """
 
 import argparse

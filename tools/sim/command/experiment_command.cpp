@@ -45,7 +45,7 @@ struct MergeOptions {
   bool json = false;
 };
 
-// One run that is to be made.
+// One run to carry out.
 struct Task {
   std::string world;
   uint64_t seed = 0;
@@ -61,7 +61,7 @@ std::vector<Task> TasksOf(const ExperimentOptions& options) {
   if (options.name == "all") worlds = world::WorldNames();
   std::vector<Task> tasks;
   for (const std::string& name : worlds) {
-    // A world that there is not is told before the first run.
+    // An unknown world is reported before the first run.
     static_cast<void>(ScenarioOf(name, options.first_seed, options.mission.scenario));
     bool is_first = true;
     for (int64_t i = 0; i < options.runs; ++i) {
@@ -74,7 +74,7 @@ std::vector<Task> TasksOf(const ExperimentOptions& options) {
   return tasks;
 }
 
-// Table and runs, in an order that does not depend on the one in which they ended.
+// Writes the table and the runs, in an order independent of that in which they ended.
 void WriteTable(const std::string& out, const std::vector<RunResult>& results, bool json) {
   Require(experiment::WriteRuns(out + kRuns, results));
   const std::vector<experiment::Row> rows = experiment::Summarise(results);
@@ -87,7 +87,7 @@ void WriteTable(const std::string& out, const std::vector<RunResult>& results, b
   std::cout << (json ? table.dump() + "\n" : markdown);
 }
 
-// The runs of an experiment: which are left, and where what came of them goes.
+// The runs of an experiment: those still to do, and their results.
 class Experiment {
  public:
   explicit Experiment(const ExperimentOptions& options);
@@ -115,17 +115,17 @@ Experiment::Experiment(const ExperimentOptions& options)
   MakeOutputFolder(options.out);
   if (options.pictures != "none") MakeOutputFolder(options.out + "/pictures");
   TakeUp();
-  // What was there, without a line that was cut off; then a line for each run.
+  // The earlier runs, without a truncated line; then one line per run is appended.
   Require(experiment::WriteRuns(options.out + kRuns, results_));
   runs_.open(options.out + kRuns, std::ios::app);
 }
 
-// Leaves out what was run before.
+// Skips the runs of earlier invocations.
 void Experiment::TakeUp() {
   const std::string path = options_.out + kRuns;
   if (!std::filesystem::exists(path)) return;
   if (!options_.resume) {
-    throw CommandFailure(kBadInput, path + ": is there already; --resume carries it on");
+    throw CommandFailure(kBadInput, path + ": already exists; --resume continues it");
   }
   Require(experiment::ReadRuns(path, results_));
   const uint64_t digest = mission::DigestOf(settings_);
@@ -137,7 +137,7 @@ void Experiment::TakeUp() {
     wanted.labels = mission::LabelsName(settings_.labels);
     wanted.max_speed_set_mps = double{settings_.configuration.planner.speed.max_speed_mps};
     if (!experiment::IsSameRow(result, wanted) || result.settings != digest) {
-      throw CommandFailure(kBadInput, path + ": was run with other options");
+      throw CommandFailure(kBadInput, path + ": was made with other options");
     }
     std::erase_if(tasks_, [&](const Task& task) {
       return task.world == result.world && task.seed == result.seed;
@@ -196,24 +196,25 @@ void Experiment::Run() {
   runs_.close();
 }
 
-// What makes the exit code 1.
+// Fails, for exit code 1, if a log does not replay or too few runs succeeded.
 void RequireResults(const ExperimentOptions& options, const std::vector<RunResult>& results) {
   for (const RunResult& result : results) {
     if (options.replay && !result.replayed) {
       throw CommandFailure(kWorkFailed, result.world + ", seed " + std::to_string(result.seed) +
-                                            ": its log does not replay to what was decided");
+                                            ": its log does not replay to the same decisions");
     }
   }
   for (const experiment::Row& row : experiment::Summarise(results)) {
     if (row.success_share() >= options.required_share) continue;
     throw CommandFailure(kWorkFailed, row.world + ": " + std::to_string(row.successes) + " of " +
                                           std::to_string(row.runs) +
-                                          " runs succeeded, which is less than --require-success");
+                                          " runs succeeded, fewer than --require-success");
   }
 }
 
 void RunExperiment(const ExperimentOptions& options) {
-  if (options.name.empty()) throw CommandFailure(kBadInput, "which world? (see --help)");
+  if (options.name.empty())
+    throw CommandFailure(kBadInput, "NAME is required: a world (see --help)");
   if (options.out.empty()) throw CommandFailure(kBadInput, "--out is required");
   if (options.runs < 1 || options.runs > 1000000) {
     throw CommandFailure(kBadInput, "--runs: 1 to 1000000");
@@ -236,10 +237,10 @@ void Merge(const MergeOptions& options) {
 
 void AddMergeCommand(CLI::App& experiment) {
   CLI::App* merge = experiment.add_subcommand(
-      "merge", "Put the runs of several folders together: runs.jsonl, table.json, table.md.");
+      "merge", "Merge the runs of several folders: write runs.jsonl, table.json, table.md.");
   const auto options = std::make_shared<MergeOptions>();
   merge->add_option("DIR", options->folders, "Folders of experiments")->required();
-  merge->add_option("--out", options->out, "Folder to write to; made when missing")->required();
+  merge->add_option("--out", options->out, "Folder to write to; created if missing")->required();
   merge->add_flag("--json", options->json, "Print table.json as one line on standard output");
   merge->callback([options] { Merge(*options); });
 }
@@ -249,31 +250,32 @@ void AddMergeCommand(CLI::App& experiment) {
 void AddExperimentCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "experiment",
-      "Drive missions in a simulated world over many seeds: runs.jsonl with a line for each run,\n"
-      "as they end, table.json, table.md and pictures. Worlds: see `hardpack world`, or `all`.\n"
-      "A mission that fails is a result. Exit code 1 when --require-success is missed or when a\n"
-      "run's log does not replay. `hardpack sim` with the same options drives one of them again.\n"
-      "Several machines, or processes:\n"
+      "Drive missions in a simulated world with many seeds. Writes runs.jsonl with one line per\n"
+      "run as it ends, table.json, table.md and pictures. Worlds: see `hardpack world`, or `all`.\n"
+      "A failed mission is a result. Exit code 1 if --require-success is not met or a run's log\n"
+      "does not replay. `hardpack sim` with the same options repeats one of the runs.\n"
+      "On several machines, or in several processes:\n"
       "  parallel hardpack experiment gap --runs 100 --shard {}/8 --out out/{} ::: {1..8}\n"
       "  hardpack experiment merge out/* --out merged");
   const auto options = std::make_shared<ExperimentOptions>();
   command->add_option("NAME", options->name, "World, map.yaml with --start and --goal, or all");
-  command->add_option("--runs", options->runs, "Of each world, with seeds that grow (default 5)");
-  command->add_option("--first-seed", options->first_seed, "Of the first run (default 1)");
-  command->add_option("--out", options->out, "Folder to write to; made when missing");
-  command->add_flag("--resume", options->resume, "Carry on with what is in the folder already");
+  command->add_option("--runs", options->runs,
+                      "Runs of each world, with consecutive seeds (default 5)");
+  command->add_option("--first-seed", options->first_seed, "Seed of the first run (default 1)");
+  command->add_option("--out", options->out, "Folder to write to; created if missing");
+  command->add_flag("--resume", options->resume, "Continue an experiment in that folder");
   command->add_option("--jobs", options->jobs,
-                      "So many at a time (default: cores); has no part in the results");
+                      "Runs in parallel (default: number of cores); does not affect the results");
   command->add_option("--shard", options->shard, "K/N: only the K-th of N parts of the seeds");
   command
       ->add_option("--require-success", options->required_share,
-                   "Exit code 1 when a smaller share of a world's runs succeeds (0 to 1)")
+                   "Exit code 1 if a smaller share of a world's runs succeeds (0 to 1)")
       ->check(CLI::Range(0.0, 1.0));
   command->add_flag("!--no-replay", options->replay,
                     "Do not write each run's log, replay it and compare");
   command
       ->add_option("--pictures", options->pictures,
-                   "Of which runs: all, failed, first (default) or none")
+                   "Runs to draw: all, failed, first (default) or none")
       ->check(CLI::IsMember({"all", "failed", "first", "none"}));
   command->add_flag("--json", options->json, "Print table.json as one line on standard output");
   AddMissionOptions(*command, options->mission);

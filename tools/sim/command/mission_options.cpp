@@ -13,7 +13,7 @@
 
 namespace hardpack::sim {
 
-// config/vehicles, put into the program by tools/cmake/embed_text.cmake.
+// config/vehicles, embedded into the program by tools/cmake/embed_text.cmake.
 extern const std::string_view kWarthogPaper;
 extern const std::string_view kWarthogRecorded;
 extern const std::string_view kAckermann;
@@ -23,7 +23,7 @@ extern const std::string_view kAckermann;
 namespace hardpack::command {
 namespace {
 
-// The name of a vehicle that the program has, or the path of a file.
+// By the name of a built-in vehicle or the path of a file.
 void ReadNamedVehicle(const std::string& name, sim::UncertainBody& vehicle) {
   if (name.ends_with(".toml")) {
     Require(sim::ReadBody(name, vehicle));
@@ -36,7 +36,7 @@ void ReadNamedVehicle(const std::string& name, sim::UncertainBody& vehicle) {
   } else {
     throw CommandFailure(
         kBadInput,
-        "--vehicle " + name + ": warthog_paper, warthog_recorded, ackermann, or a FILE.toml");
+        "--vehicle " + name + ": must be warthog_paper, warthog_recorded, ackermann or FILE.toml");
   }
 }
 
@@ -45,13 +45,13 @@ void SetLabels(const std::string& text, mission::MissionSettings& settings) {
   if (text == "none") return;
   const double delay_ms = ParseNumber("--labels", text);
   if (delay_ms < 0.0 || delay_ms > 10000.0) {
-    throw CommandFailure(kBadInput, "--labels " + text + ": 0 to 10000 ms, or none");
+    throw CommandFailure(kBadInput, "--labels " + text + ": must be 0 to 10000 ms, or none");
   }
   settings.labels.emplace();
   settings.labels->delay_s = delay_ms / 1000.0;
 }
 
-// What the file says; a line that is no event is told with the file's name.
+// The file's text; a malformed line is reported with the file's name.
 std::string ReadScript(const std::string& path) {
   std::ifstream file(path);
   if (!file) throw CommandFailure(kBadInput, path + ": cannot be read");
@@ -69,21 +69,20 @@ void AddMissionOptions(CLI::App& command, MissionOptions& options) {
   command.add_option("--planner", mission.planner, "optimizer (default) or astar");
   command.add_option("--tracker", mission.tracker, "full (default) or pursuit");
   command.add_option("--vehicle", options.vehicle,
-                     "warthog_paper (default), warthog_recorded, ackermann (which needs --config: "
-                     "config/ackermann.toml), or FILE.toml (docs/simulation.md)");
+                     "warthog_paper (default), warthog_recorded, ackermann (needs --config "
+                     "config/ackermann.toml) or FILE.toml (docs/simulation.md)");
   command.add_flag("!--typical", mission.spread,
-                   "The typical vehicle instead of one drawn by the seed");
+                   "Use the typical vehicle instead of one drawn with the seed");
   command.add_option("--labels", options.labels,
-                     "External labels that come so many milliseconds after their returns; or none "
-                     "(default)");
+                     "Delay of external labels after their returns [ms], or none (default)");
   command.add_option(
       "--script", options.script,
-      "File of what goes wrong (tools/sim/script/script.h), at times from the goal's acceptance");
+      "File of faults (tools/sim/script/script.h), timed from the acceptance of the goal");
   command.add_option("--config", options.configuration, "Configuration (TOML) of the vehicle");
-  command.add_option("--max-speed", options.max_speed_mps, "Instead of the configuration's [m/s]");
-  command.add_option("--limit", mission.limit_s, "On the mission's time [s] (default 120)");
+  command.add_option("--max-speed", options.max_speed_mps, "Replaces the configuration's [m/s]");
+  command.add_option("--limit", mission.limit_s, "Time limit of the mission [s] (default 120)");
   command.add_option("--lidar-columns", mission.lidar_columns,
-                     "A revolution: 512, 1024 (default) or 2048");
+                     "Columns per revolution: 512, 1024 (default) or 2048");
   command.add_option("--start", options.scenario.start, "X,Y[,THETA] on a map (default 0,0)");
   command.add_option("--goal", options.scenario.goal, "X,Y on a map");
 }

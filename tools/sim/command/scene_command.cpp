@@ -17,11 +17,12 @@ void AddSceneCommand(CLI::App& app) {
   };
   CLI::App* scene = app.add_subcommand(
       "scene",
-      "Write a made-up recording of an OS1-64: scan.pcap, scan.json (metadata), labels.csv.\n"
-      "A fence with a gap, trees, bushes, boxes, a hut and a person on waving ground.");
+      "Write a synthetic recording of an OS1-64: scan.pcap, scan.json (metadata), labels.csv.\n"
+      "It shows a fence with a gap, trees, bushes, boxes, a hut and a person on undulating\n"
+      "ground.");
   const auto options = std::make_shared<SceneOptions>();
-  scene->add_option("--out", options->out, "Folder to write to; made when missing")->required();
-  scene->add_option("--seed", options->seed, "Of the noise (default 1)");
+  scene->add_option("--out", options->out, "Folder to write to; created if missing")->required();
+  scene->add_option("--seed", options->seed, "Seed of the noise (default 1)");
   scene->callback([options] {
     MakeOutputFolder(options->out);
     Require(scene::WriteRecording(scene::Record(scene::DemoWorld(), options->seed), options->out));

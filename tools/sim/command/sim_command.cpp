@@ -63,7 +63,7 @@ void RunSim(const SimOptions& options) {
   const MissionSettings settings = SettingsOf(options);
   if (options.replay && (settings.log.empty() || options.wire.on)) {
     throw CommandFailure(kBadInput,
-                         "--replay needs --out, and the log, which --wire does not write");
+                         "--replay needs --out and a flight log, which --wire does not write");
   }
   if (!options.out.empty()) MakeOutputFolder(options.out);
   RunResult result;
@@ -105,20 +105,20 @@ void AddSimCommand(CLI::App& app) {
   CLI::App* sim = app.add_subcommand(
       "sim",
       "Drive one mission in a simulated world: the onboard program's loop and a vehicle in one\n"
-      "process, faster than real time; with --wire against a hardpackd that runs besides. Exit\n"
-      "code 1 when the mission did not end as it should, or real time was not kept.");
+      "process, faster than real time; with --wire, against a separate hardpackd. Exit code 1 if\n"
+      "the mission did not end as it should or the simulation did not keep real time.");
   const auto options = std::make_shared<SimOptions>();
   sim->add_option("--world", options->world,
-                  "World or map.yaml, see `hardpack world` (default gap)");
+                  "World (see `hardpack world`) or map.yaml (default gap)");
   sim->add_option("--seed", options->mission.mission.seed,
-                  "Of world, vehicle and noise (default 1)");
+                  "Seed of world, vehicle and noise (default 1)");
   AddMissionOptions(*sim, options->mission);
   sim->add_option("--out", options->out,
                   "Folder for page.html, which shows the mission in a browser, run.json,\n"
                   "events.txt, sim.png and the flight log run.pcap");
-  sim->add_flag("!--no-log", options->log, "No flight log");
+  sim->add_flag("!--no-log", options->log, "Write no flight log");
   sim->add_flag("--replay", options->replay,
-                "Replay the log afterwards: whether every tick was decided the same again");
+                "Replay the log afterwards and check that every tick decides the same");
   sim->add_flag("--json", options->json, "Print run.json as one line on standard output");
   AddWireOptions(*sim, options->wire);
   sim->callback([options, sim] {

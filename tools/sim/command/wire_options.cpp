@@ -29,26 +29,27 @@ void AddWireOptions(CLI::App& sim, WireOptions& options) {
   mission::WireMissionSettings& settings = options.settings;
   CLI::Option* wire =
       sim.add_flag("--wire", options.on,
-                   "In real time over UDP and SocketCAN, against a hardpackd that is started\n"
-                   "besides, before or after; no flight log but its own");
+                   "Run in real time over UDP and SocketCAN against a hardpackd that you start\n"
+                   "separately, before or after; only hardpackd writes a flight log");
   const auto add = [&](const char* name, auto& value, const char* description) {
     return sim.add_option(name, value, description)->needs(wire);
   };
-  wire->needs(add("--can", settings.wire.can, "SocketCAN interface of the drives; needed"));
+  wire->needs(add("--can", settings.wire.can, "SocketCAN interface of the drives; required"));
   add("--control", settings.control,
       "hardpackd's control socket (default /run/hardpack/control.sock)");
   add("--write-config", settings.write_configuration,
-      "FILE.toml to write for hardpackd: --config, with this vehicle in the place of its own.\n"
-      "The lidar's metadata is written to FILE.lidar.json, logs go to the folder flight beside it");
-  add("--wait", settings.wait_s, "For hardpackd, until it is armed [s] (default 60)")
+      "FILE.toml to write for hardpackd: --config, adapted to the simulated vehicle.\n"
+      "The lidar's metadata is written to FILE.lidar.json; logs go to the folder flight beside it");
+  add("--wait", settings.wait_s, "Time to wait until hardpackd is armed [s] (default 60)")
       ->check(CLI::Range(0.0, 3600.0));
   const auto port = CLI::Range(1, 65535);
-  add("--lidar-port", settings.lidar_port, "Of hardpackd on 127.0.0.1 (default 7502)")->check(port);
+  add("--lidar-port", settings.lidar_port, "hardpackd's port on 127.0.0.1 (default 7502)")
+      ->check(port);
   add("--ins-port", settings.ins_port, "The same (default 7600)")->check(port);
   add("--turn-ms", settings.wire.turn_ms,
-      "Between two looks at the sockets, 1 (default) to 20: more where system calls are slow")
+      "Period of polling the sockets, 1 (default) to 20; more where system calls are slow")
       ->check(CLI::Range(1, 20));
-  add("--trace", settings.wire.trace, "File of JSON lines of what the vehicle did");
+  add("--trace", settings.wire.trace, "File of JSON lines that record what the vehicle did");
 }
 
 void RequireFitting(const CLI::App& sim, const WireOptions& options) {
@@ -56,8 +57,8 @@ void RequireFitting(const CLI::App& sim, const WireOptions& options) {
   for (const char* name : {"--config", "--planner", "--tracker", "--max-speed"}) {
     if (sim.count(name) == 0) continue;
     throw CommandFailure(kBadInput, std::string(name) +
-                                        ": with --wire it is hardpackd's to know; give"
-                                        " --write-config too, and start it with that file");
+                                        ": with --wire, hardpackd needs it: add"
+                                        " --write-config, and start hardpackd with that file");
   }
 }
 
@@ -69,7 +70,7 @@ void RunOverWire(const WireOptions& options, const mission::MissionSettings& mis
   CatchInterrupt();
   settings.interrupted = [] { return interrupted != 0; };
   const ReadOutcome outcome = mission::RunWireMission(settings, result, &trace, report);
-  // Refused by somebody else than the one who typed the command.
+  // Ended by a signal or refused by hardpackd, not an error of the command line.
   if (outcome.status == Status::kAborted) throw CommandFailure(kWorkFailed, outcome.message);
   Require(outcome);
 }
@@ -96,12 +97,13 @@ nlohmann::ordered_json ToJson(const mission::WireReport& report, int lidar_colum
 void RequireRealTime(const mission::WireReport& report) {
   if (report.lateness.events == 0) return;
   const auto worst_ms = static_cast<uint64_t>(Milliseconds(report.lateness.worst_ns));
-  throw CommandFailure(kWorkFailed, "the simulation did not keep real time: it was " +
-                                        std::to_string(report.lateness.events) +
-                                        " times late by 50 ms or more, by " +
-                                        std::to_string(worst_ms) +
-                                        " ms at worst; fewer --lidar-columns, or a computer with "
-                                        "less to do");
+  throw CommandFailure(kWorkFailed,
+                       "the simulation did not keep real time: it was late by 50 ms "
+                       "or more " +
+                           std::to_string(report.lateness.events) + " times, by " +
+                           std::to_string(worst_ms) +
+                           " ms at worst; use fewer --lidar-columns or a less busy "
+                           "computer");
 }
 
 }  // namespace hardpack::command

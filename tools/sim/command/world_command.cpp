@@ -38,13 +38,13 @@ void AddWorldCommand(CLI::App& app) {
   for (const std::string& name : world::WorldNames()) names += " " + name;
   CLI::App* command = app.add_subcommand(
       "world",
-      "Draw a world that the simulation drives in, with one revolution of its lidar: world.png.\n"
+      "Draw a world of the simulation, with one revolution of its lidar, as world.png.\n"
       "Worlds:" +
-          names + "; or a map of ROS map_server (FILE.yaml).");
+          names + "; or a ROS map_server map (FILE.yaml).");
   const auto options = std::make_shared<WorldOptions>();
-  command->add_option("name", options->name, "World, or FILE.yaml")->required();
-  command->add_option("--out", options->out, "Folder to write to; made when missing")->required();
-  command->add_option("--seed", options->seed, "Of its variations (default 1)");
+  command->add_option("name", options->name, "World or FILE.yaml")->required();
+  command->add_option("--out", options->out, "Folder to write to; created if missing")->required();
+  command->add_option("--seed", options->seed, "Seed of its variations (default 1)");
   command->add_option("--start", options->scenario.start, "X,Y[,THETA] on a map (default 0,0)");
   command->add_option("--goal", options->scenario.goal, "X,Y on a map");
   command->callback([options] { Run(*options); });

@@ -109,7 +109,7 @@ void WorldPicture::DrawGround() {
       const auto index = static_cast<size_t>(row * (columns + 1) + column);
       const double height_m = heights_m[index];
       const auto step = [&](size_t other) {
-        // Between the round heights, so that level ground has none.
+        // Between round heights, so that level ground has no contour lines.
         return std::floor(height_m / kContour_m + 0.5) !=
                std::floor(heights_m[other] / kContour_m + 0.5);
       };
@@ -149,7 +149,7 @@ void WorldPicture::DrawBody(const Body& body) {
 }
 
 void WorldPicture::DrawBodies() {
-  // Leaves above what they hide.
+  // Leaves are drawn over the things they hide.
   for (const bool leaves : {false, true}) {
     for (const Body& body : scenario_->world.bodies()) {
       if ((body.material.matter == Matter::kFoliage) == leaves) DrawBody(body);
@@ -200,7 +200,7 @@ void WorldPicture::DrawDriven(const DrivenWay& driven) {
   for (const std::vector<Point2>& plan : driven.plans) {
     axes_.Line(PointsOf(plan), {.colour = kPlanLine, .line_px = 1.0});
   }
-  // Yellow, as the paper has it; with a rim, or it is not seen on light ground.
+  // Yellow, as in the paper; with a rim, otherwise it is invisible on light ground.
   const std::vector<DataPoint> way = PointsOf(driven.way);
   axes_.Line(way, {.colour = {0.25, 0.20, 0.0}, .line_px = 6.0});
   axes_.Line(way, {.colour = picture::kDriven, .line_px = 4.0});
@@ -269,7 +269,7 @@ void DrawLegend(Canvas& canvas, const WorldPicture& picture,
   canvas.Text(kLegend_px + 38.0, y_px + 5.0, "goal", {.size_px = 14.5});
 }
 
-// Its packets, read again.
+// Its packets, read back.
 struct Reader {
   ouster::Metadata metadata;
   ouster::PacketLayout layout;
@@ -283,7 +283,7 @@ struct Reader {
                                 {metadata.beam_azimuth_deg, kBeams}, metadata.columns_per_frame,
                                 metadata.lidar_origin_to_beam_origin_m, metadata.sensor_from_lidar,
                                 *model))) {
-      throw CommandFailure(kWorkFailed, "the simulated lidar's metadata are none");
+      throw CommandFailure(kWorkFailed, "the simulated lidar's metadata is invalid");
     }
   }
 };

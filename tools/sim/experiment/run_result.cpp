@@ -155,7 +155,7 @@ ReadOutcome FromJson(const nlohmann::json& object, RunResult& result) {
         !FromJson(object.at("reaction_s"), result.reaction_s) ||
         !FromJson(object.at("reaction_fast_s"), result.reaction_fast_s) ||
         !FromJson(object.at("reaction_m"), result.reaction_m)) {
-      return Bad("a histogram has other bins");
+      return Bad("a histogram has different bins");
     }
     if (!FromText(object.at("decision_hash"), result.decision_hash)) {
       return Bad("decision_hash is not 16 digits");
@@ -175,7 +175,7 @@ bool IsSameRow(const RunResult& one, const RunResult& other) {
 
 namespace {
 
-// Adds it unless it is there.
+// Adds it unless it is already present.
 ReadOutcome AddRun(RunResult&& result, std::vector<RunResult>& results) {
   const std::string seed = "seed " + std::to_string(result.seed);
   for (const RunResult& other : results) {
@@ -186,7 +186,7 @@ ReadOutcome AddRun(RunResult&& result, std::vector<RunResult>& results) {
     }
     if (other.seed != result.seed) continue;
     if (other.decision_hash == result.decision_hash) return {};
-    return Bad(seed + " is there twice, with different decisions");
+    return Bad(seed + " appears twice, with different decisions");
   }
   results.push_back(std::move(result));
   return {};

@@ -15,7 +15,7 @@ ReadOutcome ParseShard(const std::string& text, Shard& shard) {
       return {};
     }
   }
-  return {Status::kInvalidArgument, "'" + text + "' is no shard: K/N, K from 1 to N"};
+  return {Status::kInvalidArgument, "'" + text + "' is not a shard: K/N with K from 1 to N"};
 }
 
 }  // namespace hardpack::experiment

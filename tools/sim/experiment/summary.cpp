@@ -11,7 +11,7 @@
 namespace hardpack::experiment {
 namespace {
 
-// The speed that the reaction radius is asked for at.
+// The speed for which the reaction radius is reported.
 constexpr double kReactionSpeed_mps = 5.0;
 constexpr double kHour_s = 3600.0;
 
@@ -155,7 +155,7 @@ nlohmann::ordered_json ToJson(const WayRow& way) {
           {"off_middle_m", way.off_middle_m ? nlohmann::json(*way.off_middle_m) : nullptr}};
 }
 
-// A line of a table of Markdown.
+// A line of a Markdown table.
 std::string Line(const std::vector<std::string>& cells) {
   std::string line = "|";
   for (const std::string& cell : cells) line.append(" ").append(cell).append(" |");

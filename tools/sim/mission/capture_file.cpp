@@ -27,7 +27,7 @@ ReadOutcome CaptureFile::Open(const std::string& path) {
 
 ReadOutcome CaptureFile::Close() {
   file_.close();
-  if (!file_) return {Status::kInvalidArgument, path_ + ": could not be written whole"};
+  if (!file_) return {Status::kInvalidArgument, path_ + ": could not be written completely"};
   return {};
 }
 

@@ -6,7 +6,7 @@
 namespace hardpack::mission {
 namespace {
 
-// Of each source at most so many a tick, as the port takes them.
+// Most items of each source in a tick, as in the port.
 constexpr int kMostPerTick[kInputSources] = {
     TickLimits::kMaxInsDatagrams, TickLimits::kMaxLabelDatagrams, TickLimits::kMaxDatagramsPerTick};
 constexpr int64_t kWallClockOffset_ns = 1'795'000'000'000'000'000;

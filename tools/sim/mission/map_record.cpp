@@ -8,7 +8,7 @@
 namespace hardpack::mission {
 namespace {
 
-// The cost of a cell that is seen to slow a path down or to bend it.
+// The cost from which a cell visibly slows or bends a path.
 constexpr int kCostly_q8 = kCostOne_q8 / 2;
 
 MapCell KindOf(uint8_t flags, uint16_t cost_q8) {
@@ -68,7 +68,7 @@ MapRecord RecordOf(const Pilot& pilot, const sim::Pose& pose, double t_s) {
 
 void MapRecorder::Watch(const Pilot& pilot, const sim::Pose& pose, double t_s,
                         std::vector<MapRecord>& maps) {
-  // Between two rounds the map is whole: that of the plan that was judged last.
+  // Between two rounds the map is complete: that of the plan judged last.
   const uint64_t plans = pilot.counters().plans;
   const bool is_whole = plans != plans_ && !pilot.replanner().busy();
   plans_ = plans;

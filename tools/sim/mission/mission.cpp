@@ -27,7 +27,7 @@ ReadOutcome Bad(const std::string& message) {
 
 ReadOutcome ChooseMethods(const MissionSettings& settings, Configuration& configuration) {
   if (settings.planner == "astar") {
-    // No sweep of the descent: the base path as the search found it.
+    // No sweep of the descent: the base path as found by the search.
     configuration.planner.optimizer.method = OptimizerParams::kPaperDescent;
     configuration.planner.optimizer.max_sweeps = 0;
   } else if (settings.planner != "optimizer") {
@@ -46,7 +46,7 @@ Params OneOf(const sim::Uncertain<Params>& vehicle, const MissionSettings& setti
   return settings.spread ? sim::Draw(vehicle, settings.seed) : vehicle.typical;
 }
 
-// The body, and what drives it: a motion controller where the vehicle's type has one.
+// The body and its actuation: a motion controller if the vehicle's type has one.
 ReadOutcome DescribeBody(const MissionSettings& settings, sim::VehicleSettings& vehicle,
                          Configuration& configuration) {
   const bool has_controller = DevicesOf(configuration.vehicle_type).twist_drive;
@@ -66,7 +66,7 @@ ReadOutcome DescribeBody(const MissionSettings& settings, sim::VehicleSettings& 
     if (told.kinematics == VehicleParams::kSkidSteered && drive.turn == TwistDriveParams::kYawRate)
       return {};
     return Bad("vehicle " + settings.vehicle_name +
-               " is skid-steered: vehicle.kinematics and twist_drive.turn have to be 0");
+               " is skid-steered: vehicle.kinematics and twist_drive.turn must be 0");
   }
   vehicle.steered = OneOf(std::get<sim::UncertainSteered>(settings.vehicle), settings);
   if (has_controller && told.kinematics == VehicleParams::kAckermann &&
@@ -169,14 +169,14 @@ Moment MomentOf(const LockStep& run) {
   return now;
 }
 
-// The bins of a meter into a histogram with the same ones.
+// Copies the bins of a meter into a histogram with the same bins.
 void AddBins(std::span<const uint32_t> bins, experiment::Histogram& histogram) {
   for (size_t i = 0; i < bins.size(); ++i) {
     if (bins[i] > 0) histogram.Add((static_cast<double>(i) + 0.5) * histogram.width(), bins[i]);
   }
 }
 
-// Ticks until it is true; false when it takes too long.
+// Ticks until it is true; false if it takes too long.
 template <typename Condition>
 bool Until(LockStep& run, double limit_s, Condition&& condition) {
   const double end_s = run.time_s() + limit_s;
@@ -186,7 +186,7 @@ bool Until(LockStep& run, double limit_s, Condition&& condition) {
   return true;
 }
 
-// Boots, arms and gives the goal. Empty, or why it was not accepted.
+// Boots, arms and sends the goal. Empty, or the reason why it was not accepted.
 std::string Begin(LockStep& run, world::Point2 goal) {
   if (!Until(run, kBootLimit_s, [&] { return run.onboard().Drives().ready; })) {
     return "the drives do not become ready";
@@ -290,7 +290,7 @@ ReadOutcome ReplaysTheSame(const std::string& log, uint64_t decision_hash,
   } else if (!report.not_comparable.empty()) {
     difference = report.not_comparable;
   } else if (report.decision_hash != decision_hash) {
-    difference = "another decision hash";
+    difference = "different decision hash";
   }
   return {};
 }

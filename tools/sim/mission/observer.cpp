@@ -15,7 +15,7 @@ using experiment::Outcome;
 
 constexpr double kRest_mps = 0.03;
 constexpr double kSample_s = 0.05;
-// The jerk is the second difference of speeds so many ticks apart: what passengers feel, not the
+// The jerk is the second difference of speeds this many ticks apart: what passengers feel, not the
 // step of one tick.
 constexpr size_t kJerkTicks = 5;
 
@@ -57,7 +57,7 @@ void Observer::End(Outcome outcome) {
   result_.outcome = outcome;
 }
 
-// Contact counts after another end too, on the way to rest.
+// Contact also counts after another end, until the vehicle is at rest.
 void Observer::EndBy(Outcome contact, double t_s, const std::string& text) {
   const bool touched = result_.outcome == Outcome::kContact || result_.outcome == Outcome::kPerson;
   if (ended_ && touched) return;
@@ -104,7 +104,7 @@ void Observer::WatchContact(const Moment& now, double t_s) {
   }
 }
 
-// A path is held against where the vehicle takes itself to be: what that is off by is the
+// A path is compared with the vehicle's estimated pose: the error of that estimate is the
 // odometry's (WatchOdometry).
 void Observer::WatchPlan(const Moment& now, double t_s) {
   if (now.plan == plan_) return;
@@ -126,7 +126,7 @@ void Observer::WatchPlan(const Moment& now, double t_s) {
   if (trace_ != nullptr) trace_->plans.push_back({t_s, std::move(in_world)});
 }
 
-// How far the odometry has drifted since the goal was accepted.
+// The drift of the odometry since the goal was accepted.
 void Observer::WatchOdometry(const Moment& now) {
   if (now.pilot == nullptr) return;
   if (!first_) first_ = FrameOf(now);
@@ -196,7 +196,7 @@ void Observer::WatchMode(const Moment& now, double t_s) {
     const world::Point2 here = Here(now);
     const double off_m = std::hypot(here.x_m - goal_.x_m, here.y_m - goal_.y_m);
     if (drove_) End(off_m <= kAtGoal_m ? Outcome::kReached : Outcome::kSaid);
-    // Nothing was to be driven. A status may be from before the goal was accepted.
+    // There was nothing to drive. A status may be from before the goal was accepted.
     if (!drove_ && reason == "none" && off_m <= kHere_m && t_s > kAccepted_s) {
       End(Outcome::kReached);
     }

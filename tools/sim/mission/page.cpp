@@ -7,7 +7,7 @@
 
 namespace hardpack::mission {
 
-// Of tools/sim/mission/page, put in by the build.
+// The files of tools/sim/mission/page, embedded by the build.
 extern const std::string_view kPageHtml;
 extern const std::string_view kPageStyle;
 extern const std::string_view kPageScript;
@@ -50,7 +50,7 @@ struct Extent {
   }
 };
 
-// What is looked at first: the way, start and goal, and what is around them.
+// The initial view: the driven way, start and goal, and their surroundings.
 Extent FocusOf(const MissionSettings& settings, const MissionTrace& trace) {
   Extent focus;
   focus.Include(settings.scenario.start.position.x_m, settings.scenario.start.position.y_m);
@@ -60,7 +60,7 @@ Extent FocusOf(const MissionSettings& settings, const MissionTrace& trace) {
           focus.high_m + kAround_m};
 }
 
-// Of the ground that the page has: enough for a frame of any shape around the focus.
+// The ground included in the page: enough for a frame of any shape around the focus.
 Extent ExtentOf(const world::World& world, const Extent& focus) {
   const double wide_m = focus.right_m - focus.left_m;
   const double high_m = focus.high_m - focus.low_m;
@@ -135,7 +135,7 @@ Json SceneOf(const MissionSettings& settings, const MissionTrace& trace) {
           {"bodies", BodiesOf(scenario.world, extent)}};
 }
 
-// A column for each number, so that names are there once.
+// One column per number, so that each name appears once.
 Json SamplesOf(const MissionTrace& trace) {
   Json columns = Json::object();
   const auto add = [&](const char* name, const auto& value) {
@@ -168,7 +168,7 @@ Json SamplesOf(const MissionTrace& trace) {
   return columns;
 }
 
-// A letter for the kind of a run of cells, and how many they are.
+// For each run of equal cells, a letter for its kind and its length.
 std::string CellsText(const std::vector<MapCell>& cells) {
   std::string text;
   for (size_t first = 0; first < cells.size();) {
@@ -232,7 +232,7 @@ nlohmann::ordered_json PageData(const MissionSettings& settings,
 }
 
 std::string PageOf(const nlohmann::ordered_json& data) {
-  // Only ASCII, and no '<': it stands in strings alone, where the escape means the same.
+  // Only ASCII, and no '<': it occurs only in strings, where the escape means the same.
   std::string text = data.dump(-1, ' ', true, Json::error_handler_t::replace);
   for (size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at)) {
     text.replace(at, 1, "\\u003c");

@@ -15,7 +15,7 @@ struct Range {
   double end = 1.0;
 };
 
-// Of a point to a chord.
+// Distance from a point to a chord.
 double ToChord_m(Point2 p, Point2 from, Point2 to, Range range = {}) {
   const double dx = to.x_m - from.x_m;
   const double dy = to.y_m - from.y_m;
@@ -107,8 +107,8 @@ void WayWatch::Committed(std::span<const Point2> path, Point2 here, bool is_repl
   side_ = side;
 }
 
-// Along the corridor its middle; beside the pillar that of what is left between pillar and wall.
-// From one to the other the way is free.
+// Along the corridor its middle; beside the pillar the middle between pillar and wall. In between
+// the vehicle may drive anywhere.
 void WayWatch::Moved(Point2 here) {
   if (!result_.off_middle_m) return;
   const double half_m = scenario_.corridor_half_width_m;

@@ -34,7 +34,7 @@ ReadOutcome WriteFile(const std::filesystem::path& path, const std::string& text
   return {Status::kInvalidArgument, path.string() + ": cannot be written"};
 }
 
-// hardpackd's own file, by which the simulated vehicle is the one that it is connected to.
+// Writes the configuration that connects hardpackd to the simulated vehicle.
 ReadOutcome WriteConfiguration(const WireMissionSettings& settings,
                                const sim::ScriptedVehicleSettings& vehicle,
                                Configuration configuration) {
@@ -55,7 +55,7 @@ ReadOutcome WriteConfiguration(const WireMissionSettings& settings,
   }
   if (!settings.wire.can.empty()) configuration.can.interface = settings.wire.can;
   configuration.control.socket = settings.control;
-  // On a desk nobody may have the right to larger socket buffers, or space for many logs.
+  // A developer's computer may not permit larger socket buffers, or have space for many logs.
   configuration.lidar.require_receive_buffer = false;
   configuration.ins.require_receive_buffer = false;
   configuration.label_source.require_receive_buffer = false;
@@ -172,7 +172,7 @@ void WireRun::Mission() {
   }
 }
 
-// Nobody is left with a vehicle that is enabled, and what it touches on its way to rest counts.
+// The vehicle is not left enabled, and contact on its way to rest still counts.
 void WireRun::ComeToRest() {
   real_time_.Watch([this] {
     said_ = operator_->said();

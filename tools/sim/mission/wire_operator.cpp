@@ -65,7 +65,7 @@ bool WireOperator::AskStatus(std::string& failure) {
   return true;
 }
 
-// Asks again and again; empty once it is true, else why it is not.
+// Requests the status until the condition holds; empty, or the reason why it does not.
 std::string WireOperator::Until(const std::string& what, const std::function<bool()>& condition) {
   std::string failure;
   while (!leaving_) {
@@ -87,7 +87,7 @@ std::string WireOperator::Connect() {
   return kInterrupted;
 }
 
-// What is asked for at a moment at which something is too old may be granted at the next.
+// Repeats a refused request: it may be refused only because some input is too old at that moment.
 std::string WireOperator::Arm() {
   while (!leaving_) {
     control::OperatorCommand command;
@@ -117,7 +117,7 @@ std::string WireOperator::Go() {
   return IsUsable(answer.status) ? "" : "the goal was refused: " + WhyRefused(answer);
 }
 
-// Up to the goal's acceptance. Empty, or what it failed for.
+// Up to the acceptance of the goal. Empty, or the reason of the failure.
 std::string WireOperator::Begin() {
   patience_ =
       steady_clock::now() + duration_cast<steady_clock::duration>(duration<double>(wait_s_));
@@ -131,7 +131,7 @@ std::string WireOperator::Begin() {
   failure = Until("the drives are not enabled", [this] { return status_.vehicle.drives_enabled; });
   if (!failure.empty()) return failure;
   failure = Go();
-  // The status of before knows of no goal.
+  // An earlier status does not include the goal.
   if (failure.empty()) AskStatus(failure);
   return failure;
 }

@@ -30,7 +30,7 @@ std::optional<std::vector<Side>> Sides(const std::string& word) {
   return std::nullopt;
 }
 
-// What the commands' first word, a side, comes to.
+// The drives selected by the first word of a command, a side.
 using DriveAction = std::function<void(SevconDrive&)>;
 MaybeAction OnDrives(const Words& words, DriveAction act) {
   const auto sides = Sides(words[0]);
@@ -377,7 +377,7 @@ ReadOutcome Refuse(const std::string& message) {
 ReadOutcome ParseScriptLine(std::string_view line, std::vector<ScriptEvent>& script) {
   std::istringstream in{std::string(line)};
   Words words;
-  // A # within a word is a CAN frame's.
+  // A # within a word belongs to a CAN frame.
   for (std::string word; in >> word && !word.starts_with("#");) words.push_back(word);
   if (words.empty()) return {};
   std::string text;
@@ -390,7 +390,7 @@ ReadOutcome ParseScriptLine(std::string_view line, std::vector<ScriptEvent>& scr
   const Command& known = command->second;
   const bool fits = words.size() >= known.least_words && words.size() <= known.most_words;
   MaybeAction act = fits ? known.parse(words) : std::nullopt;
-  if (!act) return Refuse(text + ": these are not its arguments");
+  if (!act) return Refuse(text + ": wrong arguments");
   script.push_back({*at_s, text, std::move(*act)});
   return {};
 }

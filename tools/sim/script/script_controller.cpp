@@ -9,7 +9,7 @@
 namespace hardpack::sim::script {
 namespace {
 
-// Nothing happens to a vehicle without a controller.
+// No effect on a vehicle without a controller.
 MaybeAction OnController(std::function<void(TwistController&)> act) {
   return [act = std::move(act)](ScriptedVehicle& scripted) {
     if (TwistController* controller = scripted.vehicle().controller()) act(*controller);

@@ -33,7 +33,7 @@ Json DriveJson(const SevconDrive& drive) {
           {"rpdos", drive.rpdos()}};
 }
 
-// What drives it.
+// The state of its drives or of its controller.
 Json DrivesJson(const SimVehicle& vehicle) {
   if (const TwistController* controller = vehicle.controller()) {
     const TwistController::Motion told = controller->motion();
@@ -117,7 +117,7 @@ void ScriptedVehicle::Act(const ScriptEvent& event) {
   event.act(*this);
 }
 
-// The body on its tyres: it follows what the acceleration asks for with a lag.
+// The body on its tyres: its pitch follows the acceleration with a lag.
 void ScriptedVehicle::Dip(BodyMotion& motion) {
   constexpr double kStep_s = 1.0e-9 * kStep_ns;
   constexpr double kLag_s = 0.15;
@@ -187,7 +187,7 @@ void ScriptedVehicle::Deliver(Sensor sensor, std::vector<std::vector<uint8_t>>& 
   Arrive(sensor);
 }
 
-// On its way to whom it is sent to: late, or among others that it changes places with.
+// Delays a datagram on its way, or collects it with others to be reordered.
 void ScriptedVehicle::Carry(Sensor sensor, SensorDatagram datagram) {
   const auto index = static_cast<size_t>(sensor);
   const SensorFaults& faults = sensor_faults_[index];

@@ -10,7 +10,7 @@
 namespace hardpack::sim {
 namespace {
 
-// What a return may be taken for: classes that the worlds have.
+// The classes with which a return may be confused: those that the worlds have.
 constexpr std::array<uint8_t, 8> kNames = {1, 3, 4, 9, 12, 18, 19, 34};
 
 }  // namespace
@@ -44,7 +44,7 @@ void SimLabels::Send() {
   }
   std::vector<uint8_t> bytes(labels::kMaxDatagramBytes);
   int size_bytes = 0;
-  // Sizes of its own making: it does not fail.
+  // The sizes were chosen here, so it does not fail.
   static_cast<void>(labels::Encode(header, codes, bytes, size_bytes));
   bytes.resize(static_cast<size_t>(size_bytes));
   const auto delay_ns = static_cast<uint64_t>(std::llround(settings_.delay_s * 1.0e9));
@@ -52,7 +52,7 @@ void SimLabels::Send() {
   columns_.clear();
 }
 
-// Nothing that came back stays nothing.
+// A beam without a return keeps its label 0.
 uint8_t SimLabels::Named(uint8_t label, uint64_t index) const {
   const uint64_t key = world::KeyOf(settings_.seed, world::Stream::kLabel);
   if (label != 0 && settings_.all_are != 0) return settings_.all_are;

@@ -102,7 +102,7 @@ OusterPackets::Column SimLidar::NameOfColumn(uint64_t stamp_ns) const {
   return name;
 }
 
-// True: a packet became whole with it.
+// True: it completes a packet.
 bool SimLidar::SendColumnUnderWay(uint64_t stamp_ns) {
   if (!IsVelodyne(settings_.model)) return ouster_.Append(NameOfColumn(stamp_ns), returns_);
   const double azimuth_turns = head_.Azimuth_turns(head_.Since_ns(columns_sent_));
@@ -111,7 +111,7 @@ bool SimLidar::SendColumnUnderWay(uint64_t stamp_ns) {
 
 world::BodyPose SimLidar::PoseAt(uint64_t time_ns, uint64_t now_ns,
                                  const world::BodyPose& pose) const {
-  // A sequence that the call before came in the middle of began a little before that pose.
+  // A sequence that was under way at the previous call began slightly before that pose.
   if (!has_pose_ || time_ns >= now_ns || now_ns <= pose_ns_ ||
       time_ns + LidarHead::kSequence_ns < pose_ns_) {
     return pose;
@@ -130,7 +130,7 @@ world::BodyPose SimLidar::PoseAt(uint64_t time_ns, uint64_t now_ns,
           turned(pose_.yaw_rad, pose.yaw_rad)};
 }
 
-// The stand from which a beam of the column under way is cast.
+// The stand from which a beam of the current column is cast.
 SimLidar::Stand SimLidar::StandOf(size_t beam, uint64_t now_ns, const world::BodyPose& pose) const {
   const uint64_t after_ns = settings_.beams.fires_after_ns[beam];
   const world::BodyPose at =
@@ -152,8 +152,8 @@ void SimLidar::CastColumnUnderWay(uint64_t now_ns, const world::BodyPose& pose,
                                   const world::World& world) {
   const uint64_t time_ns = start_ns_ + head_.Since_ns(columns_sent_);
   Stand stand = StandOf(0, now_ns, pose);
-  // People of these worlds walk on through a vehicle that stands. Where nobody can be, over the
-  // middle of the vehicle, nobody is seen.
+  // The people of these worlds walk through a standing vehicle. Over the middle of the vehicle,
+  // where nobody can be, nobody is seen.
   constexpr double kOverVehicle_m = 0.75;
   std::vector<world::Body> people =
       world.PeopleAt(static_cast<double>(time_ns - first_start_ns_) * 1.0e-9);
@@ -193,7 +193,7 @@ void SimLidar::CastColumnUnderWay(uint64_t now_ns, const world::BodyPose& pose,
   }
 }
 
-// 0: it did not come back.
+// 0: no return.
 uint32_t SimLidar::Measured_mm(double range_m, uint64_t index) const {
   if (settings_.drop_out_share > 0.0 &&
       world::DrawUniform(drop_out_key_, index) < settings_.drop_out_share) {
@@ -205,9 +205,9 @@ uint32_t SimLidar::Measured_mm(double range_m, uint64_t index) const {
   return static_cast<uint32_t>(std::lround(1000.0 * std::max(measured_m, 0.1)));
 }
 
-// The beam's ray meets a drop or a grain in front of what it would have met: at `share` of the way
-// between the nearest and the farthest place that there is for it. What a segmentation computer
-// says of it stays that of what is behind: its picture shows the world through rain and dust.
+// The beam's ray hits a drop or a grain in front of its original target: at `share` of the distance
+// between the nearest and the farthest possible place. Its label stays that of the target behind:
+// the picture of a segmentation computer shows the world through rain and dust.
 void SimLidar::SeeInAir(size_t beam, double nearest_m, double farthest_m, double share) {
   const double free_m =
       returns_.ranges_mm[beam] == 0 ? farthest_m : 0.001 * returns_.ranges_mm[beam];
@@ -250,8 +250,8 @@ bool SimLidar::IsInSector() const {
   return faults_.sector != SectorFault::kNone && LooksBetween(faults_.from_deg, faults_.to_deg);
 }
 
-// By where the column under way looks at the level as it begins, the turn of the mount left out. A
-// whole turn is everywhere.
+// By the horizontal direction of the current column at its start, without the turn of the mount. A
+// full turn includes every direction.
 bool SimLidar::LooksBetween(double from_deg, double to_deg) const {
   if (to_deg - from_deg >= 360.0) return true;
   const double angle_deg = 360.0 * head_.Turns(columns_sent_) + settings_.yaw_rad * 180.0 / kPi;
@@ -259,7 +259,7 @@ bool SimLidar::LooksBetween(double from_deg, double to_deg) const {
   return wrapped(angle_deg - from_deg) <= wrapped(to_deg - from_deg);
 }
 
-// What the column under way says while the image is frozen: what was said last from there.
+// While the image is frozen, the current column repeats the last data from its place.
 void SimLidar::Freeze() {
   const auto place = static_cast<size_t>(head_.Place(columns_sent_));
   if (faults_.frozen) {
@@ -267,11 +267,11 @@ void SimLidar::Freeze() {
     return;
   }
   said_[place] = returns_;
-  // The next sequence of a Velodyne may come to lie beyond the next place, and leave that one out.
+  // The next sequence of a Velodyne may lie beyond the next place and skip that one.
   if (IsVelodyne(settings_.model)) said_[(place + 1) % said_.size()] = returns_;
 }
 
-// The column under way, as a sensor with a fault of this sector says it.
+// Applies the fault of a sector to the current column.
 void SimLidar::Spoil() {
   if (!IsInSector()) return;
   const bool is_dark = faults_.sector == SectorFault::kDark ||

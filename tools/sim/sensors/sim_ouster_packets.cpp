@@ -32,7 +32,7 @@ uint64_t Crc64(const std::vector<uint8_t>& bytes) {
   return ~crc;
 }
 
-// Drops and dust send back a fiftieth of what a surface does.
+// Drops and dust return a fiftieth of the light of a surface.
 uint16_t Signal(uint32_t range_mm, bool is_faint) {
   const uint32_t of_surface = range_mm == 0 ? 0u : 60000u / (1u + range_mm / 100u);
   return static_cast<uint16_t>(is_faint ? of_surface / 50u : of_surface);

@@ -22,7 +22,7 @@ int LasersOf(LidarModel model) {
   return model == LidarModel::kVlp16 ? 16 : 32;
 }
 
-// A clock that was set back to before its zero shows the end of the hour before.
+// A clock that was set back to before its zero shows the end of the previous hour.
 uint32_t PastTheHour_us(uint64_t stamp_ns) {
   constexpr int64_t kHour_ns = 3'600'000'000'000;
   const int64_t past_ns = static_cast<int64_t>(stamp_ns) % kHour_ns;

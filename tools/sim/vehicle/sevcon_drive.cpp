@@ -105,7 +105,7 @@ void SevconDrive::SetObject(uint16_t index, uint8_t sub_index, int64_t value) {
   objects_.Set(index, sub_index, value);
 }
 
-// What was written is forgotten: it was in its memory only.
+// Written values are lost: they were only in its memory.
 void SevconDrive::Reboot(bool with_boot_up_message) {
   SevconDrive booted(settings_, now_ns_);
   booted.faults_ = faults_;
@@ -212,7 +212,7 @@ uint16_t SevconDrive::statusword() const {
 void SevconDrive::Report() {
   objects_.Set(0x6041, 0, statusword());
   objects_.Set(0x606c, 0, reported_rpm_);
-  // Rolling resistance and inertia, made up: what matters is that braking feeds the battery.
+  // Rolling resistance and inertia are invented: it only matters that braking feeds the battery.
   const double torque =
       power_.driven()
           ? std::clamp(0.03 * motor_.acceleration_radps2() + 0.01 * motor_.speed_radps(), -1.0, 1.0)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The object dictionary as SDO reaches it: the maker's rules of access, and what writing does.
+// The object dictionary as accessed by SDO: the manufacturer's access rules, and the effects of
+// writing.
 #include <algorithm>
 
 #include "tools/sim/vehicle/sevcon_drive.h"
@@ -110,7 +111,7 @@ uint32_t SevconDrive::Write(uint16_t index, uint8_t sub_index, std::span<const u
   return sdo_abort::kNone;
 }
 
-// The maker's objects that are commands.
+// The manufacturer's objects that are commands.
 uint32_t SevconDrive::WriteMaker(uint16_t index, uint8_t sub_index, int64_t value) {
   if (index == 0x5000 && sub_index == 2) {
     const bool right =

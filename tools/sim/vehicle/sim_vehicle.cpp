@@ -103,7 +103,8 @@ void SimVehicle::MoveModel() {
   TakeMotion(model_->speed_mps(), model_->yaw_rate_radps(), model_->pose(), model_->driven_m());
 }
 
-// The wheel speeds that the drives are told, or that a controller makes of a speed and a yaw rate.
+// The wheel speeds commanded to the drives, or computed by a controller from a speed and a yaw
+// rate.
 WheelSetpoints SimVehicle::Setpoints() const {
   if (!controller_) {
     return {.speeds = {left_.setpoint_radps(), right_.setpoint_radps()},

@@ -66,7 +66,7 @@ void TwistController::TakeFrame(const CanFrame& frame, uint64_t now_ns) {
   told_ns_ = now_ns;
   Told told = {(bits & kEnableBit) != 0, kSpeedUnit_mps * Integer(frame, 2),
                TurnUnit() * Integer(frame, 4)};
-  // At rest a steering angle stays what it was.
+  // At rest a steering angle does not change.
   if (settings_.steers && told.speed_mps == 0.0 && told_) told.turn = told_->turn;
   told_ = told;
   if ((bits & kResetBit) != 0) fault_bits_ = 0;
@@ -109,7 +109,7 @@ void TwistController::Decide(uint64_t now_ns) {
 
 TwistController::Motion TwistController::motion() const {
   if (state_ == TwistState::kFollowing) return {true, told_->speed_mps, told_->turn};
-  // It brakes along its way.
+  // It brakes along its path.
   if (state_ == TwistState::kStopping) return {true, 0.0, settings_.steers ? turn_ : 0.0};
   return {};
 }

@@ -91,13 +91,13 @@ void Intake<Params>::TakeNumber(const Parameter& parameter, const toml::node& no
   const std::string name = std::string(parameter.name) + (is_deviation ? ".deviation" : "");
   const size_t line = node.source().begin.line;
   if (!node.is_number()) {
-    Add(line, Status::kInvalidArgument, name + ": is no number");
+    Add(line, Status::kInvalidArgument, name + ": is not a number");
     return;
   }
   const double value = node.is_integer() ? static_cast<double>(node.as_integer()->get())
                                          : node.as_floating_point()->get();
   if (!std::isfinite(value)) {
-    Add(line, Status::kNotFinite, name + ": is no finite number");
+    Add(line, Status::kNotFinite, name + ": is not a finite number");
     return;
   }
   const double low = is_deviation ? 0.0 : parameter.low;
@@ -126,7 +126,7 @@ void Intake<Params>::TakeParameter(const Parameter& parameter, const toml::node&
     }
     Add(key.source().begin.line, Status::kInvalidArgument,
         std::string(parameter.name) + "." + Shown(key.str()) +
-            ": unknown key; there are value and deviation");
+            ": unknown key; the keys are value and deviation");
   }
   if (!both->contains("value")) {
     Add(node.source().begin.line, Status::kInvalidArgument,
@@ -139,7 +139,7 @@ void Intake<Params>::TakeFile(const toml::table& file) {
   for (const auto& [key, node] : file) {
     if (key.str() == kTable<Params> && node.is_table()) continue;
     Add(key.source().begin.line, Status::kInvalidArgument,
-        Shown(key.str()) + ": there is only the table [" + std::string(kTable<Params>) + "]");
+        Shown(key.str()) + ": the only table is [" + std::string(kTable<Params>) + "]");
   }
   const toml::node* node = file.get(kTable<Params>);
   const toml::table* table = node != nullptr ? node->as_table() : nullptr;
@@ -161,7 +161,7 @@ void Intake<Params>::TakeFile(const toml::table& file) {
   }
   for (const Parameter& parameter : ParametersOf<Params>()) {
     if (found.contains(parameter.name)) continue;
-    Add(0, Status::kInvalidArgument, std::string(parameter.name) + ": has to be set");
+    Add(0, Status::kInvalidArgument, std::string(parameter.name) + ": must be set");
   }
 }
 

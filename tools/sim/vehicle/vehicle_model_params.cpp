@@ -95,7 +95,7 @@ ReadOutcome CheckVehicleModel(const Params& params) {
   for (const ModelParameter<Params>& parameter : ParametersOf<Params>()) {
     const double value = params.*parameter.value;
     if (!std::isfinite(value)) {
-      return {Status::kNotFinite, std::string(parameter.name) + ": is no finite number"};
+      return {Status::kNotFinite, std::string(parameter.name) + ": is not a finite number"};
     }
     if (value < parameter.low || value > parameter.high) {
       return {Status::kParameterOutOfRange,

@@ -171,7 +171,7 @@ ReadOutcome DatagramSender::Open(const Endpoint& from, const Endpoint& to) {
 
 void DatagramSender::Send(std::span<const uint8_t> bytes) {
   ssize_t result = send(socket_.get(), bytes.data(), bytes.size(), 0);
-  // Nobody listened to an earlier one: the kernel says so once, and sends nothing.
+  // Nobody received an earlier one: the kernel reports that once, and sends nothing.
   if (result < 0 && errno == ECONNREFUSED) {
     result = send(socket_.get(), bytes.data(), bytes.size(), 0);
   }

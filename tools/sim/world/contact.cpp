@@ -53,8 +53,8 @@ double DistanceToStretch(const Point2& p, const Point2& from, const Point2& to) 
   return std::sqrt(dx_m * dx_m + dy_m * dy_m);
 }
 
-// The largest distance by which a line parallel to a side of either parts the two; negative: none
-// does, and that is how far one must be moved (separating axes).
+// The largest distance by which a line parallel to a side of either separates the two; negative: no
+// line does, and one of them must be moved by that distance (separating axes).
 double Parted_m(const Outline& outline, std::span<const Side> sides) {
   double parted_m = -Contact::kFar_m;
   for (const Side& side : sides) {
@@ -124,7 +124,7 @@ Wheels WheelsOf(const World& world, const Outline& outline, const Footprint& foo
   return wheels;
 }
 
-// Around a point so far ahead of the vehicle's place.
+// Around a point ahead_m ahead of the vehicle's position.
 Outline OutlineOf(double x_m, double y_m, double yaw_rad, double ahead_m,
                   const Footprint& footprint) {
   const Turn turn = TurnOf(yaw_rad);
@@ -137,8 +137,8 @@ struct Plane {
   double forward = 0.0;   // rise over run
   double left = 0.0;
 
-  // Where a body stands, no further from the outline than the body reaches: on a slope what is low
-  // may lie lower than the ground under the vehicle's middle.
+  // At the position of a body, at most as far from the outline as the body reaches: on a slope a
+  // low body may lie below the ground under the vehicle's middle.
   double HeightNear_m(const Outline& outline, const Body& body) const {
     const Point2 local = outline.ToOutline({body.x_m, body.y_m});
     const auto nearest = [&body](double at_m, double half_m) {

@@ -177,7 +177,7 @@ void MakeLow(uint64_t seed, Scenario& scenario) {
 
 void MakeLowBare(uint64_t seed, Scenario& scenario) {
   MakeGround(seed, scenario);
-  scenario.description = "The world `low` without its low things: what they cost is told by it.";
+  scenario.description = "The world `low` without the low objects, for comparison.";
 }
 
 }  // namespace hardpack::world

@@ -9,8 +9,8 @@ namespace {
 using map_server::Occupancy;
 using map_server::OccupancyMap;
 
-// Takes rectangles out of a map until no pixel of a kind is left: along the row as far as it goes,
-// then upward as long as whole rows follow.
+// Removes rectangles from a map until no pixel of a kind is left: as far as possible along the row,
+// then upward for as long as complete rows follow.
 class Rectangles {
  public:
   explicit Rectangles(const OccupancyMap& map) : map_(map), taken_(map.pixels.size(), false) {}

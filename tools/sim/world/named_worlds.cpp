@@ -13,10 +13,10 @@
 namespace hardpack::world {
 namespace {
 
-// Of worlds whose ground is not level.
+// For worlds whose ground is not level.
 constexpr Bounds kBounds = {-30.0, -50.0, 90.0, 50.0};
 
-// What has no way around goes on to here on both sides, beyond any map.
+// Obstacles that cannot be driven around extend to here on both sides, beyond any map.
 constexpr double kWallEnd_m = 70.0;
 
 // Rough ground: the sum of two nets of random heights, each joined smoothly, up to amplitude_m
@@ -78,7 +78,7 @@ void MakeGap(uint64_t seed, Scenario& scenario) {
   const Passage gap = GapOf(seed);
   const double side = gap.fence.y_m > gap.boat.y_m ? 1.0 : -1.0;  // of the fence
   AddFence(world, gap.fence, {gap.fence.x_m + draws.Uniform(-1.0, 1.0), side * kWallEnd_m});
-  // The boat lies across the way, its stern to the gap; behind its bow the fence goes on.
+  // The boat lies across the way, its stern at the gap; behind its bow the fence continues.
   const double middle_y_m = gap.boat.y_m - side * kBoatLength_m / 2.0;
   AddBoat(world, {gap.boat.x_m, middle_y_m}, -side * kPi / 2.0);
   AddFence(world, {gap.boat.x_m, gap.boat.y_m - side * (kBoatLength_m + 0.4)},
@@ -321,7 +321,7 @@ ReadOutcome MakeScenario(std::string_view name, uint64_t seed, Scenario& scenari
   }
   for (const std::string& blind : BlindNames()) names += ", " + blind;
   return {Status::kInvalidArgument,
-          "there is no world '" + std::string(name) + "'; there are " + names};
+          "there is no world '" + std::string(name) + "'; worlds: " + names};
 }
 
 }  // namespace hardpack::world

@@ -31,7 +31,7 @@ Point2 MiddleOf(int row, int column) {
           (row + 0.5 - Field::kRows / 2.0) * Field::kCell_m};
 }
 
-// Of the eight; beyond the walls all are full, beyond the ends none.
+// Of the eight; cells beyond the walls are full, cells beyond the ends are empty.
 int FullNeighbours(const Cells& cells, int row, int column) {
   int full = 0;
   for (int r = row - 1; r <= row + 1; ++r) {
@@ -58,7 +58,7 @@ Cells Smoothed(const Cells& before) {
   return after;
 }
 
-// What hangs together with a cell becomes boxes.
+// The cells connected to a cell become boxes.
 void MakeBoxes(Cells& cells, int row, int column) {
   std::vector<std::array<int, 2>> open = {{row, column}};
   while (!open.empty()) {
@@ -94,8 +94,8 @@ double DistanceToCell_m(Cell cell, const Point2& middle, double x_m, double y_m)
   return std::sqrt(out_x_m * out_x_m + out_y_m * out_y_m);
 }
 
-// Whether a disc of the half gap gets from the start to the goal: a flood over points 0.1 m apart
-// from which everything is further than the half gap and what two neighbours are apart at most.
+// Whether a disc with the radius of the half gap can get from the start to the goal: a flood fill
+// over points 0.1 m apart that keep the half gap plus half a step from everything.
 class WayThrough {
  public:
   explicit WayThrough(const Cells& cells) : free_(size_t{kRows} * kColumns, 1) {
@@ -125,7 +125,7 @@ class WayThrough {
 
  private:
   static constexpr double kStep_m = 0.1;
-  // Half a step is the furthest that a point of the way is from one of the points.
+  // A point of the way is at most half a step from one of the points.
   static constexpr double kWanted_m = kThicketHalfGap_m + kStep_m / 2.0;
   static constexpr double kFirst_x_m = -1.0;
   static constexpr double kFirst_y_m = -(Field::kHalfWidth_m - kWanted_m);
@@ -192,7 +192,7 @@ void MakeThicket(uint64_t seed, Scenario& scenario) {
   const auto rounds = static_cast<int>(draws.Uniform(1.0, 4.0));
   const double boxes = draws.Uniform(0.0, 0.5);
   Cells cells = Grown(draws, full_share, rounds);
-  // A field that nothing passes is drawn anew, by and by with less in it: empty it is passable.
+  // An impassable field is drawn again, with less and less in it: an empty one is passable.
   while (!WayThrough(cells).exists()) {
     full_share *= 0.98;
     cells = Grown(draws, full_share, rounds);

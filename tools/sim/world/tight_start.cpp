@@ -11,14 +11,14 @@ constexpr double kFlank_m = kVehicle.width_m / 2.0;
 constexpr double kNose_m = kVehicle.length_m / 2.0;
 
 // A wall along the flank, which may open ahead by up to 10 degrees. Its inner face is aside_m from
-// the flank where it is nearest: at the tail where it opens.
+// the flank at the nearest point: at the tail if it opens.
 void AddWallBeside(World& world, double side, double aside_m, Draws& draws) {
   constexpr double kThick_m = 0.4;
   const double tail_m = draws.Uniform(-6.0, -1.0);
   const double end_m = draws.Uniform(0.0, 6.0);
   const double opens_rad = draws.Sign() > 0.0 ? draws.Uniform(0.0, 10.0) * kPi / 180.0 : 0.0;
-  // The nearest point of the face: beside the vehicle's tail. From there it runs both ways; behind
-  // the tail only so far that it does not come into the vehicle's own strip.
+  // The nearest point of the face, beside the vehicle's tail. From there it runs both ways; behind
+  // the tail only so far that it does not enter the vehicle's own strip.
   const Turn turn = TurnOf(opens_rad);
   const double behind_m =
       opens_rad > 0.0 ? 0.0 : tail_m + kNose_m;  // along the wall, from the tail

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-// In the sensor's units, of 16 bits; grass and leaves throw much back, wet bark little.
+// In the sensor's 16-bit units; grass and leaves reflect much, wet bark little.
 uint8_t ReflectivityOf(Label label) {
   switch (label) {
     case Label::kGrass:
@@ -180,7 +180,7 @@ void World::AddBody(const Body& body, Point2 reach) {
   }
 }
 
-// A body came to these cells.
+// A body was added to these cells.
 void World::TellDistances(int first_column, int last_column, int first_row, int last_row) {
   const int end_row = std::min(last_row + kFarCells, rows_);
   const int end_column = std::min(last_column + kFarCells, columns_);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-// A ray's way narrowed to where low <= origin + t * direction <= high.
+// Narrows a ray's way to low <= origin + t * direction <= high.
 bool Narrow(double origin, double direction, double low, double high, double& from, double& to) {
   if (std::abs(direction) < 1.0e-12) return origin >= low && origin <= high;
   const double one = (low - origin) / direction;
@@ -22,7 +22,7 @@ bool Narrow(double origin, double direction, double low, double high, double& fr
   return from <= to;
 }
 
-// And to where a t^2 + 2 b t + c <= 0.
+// And to a t^2 + 2 b t + c <= 0.
 bool NarrowToRoots(double a, double b, double c, double& from, double& to) {
   if (a < 1.0e-18) return c <= 0.0;
   const double discriminant = b * b - a * c;
@@ -70,7 +70,7 @@ struct Steps {
     next_m += each_m;
     return index != end;
   }
-  // Where so many cells are behind.
+  // The distance after that many cells.
   double After(int cells) const { return next_m + (cells - 1) * each_m; }
   void AdvanceBy(int cells) {
     if (cells == 0) return;
@@ -103,7 +103,7 @@ Hit World::Cast(const Ray& ray, std::span<const Body> people) const {
   for (size_t i = 0; i < people.size(); ++i) {
     MeetBody(ray, people[i], bodies_.size() + i, hit);
   }
-  // Level ground has been met already: what is left are the bodies.
+  // Level ground has been tested already: only the bodies are left.
   if (!terrain_.flat() || (!bodies_.empty() && NarrowTo(furnished_, ray, way.from_m, way.to_m))) {
     Walk(ray, way, hit);
   }
@@ -112,7 +112,7 @@ Hit World::Cast(const Ray& ray, std::span<const Body> people) const {
 
 bool World::IsWithin(const Ray& ray, Way& way) const {
   if (!NarrowTo(bounds_, ray, way.from_m, way.to_m)) return false;
-  // Above everything there is nothing; people are far below the tops of most worlds, not of all.
+  // Nothing is above the top; people are far below the top of most worlds, but not of all.
   constexpr double kPerson_m = 3.0;
   const double top_m = top_m_ + (people_.empty() ? 0.0 : kPerson_m);
   if (ray.direction.z_m > 0.0) {
@@ -132,7 +132,7 @@ void World::Walk(const Ray& ray, Way way, Hit& hit) const {
   while (in_m <= way.to_m) {
     const double out_m = std::min({x.next_m, y.next_m, way.to_m});
     const SquareCell& cell = cells_[static_cast<size_t>(y.index * columns_ + x.index)];
-    // A leap pays from two cells on.
+    // A leap pays off from two cells on.
     if (cell.to_body > 1) {
       const double leap_m = std::min({x.After(cell.to_body), y.After(cell.to_body), way.to_m});
       const double lowest_m =
@@ -213,7 +213,7 @@ bool World::Crosses(const Ray& ray, const Body& body, Way& way) const {
   return way.from_m <= way.to_m;
 }
 
-// Along the ray within one cell, no further at a time than the terrain's grid; then halved.
+// Along the ray within one cell, in steps of at most the terrain's grid; then refined.
 void World::MeetGround(const Ray& ray, const SquareCell& cell, Way way, Hit& hit) const {
   const Vector& o = ray.origin;
   const Vector& d = ray.direction;
@@ -235,7 +235,7 @@ void World::MeetGround(const Ray& ray, const SquareCell& cell, Way way, Hit& hit
       above_near_m = above_far_m;
       continue;
     }
-    // False position; the ground is a parabola at most between two of its corners.
+    // False position; between two of its corners the ground is at most a parabola.
     constexpr int kRefinements = 3;
     for (int k = 0; k < kRefinements; ++k) {
       const double middle_m =

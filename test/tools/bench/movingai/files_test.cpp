@@ -62,7 +62,7 @@ TEST(MovingaiMapFile, SaysWhereItIsWrong) {
   EXPECT_EQ(MapComplaint(kHeader + "...\n"), ":5: the file ends where a row of the map should be");
   EXPECT_EQ(MapComplaint(kHeader + "...\n..\n"), ":6: expected a row of 3 characters, found 2");
   EXPECT_EQ(MapComplaint(kHeader + "....\n"), ":5: expected a row of 3 characters, found 4");
-  EXPECT_EQ(MapComplaint(kHeader + "...\n.x.\n"), ":6: a character that is none of . G S @ O T W");
+  EXPECT_EQ(MapComplaint(kHeader + "...\n.x.\n"), ":6: a character other than . G S @ O T W");
 }
 
 TEST(MovingaiMapFile, MustExist) {
@@ -117,10 +117,9 @@ TEST(MovingaiScenarioFile, SaysWhereItIsWrong) {
   EXPECT_EQ(ScenarioComplaint("version 1\n0 a 9 9 1 1 2 2\n"), ":2: expected 9 columns, found 8");
   EXPECT_EQ(ScenarioComplaint("version 1\n0 a b 9 9 1 1 2 2 3\n"),
             ":2: expected 9 columns, found 10");
-  EXPECT_EQ(ScenarioComplaint("version 1\n0 a 9 9 1 one 2 2 3\n"),
-            ":2: a column that should be a number is not");
+  EXPECT_EQ(ScenarioComplaint("version 1\n0 a 9 9 1 one 2 2 3\n"), ":2: a column is not a number");
   EXPECT_EQ(ScenarioComplaint("version 1\n0 a 9 9 1 99999999999 2 2 3\n"),
-            ":2: a column that should be a number is not");
+            ":2: a column is not a number");
   EXPECT_EQ(ScenarioComplaint("version 1\n0 a 9 513 1 1 2 2 3\n"),
             ":2: a map size outside 1 to 512");
   for (const std::string cells : {"9 1 2 2", "-1 1 2 2", "1 8 2 2", "1 1 9 2", "1 1 2 8"}) {
@@ -130,7 +129,7 @@ TEST(MovingaiScenarioFile, SaysWhereItIsWrong) {
   }
   for (const std::string length : {"nan", "inf", "-1", "1e30"}) {
     EXPECT_EQ(ScenarioComplaint("version 1\n0 a 9 9 1 1 2 2 " + length + "\n"),
-              ":2: a length that is not one")
+              ":2: an invalid length")
         << length;
   }
 }

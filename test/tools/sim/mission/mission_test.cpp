@@ -142,7 +142,7 @@ TEST_F(LogFile, OfAMissionReplaysToItsDecisions) {
   EXPECT_TRUE(replayed.ok()) << replayed.message;
   EXPECT_EQ(difference, "");
   ASSERT_TRUE(ReplaysTheSame(path, result.decision_hash ^ 1, difference).ok());
-  EXPECT_EQ(difference, "another decision hash");
+  EXPECT_EQ(difference, "different decision hash");
 }
 
 TEST_F(LogFile, ThatCannotBeWrittenIsTold) {

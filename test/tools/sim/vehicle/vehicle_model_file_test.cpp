@@ -60,7 +60,7 @@ TEST(VehicleFile, RefusesAnUnknownKeyAndNamesTheNearest) {
       Refused(With("skid_baseline_m", "skid_base_line_m = 1.9"), Status::kInvalidArgument);
   EXPECT_NE(message.find("skid_base_line_m: unknown key, did you mean skid_baseline_m?"),
             std::string::npos);
-  EXPECT_NE(message.find("v.toml: skid_baseline_m: has to be set"), std::string::npos);
+  EXPECT_NE(message.find("v.toml: skid_baseline_m: must be set"), std::string::npos);
 }
 
 TEST(VehicleFile, RefusesWhatIsOutOfItsRange) {
@@ -95,7 +95,7 @@ TEST(VehicleFile, TellsAllProblemsAtOnce) {
   std::string text = With("turn_slip", "turn_slip = nan");
   text.replace(text.find("wheel_radius_m = "), 17, "wheel_radius_m = -");
   const std::string message = Refused(text, Status::kNotFinite);
-  EXPECT_NE(message.find("turn_slip: is no finite number"), std::string::npos);
+  EXPECT_NE(message.find("turn_slip: is not a finite number"), std::string::npos);
   EXPECT_NE(message.find("wheel_radius_m: -0.3 is not"), std::string::npos);
 }
 
