@@ -19,8 +19,24 @@ constexpr float kCosines[kReach + 1] = {1.0f, 0.92387953f, 0.70710678f, 0.382683
 
 }  // namespace
 
+// Member by member: as a whole it is too large for the stack.
 void MountWatch::Reset() {
-  *this = MountWatch{};
+  begun_ns_ = 0;
+  ClearWindow();
+  windows_ = 0;
+  since_ns_ = 0;
+  tilt_rad_ = 0.0f;
+  turned_since_ns_ = 0;
+}
+
+void MountWatch::ClearWindow() {
+  least_returns_ = 0;
+  HP_LOOP_BOUND(kSectors)
+  for (int sector = 0; sector < kSectors; ++sector) {
+    count_[sector] = 0;
+    HP_LOOP_BOUND(kBins)
+    for (uint16_t& returns : returns_[sector]) returns = 0;
+  }
 }
 
 // Anticlockwise, the first straight ahead.
@@ -53,12 +69,7 @@ void MountWatch::Advance(uint64_t now_ns) {
   if (now_ns < begun_ns_ + kWindow_ns) return;
   Judge(begun_ns_);
   begun_ns_ = now_ns;
-  HP_LOOP_BOUND(kSectors)
-  for (int sector = 0; sector < kSectors; ++sector) {
-    count_[sector] = 0;
-    HP_LOOP_BOUND(kBins)
-    for (uint16_t& returns : returns_[sector]) returns = 0;
-  }
+  ClearWindow();
 }
 
 // As if the returns of a bin were spread evenly in it.

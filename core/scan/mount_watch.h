@@ -58,6 +58,7 @@ class MountWatch {
   static constexpr int kBins = 32;  // of an angle; the outer ones have what is beyond, too
   static constexpr float kBin_rad = 0.0125f;
 
+  void ClearWindow();
   static int SectorOf(Vec2 place_body);
   float MedianOf(int sector) const;
   float Level(const float* median_rad) const;
