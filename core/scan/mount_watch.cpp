@@ -8,7 +8,6 @@
 namespace hardpack {
 namespace {
 
-constexpr uint16_t kMostInBin = 65535;
 constexpr float kMost_rad = 2.0f;       // more than any
 constexpr float kNotKnown_rad = -1.0f;  // no tilt toward there can be judged
 // Of the borders of the sectors of a quadrant, the tangents.
@@ -35,7 +34,7 @@ void MountWatch::ClearWindow() {
   for (int sector = 0; sector < kSectors; ++sector) {
     count_[sector] = 0;
     HP_LOOP_BOUND(kBins)
-    for (uint16_t& returns : returns_[sector]) returns = 0;
+    for (int32_t& returns : returns_[sector]) returns = 0;
   }
 }
 
@@ -56,12 +55,10 @@ void MountWatch::Add(Vec2 place_body, float step_m) {
   const bool is_usable =
       range2_m2 >= kNear_m * kNear_m && IsFinite(range2_m2) && Abs(step_m) <= kMaxStep_m;
   if (!is_usable) return;
-  const float bin = step_m / (Sqrt(range2_m2) * kBin_rad) + 0.5f * static_cast<float>(kBins);
-  const int sector = SectorOf(place_body);
-  uint16_t& returns = returns_[sector][ClampInt(FloorToInt(bin), 0, kBins - 1)];
-  if (returns == kMostInBin) return;
-  ++returns;
-  ++count_[sector];
+  constexpr float kPerRadian = 1.0f / kBin_rad;
+  constexpr auto kMiddle = static_cast<float>(kMiddleBin);
+  const float bin = Clamp(kPerRadian * step_m / Sqrt(range2_m2), -kMiddle, kMiddle - 1.0f);
+  ++returns_[SectorOf(place_body)][FloorToInt(bin) + kMiddleBin];
 }
 
 void MountWatch::Advance(uint64_t now_ns) {
@@ -84,7 +81,7 @@ float MountWatch::MedianOf(int sector) const {
   }
   const float inside = (static_cast<float>(rank - before) + 0.5f) /
                        Max(static_cast<float>(returns_[sector][bin]), 1.0f);
-  return kBin_rad * (static_cast<float>(bin - kBins / 2) + inside);
+  return kBin_rad * (static_cast<float>(bin - kMiddleBin) + inside);
 }
 
 // Of the sectors that say something, that with a quarter of the others below: where a turn leaves
@@ -127,16 +124,20 @@ float MountWatch::TiltToward(int sector, const float* median_rad, float level_ra
 }
 
 // Open ground returns many beams; what few returns pass for ground in growth says nothing.
-int32_t MountWatch::LeastReturns() const {
+void MountWatch::Count() {
   int32_t most = 0;
   HP_LOOP_BOUND(kSectors)
-  for (const int32_t count : count_) most = count > most ? count : most;
+  for (int sector = 0; sector < kSectors; ++sector) {
+    HP_LOOP_BOUND(kBins)
+    for (const int32_t returns : returns_[sector]) count_[sector] += returns;
+    most = count_[sector] > most ? count_[sector] : most;
+  }
   const int32_t share = most / kLeastShare;
-  return share > kLeastReturns ? share : kLeastReturns;
+  least_returns_ = share > kLeastReturns ? share : kLeastReturns;
 }
 
 void MountWatch::Judge(uint64_t begun_ns) {
-  least_returns_ = LeastReturns();
+  Count();
   float median_rad[kSectors];
   HP_LOOP_BOUND(kSectors)
   for (int sector = 0; sector < kSectors; ++sector) median_rad[sector] = MedianOf(sector);

@@ -56,6 +56,7 @@ class MountWatch {
  private:
   static constexpr int kSectors = 16;
   static constexpr int kBins = 32;  // of an angle; the outer ones have what is beyond, too
+  static constexpr int kMiddleBin = kBins / 2;  // from an angle of 0 on
   static constexpr float kBin_rad = 0.0125f;
 
   void ClearWindow();
@@ -64,15 +65,15 @@ class MountWatch {
   float Level(const float* median_rad) const;
   float TiltToward(int sector, const float* median_rad, float level_rad) const;
   bool IsKnown(int sector) const { return count_[sector] >= least_returns_; }
-  int32_t LeastReturns() const;
+  void Count();
   void Judge(uint64_t begun_ns);
 
   uint64_t begun_ns_ = 0;  // start of the window; 0: none yet
-  uint16_t returns_[kSectors][kBins] = {};
-  int32_t count_[kSectors] = {};
-  int32_t least_returns_ = 0;  // for a sector of this window to say something
-  int32_t windows_ = 0;        // beyond the limit, in a row ...
-  uint64_t since_ns_ = 0;      // ... since then
+  int32_t returns_[kSectors][kBins] = {};
+  int32_t count_[kSectors] = {};  // once the window has ended
+  int32_t least_returns_ = 0;     // for a sector of this window to say something
+  int32_t windows_ = 0;           // beyond the limit, in a row ...
+  uint64_t since_ns_ = 0;         // ... since then
   float tilt_rad_ = 0.0f;
   uint64_t turned_since_ns_ = 0;
 };

@@ -167,6 +167,7 @@ void PrintConstants() {
   print("person_cells", SpeedCaps::kMaxPersonCells);
   print("folds", Mapper::kMaxFolds);
   print("near_cells", PathCheck::kMaxNearCells);
+  print("mount_columns", Pilot::kMaxMountColumns);
   print("sweep_tests", MotionSweep::kMaxTests);
   print("plan_units", Planner::kMaxUnits);
   print("plan_transitions", Planner::kMaxTransitions);

@@ -72,6 +72,9 @@ class Pilot {
   static constexpr float kStandsSpeed_mps = 0.1f;
   // The time of the ramps that a late tick may make up for.
   static constexpr float kLongestTick_s = 0.1f;
+  // Of the lidar's columns, those that the mount's watch looks at, and at most in a tick.
+  static constexpr int kMountEvery = 4;
+  static constexpr int kMaxMountColumns = 64;
 
   const PilotConfig& config() const { return config_; }
   const Permission& permission() const { return permission_; }
@@ -206,6 +209,7 @@ class Pilot {
   // Whether the lidar sees where the vehicle goes (sight.cpp).
   Status ConfigureSight();
   bool TurnsNext() const;
+  bool MayWatchMount(int slot) const;
   void WatchMount(int slot);
   void AdvanceMount();
   void LookAt(const Pose2& place, SightLook& oldest) const;
@@ -268,6 +272,7 @@ class Pilot {
   ReactionMeter reaction_;
   SightWatch sight_;
   MountWatch mount_;
+  int32_t mount_columns_ = 0;              // watched in this tick
   StopReason no_way_ = StopReason::kNone;  // as the last round found
   uint32_t round_tick_ = 0;                // in which the round began
   uint32_t seen_plan_ = 0;                 // number and check of the corridor's plan

@@ -13,7 +13,6 @@ namespace {
 
 // The way to a stop is looked along at so many places.
 constexpr int kPlaces = 12;
-constexpr int kEveryColumn = 4;
 constexpr uint32_t kGroundReach_mm = 12'000;
 // A turn on the spot within so many points is the next thing that is driven.
 constexpr int kTurnAhead = 3;
@@ -84,10 +83,14 @@ void Pilot::LookAt(const Pose2& place, SightLook& oldest) const {
                      {middle.x_m + aside.x_m, middle.y_m + aside.y_m}, now_ns_, oldest);
 }
 
-// One column in kEveryColumn, which is enough of a revolution. Not inlined: its calls are counted
-// (config/timing.toml).
+// One column in kMountEvery, which is enough of a revolution, and kMaxMountColumns in a tick.
+bool Pilot::MayWatchMount(int slot) const {
+  return slot % kMountEvery == 0 && mount_columns_ < kMaxMountColumns;
+}
+
+// Not inlined: its calls are counted (config/timing.toml).
 [[gnu::noinline]] void Pilot::WatchMount(int slot) {
-  if (slot % kEveryColumn != 0) return;
+  ++mount_columns_;
   const StampedPose& here = odometry_.pose();
   const SinCosPair body = SinCos(here.yaw_rad);
   const int beams = mapper_.model().beams;
@@ -106,6 +109,7 @@ void Pilot::LookAt(const Pose2& place, SightLook& oldest) const {
 void Pilot::AdvanceMount() {
   if (permission_.mode == Mode::kStandby || is_gap_) mount_.Reset();
   mount_.Advance(now_ns_);
+  mount_columns_ = 0;
 }
 
 StopReason Pilot::BlindBy(const SightLook& look) const {

@@ -60,7 +60,7 @@ void Pilot::TestReturns(bool are_new) {
   for (const int16_t slot : mapper_.fresh()) {
     if (are_new && !goals_.empty()) reaction_.Filed(mapper_.ring().column(slot).time_ns);
     TestColumn(slot, max_range_mm);
-    if (are_new) WatchMount(slot);
+    if (are_new && MayWatchMount(slot)) WatchMount(slot);
   }
 }
 
