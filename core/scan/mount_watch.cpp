@@ -10,9 +10,9 @@ namespace {
 
 constexpr float kMost_rad = 2.0f;       // more than any
 constexpr float kNotKnown_rad = -1.0f;  // no tilt toward there can be judged
-// Of the borders of the sectors of a quadrant, the tangents.
+// Tangents of the angles of the borders between the sectors of a quadrant.
 constexpr float kBorders[] = {0.19891237f, 0.66817864f, 1.4966058f, 5.0273395f};
-// Of 0 to 3 sectors, the cosines.
+// Cosines of the angles of 0 to 3 sectors.
 constexpr int kReach = 3;
 constexpr float kCosines[kReach + 1] = {1.0f, 0.92387953f, 0.70710678f, 0.38268343f};
 
@@ -84,8 +84,7 @@ float MountWatch::MedianOf(int sector) const {
   return kBin_rad * (static_cast<float>(bin - kMiddleBin) + inside);
 }
 
-// Of the sectors that say something, that with a quarter of the others below: where a turn leaves
-// the ground as it was.
+// The lower quartile of the medians of the known sectors: the ground that a turn has not lifted.
 float MountWatch::Level(const float* median_rad) const {
   float least_rad[kSectors / 4 + 1];  // sorted
   int sectors = 0;
@@ -106,7 +105,7 @@ float MountWatch::Level(const float* median_rad) const {
   return least_rad[sectors / 4];
 }
 
-// The second least of what the sectors say; kNotKnown_rad: too few do.
+// The second lowest of the sectors' estimates; kNotKnown_rad: too few sectors are known.
 float MountWatch::TiltToward(int sector, const float* median_rad, float level_rad) const {
   float least_rad = kMost_rad;
   float second_rad = kMost_rad;
@@ -123,7 +122,7 @@ float MountWatch::TiltToward(int sector, const float* median_rad, float level_ra
   return sectors < kLeastSectors ? kNotKnown_rad : Max(second_rad, 0.0f);
 }
 
-// Open ground returns many beams; what few returns pass for ground in growth says nothing.
+// Open ground returns many beams. The few returns that pass for ground in growth mean nothing.
 void MountWatch::Count() {
   int32_t most = 0;
   HP_LOOP_BOUND(kSectors)

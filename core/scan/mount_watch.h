@@ -18,8 +18,9 @@
 // A turn by t lifts the ground in the direction phi by the angle t cos(phi - phi_t) at every range,
 // in all directions at once. Returns of bushes or banks that pass for ground are lifted by any
 // angle, and in their own directions only. So the angle's median counts in each of 16 sectors, less
-// the level where nothing has been lifted, which takes out a common change of height. The tilt
-// toward a direction is the least of what the sectors within 67.5 degrees of it say, but for one.
+// the level of the sectors that were not lifted, which takes out a common change of height. Each of
+// the 7 sectors within 67.5 degrees of a direction gives an estimate of the tilt toward it, and the
+// second lowest counts.
 
 namespace hardpack {
 
@@ -29,7 +30,8 @@ class MountWatch {
   // A tilt beyond this in this many windows in a row counts as turned.
   static constexpr float kLimit_rad = 0.03f;
   static constexpr int kWindows = 3;
-  // A sector with fewer returns says nothing, nor one with a smaller share of those of the fullest.
+  // A sector with fewer returns is ignored, and so is one with less than 1 / kLeastShare of the
+  // returns of the fullest sector.
   static constexpr int kLeastReturns = 6;
   static constexpr int kLeastShare = 6;
   static constexpr int kLeastSectors = 5;  // of the 7 toward a direction
@@ -50,12 +52,12 @@ class MountWatch {
   bool has_turned() const { return turned_since_ns_ != 0; }
   // When the turn was first seen; 0: not turned. Kept until Reset.
   uint64_t turned_since_ns() const { return turned_since_ns_; }
-  // Largest tilt of the last window in which one could be judged; not below 0.
+  // Largest tilt of the last window that had enough sectors; not below 0.
   float tilt_rad() const { return tilt_rad_; }
 
  private:
   static constexpr int kSectors = 16;
-  static constexpr int kBins = 32;  // of an angle; the outer ones have what is beyond, too
+  static constexpr int kBins = 32;              // of an angle; the outermost hold all larger ones
   static constexpr int kMiddleBin = kBins / 2;  // from an angle of 0 on
   static constexpr float kBin_rad = 0.0125f;
 
@@ -71,7 +73,7 @@ class MountWatch {
   uint64_t begun_ns_ = 0;  // start of the window; 0: none yet
   int32_t returns_[kSectors][kBins] = {};
   int32_t count_[kSectors] = {};  // once the window has ended
-  int32_t least_returns_ = 0;     // for a sector of this window to say something
+  int32_t least_returns_ = 0;     // a sector with fewer is ignored in this window
   int32_t windows_ = 0;           // beyond the limit, in a row ...
   uint64_t since_ns_ = 0;         // ... since then
   float tilt_rad_ = 0.0f;

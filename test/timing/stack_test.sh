@@ -10,10 +10,12 @@ bound=("$1" "$2" --stops hardpack::AssertionFailed --most 16384 --frame memcpy=6
 build=$3
 tapes=("${@:4}")
 entries=()
-for vehicle in Warthog WarthogVelodyne TwistBase; do
+vehicles=$(sed -n 's/^vehicles = \[\(.*\)\]$/\1/p' "$(dirname "$0")/../../config/timing.toml" | tr -d '",')
+for vehicle in $vehicles; do
   loop="hardpack::BasicVehicleLoop<hardpack::$vehicle>"
   entries+=("$loop::Tick" "$loop::Configure")
 done
+[ ${#entries[@]} -gt 0 ]
 "${bound[@]}" "$build" "${entries[@]}"
 if [ -f "${tapes[0]}" ] && [ -f "${tapes[1]}" ]; then
   program=$("${bound[@]}" "$build" hardpack::bare_metal::ReplayTape)
