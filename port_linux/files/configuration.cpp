@@ -19,12 +19,8 @@
 #include "port_linux/files/read_file.h"
 #include "port_linux/files/set_parameter.h"
 #include "port_linux/files/toml_lines.h"
+#include "port_linux/files/toml_parser.h"
 #include "port_linux/files/vehicle_types.h"
-
-// The library's names for its options.
-#define TOML_EXCEPTIONS 0         // NOLINT(readability-identifier-naming)
-#define TOML_MAX_NESTED_VALUES 4  // NOLINT(readability-identifier-naming)
-#include <toml++/toml.h>
 
 namespace hardpack {
 namespace {

@@ -11,11 +11,7 @@
 #include "port_linux/files/nearest_name.h"
 #include "port_linux/files/read_file.h"
 #include "port_linux/files/toml_lines.h"
-
-// The library's names for its options.
-#define TOML_EXCEPTIONS 0         // NOLINT(readability-identifier-naming)
-#define TOML_MAX_NESTED_VALUES 4  // NOLINT(readability-identifier-naming)
-#include <toml++/toml.h>
+#include "port_linux/files/toml_parser.h"
 
 namespace hardpack::sim {
 namespace {
