@@ -10,9 +10,9 @@
 // Conditions on a text before it is given to toml++ (3.3), which is not safe for arbitrary input:
 //  - A dotted key is one nested table per dot, and tables are freed by recursion: a long line
 //    could exhaust the stack.
-//  - A non-ASCII letter outside quotes and comments is refused by its place, not by whatever the
-//    parser makes of it. A quote that does not begin a text counts as one here (a = 3"): what the
-//    parser makes of the letters behind it is mended in port_linux/files/toml_parser.h.
+//  - A non-ASCII letter outside quotes and comments gets a clear message. This check takes every
+//    quote for the beginning of a text, the parser only one at the beginning of a value: a letter
+//    after a = 3" does reach the parser, which is made safe in port_linux/files/toml_parser.h.
 //  - So that a single line shows what is within quotes, no text may span several lines.
 
 namespace hardpack {

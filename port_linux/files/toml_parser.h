@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// toml++ 3.3 as this project uses it; the only place that includes it.
+// toml++ 3.3 with a fault mended. Include it by this header only: check_layers.py refuses others.
 //
-// Its is_non_ascii_horizontal_whitespace is undefined for U+00A1 to U+0499, none of which is a
-// space: the default of its last switch is marked as unreachable. The parser asks it for every
-// letter of a value that has begun without a quote, such as a = 3"x. Here the mark is an answer;
-// all functions of unicode.h with the mark return bool.
+// Its is_non_ascii_horizontal_whitespace has undefined behaviour for U+00A1 to U+0499: they reach a
+// default that is marked as unreachable. The parser calls it for every letter of a value that does
+// not begin with a quote, such as a = 3"x. Here that mark returns false, which is right: none of
+// these letters is a space. In unicode.h only functions that return bool have the mark.
 
 // The library's names for its options.
 #define TOML_EXCEPTIONS 0         // NOLINT(readability-identifier-naming)

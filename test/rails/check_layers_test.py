@@ -102,6 +102,12 @@ class CheckLayers(unittest.TestCase):
         self.assert_only("core/odometry/a.h", 3, "eigen", HEADER + "#include <Eigen/Core>\n")
         self.assert_only("core/map/a.cpp", 2, "eigen", SPDX + "#include <Eigen/Core>\n")
 
+    def test_toml_outside_of_its_header(self):
+        line = "#include <toml++/toml.h>\n"
+        for path in ("port_linux/read.h", "tools/read.h", "test/read.h", "core/map/read.h"):
+            self.assert_only(path, 3, "toml", HEADER + line)
+        self.assertEqual(findings({"port_linux/files/toml_parser.h": HEADER + line}), [])
+
     def test_forbidden_words(self):
         for rule, code in [
                 ("heap", "int* p = new int;"),

@@ -65,6 +65,9 @@ FORBIDDEN = [
 # Builtins and assembly have one home.
 BUILTIN = re.compile(r"\b(__builtin_\w+|asm|__asm__)\b")
 BUILTIN_HOME = "core/base/"
+# And so has the parser of TOML: a file with another copy of its inline functions would undo what is
+# mended there.
+TOML_HOME = "port_linux/files/toml_parser.h"
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 STAGE = re.compile(r"hp_stage\(\s*(\w+)\s+([\w/]+)([^)]*)\)")
@@ -155,7 +158,10 @@ def check_includes(root, path, text, stages):
             continue
         system, name = match.group(1) == "<", match.group(2)
         if system:
-            if name.startswith("Eigen/"):
+            if name.startswith("toml++/"):
+                if path != TOML_HOME:
+                    report(number, "toml", f"include {TOML_HOME}, which mends the library")
+            elif name.startswith("Eigen/"):
                 if layer in STRICT_LAYERS and not (path.startswith("core/odometry/")
                                                    and path.endswith(".cpp")):
                     report(number, "eigen", "Eigen is private to the .cpp files of core/odometry")
