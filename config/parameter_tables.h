@@ -306,7 +306,10 @@ inline constexpr std::array kReplanTable = {
               "the map) is extended if its end can be brought closer by this (ours)."),
     HP_REPLAN(goal_change_m, 0.0f, 100.0f,
               "A goal that has moved by more than this is a new goal, whose plan replaces the "
-              "committed one at once (ours).")};
+              "committed one at once (ours)."),
+    HP_REPLAN(pass_radius_m, 0.5f, 10.0f,
+              "A waypoint that is passed without a stop is passed within this distance: the path "
+              "may cut its corner so far (ours).")};
 #undef HP_REPLAN
 
 #define HP_LIDAR_MOUNT(...) HP_ENTRY("mount", LidarMountParams, __VA_ARGS__)

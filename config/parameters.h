@@ -146,6 +146,7 @@ struct ReplanParams {
   float extend_m = 5.0f;             // an end short of the goal is extended if it can come this
                                      // much closer
   float goal_change_m = 1.0f;        // a goal that moves by more is a new goal
+  float pass_radius_m = 1.5f;        // a waypoint that is passed is passed within this
 };
 
 // Pose of the lidar on the vehicle, and which returns are the vehicle itself.

@@ -102,6 +102,7 @@ void AddToHash(const Plan& plan, DecisionHash& hash) {
   AddCost(plan.cost_after, hash);
   AddCheck(plan.check, hash);
   AddSearch(plan.search, hash);
+  if (plan.target > 0) hash.AddI32(plan.target);
 }
 
 }  // namespace hardpack

@@ -18,6 +18,11 @@ Vec2 PlaceOf(const Pose2& pose) {
   return {pose.x_m, pose.y_m};
 }
 
+bool IsNear(Vec2 place, Vec2 here) {
+  const Vec2 way = {place.x_m - here.x_m, place.y_m - here.y_m};
+  return way.x_m * way.x_m + way.y_m * way.y_m <= Planner::kHere_m * Planner::kHere_m;
+}
+
 Status CheckRequest(const PlanRequest& request) {
   const PathStart& start = request.start;
   const bool finite = IsFinite(start.pose) && IsFinite(start.curvature_per_m) &&
@@ -30,7 +35,7 @@ Status CheckRequest(const PlanRequest& request) {
       Max(Abs(start.pose.x_m), Abs(start.pose.y_m)) <= kMaxRequestPosition_m &&
       Abs(start.pose.theta_rad) <= kSinCosMaxAngle_rad &&
       (!request.has_goal_heading || Abs(request.goal_heading_rad) <= kSinCosMaxAngle_rad);
-  return fits ? Status::kOk : Status::kInvalidArgument;
+  return fits ? CheckRoute(request.route) : Status::kInvalidArgument;
 }
 
 }  // namespace
@@ -175,12 +180,12 @@ void Planner::StepCostmap(int units) {
   if (builder_.StepCells(units) == Progress::kDone) BeginSearch();
 }
 
-// Only of a vehicle that stands: another one has to be brought to rest first.
+// Only of a vehicle that stands, and has no via to drive to: another one has to be brought to rest
+// first.
 bool Planner::IsHere() const {
-  const Vec2 here = PlaceOf(request_.start.pose);
-  const Vec2 way = {request_.goal_odom.x_m - here.x_m, request_.goal_odom.y_m - here.y_m};
+  if (first_leg_ < request_.route.vias.size()) return false;
   return request_.start.speed_mps == 0.0f &&
-         way.x_m * way.x_m + way.y_m * way.y_m <= kHere_m * kHere_m;
+         IsNear(request_.goal_odom, PlaceOf(request_.start.pose));
 }
 
 void Planner::Stay() {
@@ -207,16 +212,32 @@ void Planner::Stay() {
 }
 
 void Planner::BeginSearch() {
+  shortened_ = false;
+  plan_.base.Clear();
+  leg_ = 0;
+  HP_LOOP_BOUND(kMaxVias)
+  while (leg_ < request_.route.vias.size() && IsNear(PlaceAt(leg_), PlaceOf(request_.start.pose))) {
+    ++leg_;
+  }
+  first_leg_ = leg_;
+  plan_.target = leg_;
   if (IsHere()) return Stay();
   if (request_.lead_out > 0 && BeginLeadOut(Status::kOk)) return;
-  stage_ = PlanStage::kSearch;
-  plan_.base_status =
-      search_.Begin(costmap(), params_.astar, PlaceOf(request_.start.pose), request_.goal_odom);
+  BeginLeg(PlaceOf(request_.start.pose));
 }
 
 void Planner::StepSearch(int units) {
   if (search_.Step(costmap(), kSearchUnits * units) == Progress::kBusy) return;
-  plan_.search = search_.result();
+  const AstarResult& found = search_.result();
+  if (leg_ > first_leg_) {
+    const bool goes = IsUsable(found.status) &&
+                      IsUsable(sampler_.Begin(search_, params_.path, leg_from_, PlaceAt(leg_)));
+    if (!goes) return EndLegs();
+    sampled_ = false;
+    stage_ = PlanStage::kSample;
+    return;
+  }
+  plan_.search = found;
   plan_.starts_in_obstacle = plan_.search.start_in_obstacle;
   plan_.base_status = plan_.search.status;
   if (!IsUsable(plan_.base_status)) {
@@ -224,8 +245,7 @@ void Planner::StepSearch(int units) {
     if (is_enclosed && BeginLeadOut(plan_.base_status)) return;
     return Fail(plan_.base_status);
   }
-  plan_.base_status =
-      sampler_.Begin(search_, params_.path, PlaceOf(request_.start.pose), request_.goal_odom);
+  plan_.base_status = sampler_.Begin(search_, params_.path, leg_from_, PlaceAt(leg_));
   if (!IsUsable(plan_.base_status)) return Fail(plan_.base_status);
   sampled_ = false;
   stage_ = PlanStage::kSample;
@@ -255,19 +275,6 @@ bool Planner::MayPivot() const {
          PivotIsFree(costmap(), params_.vehicle, params_.path, PlaceOf(request_.start.pose));
 }
 
-void Planner::StepSampler(int units) {
-  if (sampler_.Step(search_, units) == Progress::kBusy) return;
-  plan_.base_status = Graver(plan_.search.status, sampler_.status());
-  if (!IsUsable(plan_.base_status)) return Fail(plan_.base_status);
-  plan_.base = sampler_.result();
-  has_goal_heading_ = request_.has_goal_heading && !plan_.search.partial &&
-                      !plan_.search.goal_outside_map && !plan_.search.goal_moved &&
-                      sampler_.status() == Status::kOk;
-  const Status status = smoother_.Begin(plan_.base, params_.path.smoothing_passes);
-  if (!IsUsable(status)) return Fail(status);
-  sampled_ = true;
-}
-
 // The optimizer starts from the smoothed base path unless that costs more than the base path as it
 // is: a corner cut may lead closer to an obstacle. One of them may be too far off the start's
 // heading to be joined to it.
@@ -280,7 +287,7 @@ void Planner::BeginSeed() {
   seed_is_smooth_ = smooth_joins && (!base_joins || smooth.total() <= plan_.cost_before.total());
   if (!seed_is_smooth_) static_cast<void>(MakeSeed(plan_.base));
   plan_.optimizer_status = optimizer_.Begin(costmap(), CostParams(), params_.path, seed_,
-                                            StartCurvature(), keeps_end_heading_);
+                                            StartCurvature(), keeps_end_heading_, Places());
   if (!IsUsable(plan_.optimizer_status)) return Fail(plan_.optimizer_status);
   stage_ = PlanStage::kOptimize;
 }
@@ -321,6 +328,11 @@ void Planner::StepOptimize(int units) {
   plan_.cost_after = optimizer_.result().after;
   plan_.is_seed = false;
   MakePath(optimizer_.path());
+  if (FirstMissed() >= 0) {
+    plan_.is_seed = true;
+    plan_.cost_after = SeedCost();
+    MakePath(seed_);
+  }
   BeginCheck();
 }
 
@@ -336,6 +348,8 @@ Status Planner::StartCheck() {
 }
 
 void Planner::BeginCheck() {
+  const int missed = FirstMissed();
+  if (missed >= 0 && Shorten(missed)) return;
   const Status status = IsUsable(plan_.base_status) ? StartCheck() : plan_.base_status;
   if (!IsUsable(status)) Fail(status);
 }
@@ -386,7 +400,7 @@ void Planner::TryAgain() {
     return BeginCheck();
   }
   if (plan_.pivots_first || !MayPivot()) {
-    if (BeginLeadOut(failure)) return;
+    if (Shorten(first_leg_) || BeginLeadOut(failure)) return;
     return Fail(failure);
   }
   plan_.pivots_first = true;
@@ -397,6 +411,7 @@ void Planner::StepSpeed(int units) {
   if (caps_.Step(costmap(), params_.speed, params_.vehicle, plan_.path, units) == Progress::kBusy) {
     return;
   }
+  caps_.LimitLegs(plan_.path, request_.route, params_.replan.pass_radius_m + kPassSlack_m);
   SpeedRequest request;
   request.start_speed_mps = own_start_.speed_mps;
   request.start_curvature_per_m = own_start_.curvature_per_m;

@@ -16,6 +16,7 @@
 #include "core/optimizer/optimizer.h"
 #include "core/path/path.h"
 #include "core/path/path_smoother.h"
+#include "core/path/route.h"
 #include "core/safety/path_check.h"
 #include "core/speed/speed.h"
 #include "core/speed/speed_caps.h"
@@ -30,6 +31,15 @@
 // with a turn on the spot between them if the goal has another heading, and nothing is searched.
 // Only what a turn sweeps is checked.
 //
+// With vias (core/path/route.h) the base path is joined from one search for each leg, in the same
+// memory, and goes on from where a leg ends as long as
+// - that is within pass_radius_m of its via, neither off the map nor cut, and
+// - the corner there is gentle (IsGentle) for max_curvature_per_m and pass_radius_m.
+// Otherwise, or where a leg has no way, the path ends before that leg, at rest. A via at most
+// kHere_m from the place before it counts as passed. The optimizer is told the vias (PassingPlaces,
+// with half of pass_radius_m); a path that passes one of them farther away than pass_radius_m is
+// replaced by its seed, and if that does so too, is made to end there.
+//
 // Second attempts, each at most once:
 // - The start heading is more than max_join_heading_rad off the base path: a turn on the spot
 //   first, which only a standing vehicle may do.
@@ -40,6 +50,7 @@
 //   max_curvature_rate_per_m2. If that touches too, its seed is checked instead, then the base path
 //   as joined. If they touch too, and the vehicle stands and has not turned on the spot, it turns
 //   first and the rest is repeated, for max_curvature_rate_per_m2 only.
+// - The path to several places touches: it is made again to the first of them only.
 // - There is no room to turn on the spot where the vehicle stands, or no way out of the lethal
 //   region: it leads out along its heading (lead_out.h), and the rest is planned from there. The
 //   check covers both, from the vehicle's position; the lead-out is driven slowly.
@@ -63,6 +74,7 @@ struct PlanRequest {
   // at least kLeastLead_m, by LeadOut's way with this number, counted from 1, if that is free. 0:
   // no preference.
   int32_t lead_out = 0;
+  Route route = {};  // the way to the goal; the goal's heading is used only if the path reaches it
 };
 
 // A complete plan: everything that plan.json, the tracker and the decision hash need.
@@ -95,7 +107,11 @@ struct Plan {
   PathCheckResult check;
   int32_t slow_points = 0;  // first points of path, driven slowly out of an obstacle
   int32_t lead_points = 0;  // the first of these, which belong to a lead-out
+  // Of all legs together: status is the gravest, cost and expansions are sums, start_in_obstacle is
+  // of the first and the rest of the last leg.
   AstarResult search;
+  // The path leads to this one of the places, the vias from 0 on and then the goal.
+  int32_t target = 0;
 };
 
 enum class PlanStage : uint8_t {
@@ -162,9 +178,13 @@ class Planner {
       0.05f;  // a larger error is corrected by a turn on the spot
   static constexpr int kMaxTransitions = 32;
   // From one start on the present map.
-  static constexpr int kMaxRouteUnits = kMaxTransitions + AstarSearch::kMaxUnits / kSearchUnits +
-                                        1 + PathSampler::kMaxUnits + PathSmoother::kMaxPasses +
-                                        3 * Optimizer::kMaxUnits + 14 * PathCheck::kMaxUnits;
+  static constexpr int kMaxLegUnits =
+      AstarSearch::kMaxUnits / kSearchUnits + 1 + PathSampler::kMaxUnits;
+  // The path itself; the same again once it was shortened, which it is twice at most. (Without vias
+  // there is one leg, and it is never shortened.)
+  static constexpr int kMaxPathUnits = kMaxTransitions + PathSmoother::kMaxPasses +
+                                       3 * Optimizer::kMaxUnits + 14 * PathCheck::kMaxUnits;
+  static constexpr int kMaxRouteUnits = (kMaxVias + 1) * kMaxLegUnits + 3 * kMaxPathUnits;
   // From the vehicle, from the end of a lead-out, and again from the vehicle.
   static constexpr int kMaxRoutes = 3;
   static constexpr int kMaxUnits =
@@ -197,6 +217,18 @@ class Planner {
   void StepSpeed(int units);
 
   void BeginSearch();
+  void BeginLeg(Vec2 from_odom);
+  Vec2 PlaceAt(int target) const;
+  void KeepLeg();
+  [[nodiscard]] bool MayLeadOn() const;
+  [[nodiscard]] bool NextLeg();
+  Vec2 DirectionAtEnd() const;
+  bool AppendLeg();
+  void EndLegs();
+  void BeginSmoothing();
+  [[nodiscard]] bool Shorten(int target);
+  int FirstMissed() const;
+  PassingPlaces Places() const;
   bool IsHere() const;
   void Stay();
   [[nodiscard]] bool MayPivot() const;
@@ -243,6 +275,24 @@ class Planner {
   AstarSearch search_;
   PathSampler sampler_;
   bool sampled_ = false;  // and the smoother has begun
+  // A leg that is part of the base path: where it ends there, and the search up to there.
+  struct Leg {
+    int32_t end_point = 0;
+    Status status = Status::kNotStarted;
+    bool goal_moved = false;
+    Cell goal;
+    Cell end;
+    int32_t path_cells = 0;
+    int64_t cost = 0;
+    int32_t expansions = 0;
+  };
+  // The first that was searched, and the present one.
+  int32_t first_leg_ = 0;
+  int32_t leg_ = 0;
+  Vec2 leg_from_;  // where it begins
+  Leg legs_[kMaxVias + 1];
+  Status sample_status_ = Status::kNotStarted;  // of the last one's sampler
+  bool shortened_ = false;
   PathSmoother smoother_;
   bool seed_is_smooth_ = false;
   bool is_gentle_ = false;  // optimized for the preferred curvature rate
@@ -260,7 +310,7 @@ static_assert(sizeof(Planner) + sizeof(HeightGrid) <= kPlanningBudget_bytes);
 // kParameterOutOfRange.
 Status CheckPlannerParams(const PlannerParams& params);
 
-// Adds every decision of a plan, field by field.
+// Adds every decision of a plan, field by field; target only if it is not 0.
 void AddToHash(const Plan& plan, DecisionHash& hash);
 
 }  // namespace hardpack

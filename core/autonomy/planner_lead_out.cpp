@@ -54,7 +54,8 @@ void Planner::LookForLeadOut() {
         Max(params_.path.unseen_start_m - AlongHeading(request_.unseen_start, request_.start.pose),
             0.0f);
   }
-  const Pose2 goal = {request_.goal_odom.x_m, request_.goal_odom.y_m, 0.0f};
+  const Vec2 place = PlaceAt(first_leg_);
+  const Pose2 goal = {place.x_m, place.y_m, 0.0f};
   const float goal_ahead_m = AlongHeading(request_.start.pose, goal);
   const bool is_tried = request_.lead_out > 0;
   if (is_tried) least_m = Max(least_m, kLeastLead_m);
@@ -64,8 +65,8 @@ void Planner::LookForLeadOut() {
   const float longest_m = is_beside ? 0.0f : Max(params_.path.lead_out_m, least_m);
   const int first = is_tried ? ClampInt(request_.lead_out - 1, 0, LeadOut::kBends - 1) : 0;
   const int end = is_tried ? first + 1 : (looks_bent_ ? LeadOut::kBends : 1);
-  lead_out_.Begin(params_.vehicle, params_.path, request_.start.pose, request_.goal_odom, least_m,
-                  longest_m, first, end);
+  lead_out_.Begin(params_.vehicle, params_.path, request_.start.pose, place, least_m, longest_m,
+                  first, end);
 }
 
 void Planner::StepLeadOut(int units) {

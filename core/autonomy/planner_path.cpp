@@ -23,7 +23,7 @@ void Planner::MakePath(const WorldPath& driven) {
   WorldPath& path = plan_.path;
   BeginPath();
   plan_.ends_short = false;
-  plan_.base_status = Graver(plan_.search.status, sampler_.status());
+  plan_.base_status = Graver(plan_.search.status, sample_status_);
   if (plan_.pivots_first) {
     path.Resize(path.size() + 1);
     path.back() = {driven[0].x_m, driven[0].y_m, request_.start.pose.theta_rad};

@@ -34,8 +34,9 @@ Status CheckUpdate(const VehicleState& state, const PlanGoal& goal) {
                     Abs(state.curvature_per_m) <= kCurvatureCeiling_per_m &&
                     Max(Abs(state.pose.x_m), Abs(state.pose.y_m)) <= kMaxRequestPosition_m &&
                     Abs(state.pose.theta_rad) <= kSinCosMaxAngle_rad &&
-                    (!goal.has_heading || Abs(goal.heading_rad) <= kSinCosMaxAngle_rad);
-  return fits ? Status::kOk : Status::kInvalidArgument;
+                    (!goal.has_heading || Abs(goal.heading_rad) <= kSinCosMaxAngle_rad) &&
+                    goal.number >= static_cast<uint32_t>(goal.route.vias.size());
+  return fits ? CheckRoute(goal.route) : Status::kInvalidArgument;
 }
 
 }  // namespace
@@ -175,6 +176,7 @@ void Replanner::StepOwn(int units) {
     case Phase::kSpeed:
       if (caps_.Step(planner_.costmap(), caps_params_, params_.vehicle, candidate_.path, units) ==
           Progress::kDone) {
+        LimitLegs();
         Publish();
       }
       return;
@@ -182,6 +184,12 @@ void Replanner::StepOwn(int units) {
     case Phase::kPlan:
       return;
   }
+}
+
+// By the newest state's vias, of which some may have been passed since the round began.
+void Replanner::LimitLegs() {
+  const bool is_same = goal_.list == round_goal_.list;
+  caps_.LimitLegs(candidate_.path, is_same ? goal_.route : round_goal_.route, PassReach_m());
 }
 
 bool Replanner::MayBegin() {
@@ -220,7 +228,8 @@ bool Replanner::IsBesideUnseen(const Pose2& pose) const {
   return state_.has_unseen_start && dx_m * dx_m + dy_m * dy_m < reach_m * reach_m;
 }
 
-PlanRequest Replanner::RequestFrom(const PathStart& start) const {
+// passed: vias of the round's goal, from the first one on, that lie before the start.
+PlanRequest Replanner::RequestFrom(const PathStart& start, int passed) const {
   PlanRequest request;
   request.start = start;
   request.goal_odom = round_goal_.position_odom;
@@ -229,6 +238,7 @@ PlanRequest Replanner::RequestFrom(const PathStart& start) const {
   request.has_unseen_start = IsBesideUnseen(start.pose);
   request.unseen_start = state_.unseen_start;
   request.lead_out = state_.lead_out;
+  request.route = RouteBehind(round_goal_.route, passed);
   return request;
 }
 
@@ -237,7 +247,8 @@ void Replanner::ChooseAnchor() {
   anchor_ = 0;
   left_path_ = off_path_;
   const float speed_mps = Stands() ? 0.0f : state_.speed_mps;
-  request_ = RequestFrom({state_.pose, state_.curvature_per_m, speed_mps});
+  passed_ = 0;
+  request_ = RequestFrom({state_.pose, state_.curvature_per_m, speed_mps}, passed_);
   if (committed_.number == 0) return;
   if (off_path_) {
     ++counters_.reanchored;
@@ -253,7 +264,9 @@ void Replanner::ChooseAnchor() {
     start.curvature_per_m = CurvatureAt(path, anchor_, committed_.start_curvature_per_m);
     start.speed_mps = committed_.speed[anchor_];
   }
-  request_ = RequestFrom(start);
+  // Of a path that is to be replaced nothing counts as passed.
+  if (!GoalHasChanged()) passed_ = ViasPassed(path, round_goal_.route, PassReach_m(), anchor_);
+  request_ = RequestFrom(start, passed_);
 }
 
 // The first point that is not reached while the round lasts, neither at the committed speeds nor at
@@ -287,6 +300,11 @@ void Replanner::EndPlan() {
   BeginCheck();
 }
 
+// The place that the planner's result leads to; passed: as its request had it.
+PlanGoal Replanner::PlannedGoal(int passed) const {
+  return PlaceOfGoal(round_goal_, passed + planner_.result().target);
+}
+
 void Replanner::KeepFresh() {
   const Plan& plan = planner_.result();
   fresh_.status = plan.status;
@@ -297,8 +315,10 @@ void Replanner::KeepFresh() {
   fresh_.slow_points = plan.slow_points;
   fresh_.lead_points = plan.lead_points;
   fresh_.search_end = plan.search.end;
-  const bool in_end_cell = CellAt(request_.goal_odom) == plan.search.end;
-  fresh_.end_odom = in_end_cell ? request_.goal_odom : CellCenter(plan.search.end);
+  fresh_.goal = PlannedGoal(passed_);
+  const Vec2 place_odom = fresh_.goal.position_odom;
+  const bool in_end_cell = CellAt(place_odom) == plan.search.end;
+  fresh_.end_odom = in_end_cell ? place_odom : CellCenter(plan.search.end);
   fresh_.way_cost = ToFloat(static_cast<uint64_t>(plan.search.cost)) / kWayCostPerMeter;
 }
 
@@ -338,7 +358,9 @@ void Replanner::BeginExtension() {
   PathStart start{rest_[extension_point_], 0.0f, 0.0f};
   start.curvature_per_m = CurvatureAt(rest_, extension_point_, rest_curvature_per_m_);
   start.speed_mps = committed_.speed[dropped_ + extension_point_];
-  if (IsUsable(planner_.BeginOnMap(RequestFrom(start)))) {
+  passed_before_extension_ =
+      ViasPassed(committed_.path, round_goal_.route, PassReach_m(), dropped_ + extension_point_);
+  if (IsUsable(planner_.BeginOnMap(RequestFrom(start, passed_before_extension_)))) {
     phase_ = Phase::kExtend;
   } else {
     extension_point_ = -1;

@@ -62,6 +62,12 @@
 //                                                    outcome says kStop: the owner stops
 // 6. Speeds. Whatever is driven from now on gets new speeds on this map, from the state at the
 //    moment of publication.
+// A goal with vias (core/path/route.h) has not changed as long as the committed path leads to one
+// of its places and passes those before it, so that it is kept when the vehicle has passed one. A
+// path that ends at one of them, at rest, ends short of the goal if the new plan leads to a later
+// one. The new plan and an extension lead by those vias only that the committed path does not pass
+// before they begin. Speeds keep the limits of the legs.
+//
 // A new plan that arrives after the vehicle has passed its anchor is not used (counted as late),
 // and the next anchor is farther ahead. A plan that could not come to rest within its length from
 // the present speed is not used either.
@@ -153,8 +159,9 @@ class Replanner {
   void Forget();
 
   // Every tick. kInvalidArgument: time runs backwards, a speed is below -kStanding_mps or above
-  // kMaxRequestSpeed_mps, or a number is beyond PlanRequest's limits; kNotFinite. In these cases
-  // only counters().refused changes. Cost: one pass over the committed path.
+  // kMaxRequestSpeed_mps, a number is beyond PlanRequest's limits, or the goal's number is below
+  // that of its vias; kNotFinite. In these cases only counters().refused changes. Cost: one pass
+  // over the committed path.
   Status Update(uint64_t now_ns, const VehicleState& state, const PlanGoal& goal);
 
   // At most `units` units of the stages, as Planner::Step. Ends with the round, so that the owner
@@ -208,6 +215,7 @@ class Replanner {
     int32_t slow_points = 0;
     int32_t lead_points = 0;
     Cell search_end;
+    PlanGoal goal;          // the place that it leads to, and the way there
     Vec2 end_odom;          // of the search: the path's end unless it was cut
     float way_cost = 0.0f;  // of the search, in metres at cost 0
   };
@@ -222,6 +230,7 @@ class Replanner {
     float start_turn_rad = 0.0f;
     int32_t slow_points = 0;
     int32_t lead_points = 0;
+    PlanGoal goal;       // the place that it leads to
     int32_t joint = -1;  // point of rest_ where it leaves the committed path; -1: none
   };
 
@@ -234,7 +243,9 @@ class Replanner {
   void ChooseAnchor();
   int PointBehindStretch(int standing) const;
   bool IsBesideUnseen(const Pose2& pose) const;
-  PlanRequest RequestFrom(const PathStart& start) const;
+  PlanRequest RequestFrom(const PathStart& start, int passed) const;
+  float PassReach_m() const { return params_.replan.pass_radius_m + kPassSlack_m; }
+  PlanGoal PlannedGoal(int passed) const;
   void Begun(Status status);
   void StepOwn(int units);
   void EndPlan();
@@ -242,6 +253,7 @@ class Replanner {
   void BeginCheck();
   void StepCheck(int units);
   void BeginExtension();
+  void LimitLegs();
   float MostCrossTrack() const;
   float ReachOfRound() const;
   void EndRound();
@@ -257,6 +269,7 @@ class Replanner {
   bool FreshIsUsable() const;
   bool RestIsFree() const { return free_until_ + 1 >= rest_.size(); }
   bool GoalHasChanged() const;
+  bool PassesVias() const;
   ReplanDecision Choose(ReplanReason& reason) const;
   ReplanDecision ChooseOnPath(ReplanReason& reason) const;
   void MakeCandidate(ReplanDecision decision, ReplanReason reason);
@@ -299,9 +312,11 @@ class Replanner {
   bool left_path_ = false;  // the vehicle was off the path when it began
   bool late_ = false;
   PlanRequest request_;
-  int32_t anchor_ = 0;   // point of the committed path; where anchored
-  int32_t dropped_ = 0;  // points of the committed path before rest_
-  WorldPath rest_;       // of the committed path: empty without one
+  int32_t passed_ = 0;                   // vias of the round before the new plan's start ...
+  int32_t passed_before_extension_ = 0;  // ... and before B
+  int32_t anchor_ = 0;                   // point of the committed path; where anchored
+  int32_t dropped_ = 0;                  // points of the committed path before rest_
+  WorldPath rest_;                       // of the committed path: empty without one
   float rest_curvature_per_m_ = 0.0f;
   float rest_turn_rad_ = 0.0f;
   int32_t free_until_ = -1;  // last point of rest_ that was checked free

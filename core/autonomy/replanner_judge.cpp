@@ -29,8 +29,24 @@ bool AreSame(Vec2 a, Vec2 b) {
 
 }  // namespace
 
+// Whether the committed path, which leads to one of the places of the goal's way, passes those
+// before it.
+bool Replanner::PassesVias() const {
+  const PlanGoal& goal = round_goal_;
+  const auto vias = static_cast<uint32_t>(goal.route.vias.size());
+  const uint32_t places = committed_.goal.number - (goal.number - vias);
+  const int before = places < vias ? static_cast<int>(places) : goal.route.vias.size();
+  const int last = committed_.path.size() - 1;
+  return ViasPassed(committed_.path, goal.route, PassReach_m(), last) >= before;
+}
+
 bool Replanner::GoalHasChanged() const {
   const PlanGoal& old = committed_.goal;
+  if (!old.route.vias.empty() || !round_goal_.route.vias.empty()) {
+    if (!AreOfOneWay(old, round_goal_, params_.replan.goal_change_m)) return true;
+    if (!PassesVias()) return true;
+    if (old.number != round_goal_.number) return false;
+  }
   if (Distance(old.position_odom, round_goal_.position_odom) > params_.replan.goal_change_m) {
     return true;
   }
@@ -52,7 +68,11 @@ bool Replanner::EndCouldBeNearer(int anchor) const {
   const Vec2 end = PlaceOf(rest_.back());
   const Vec2 fresh_end = PlaceOf(fresh_.path.back());
   const float left_m = WayTo(rest_, rest_.size() - 1) - WayTo(rest_, anchor);
-  const Vec2 goal = round_goal_.position_odom;
+  const bool has_vias = !round_goal_.route.vias.empty() || !committed_.goal.route.vias.empty();
+  if (has_vias && fresh_.goal.number != committed_.goal.number) {
+    return fresh_.goal.number > committed_.goal.number;
+  }
+  const Vec2 goal = fresh_.goal.position_odom;
   const float nearer_m = Distance(end, goal) - Distance(fresh_end, goal);
   // An end at the goal itself is worth having at once. Of two ends that both lie beside it the
   // committed one is rather good enough, and a window that moves on is followed in stretches.
@@ -212,6 +232,7 @@ void Replanner::MakeCandidate(ReplanDecision decision, ReplanReason reason) {
   candidate_.start_turn_rad = rest_turn_rad_;
   candidate_.joint = -1;
   candidate_.status = committed_.status;
+  candidate_.goal = committed_.goal;
   const int slow_rest = committed_.slow_points - dropped_;
   const int overlap = rest_.empty() ? 0 : check_.result().overlap_points;
   candidate_.slow_points = slow_rest > overlap ? slow_rest : overlap;
@@ -227,6 +248,7 @@ void Replanner::MakeCandidate(ReplanDecision decision, ReplanReason reason) {
       Join(0, extension_point_, &planner_.result().path);
       candidate_.joint = extension_point_;
       candidate_.status = planner_.result().status;
+      candidate_.goal = PlannedGoal(passed_before_extension_);
       break;
     case ReplanDecision::kStop:
       Join(0, StopPoint(), nullptr);
@@ -241,6 +263,7 @@ void Replanner::MakeCandidate(ReplanDecision decision, ReplanReason reason) {
 
 void Replanner::TakeFresh() {
   candidate_.status = fresh_.status;
+  candidate_.goal = fresh_.goal;
   if (anchored_) {
     const int anchor = AnchorOfRest();
     Join(0, anchor, &fresh_.path);

@@ -74,7 +74,7 @@ void Replanner::Commit(const PathPlace& place) {
   plan.is_stop = candidate_.decision == ReplanDecision::kStop;
   if (candidate_.decision != ReplanDecision::kKept) {
     plan.number = ++last_number_;
-    if (!plan.is_stop) plan.goal = round_goal_;
+    if (!plan.is_stop) plan.goal = candidate_.goal;
   }
   const Pose2& end = plan.path.back();
   const float dx_m = end.x_m - plan.goal.position_odom.x_m;

@@ -28,6 +28,36 @@ void TryChord(const WorldPath& path, int point, float along_m, Vec2 position, Pa
 
 }  // namespace
 
+PlanGoal PlaceOfGoal(const PlanGoal& goal, int target) {
+  const int vias = goal.route.vias.size();
+  if (target >= vias) return goal;
+  PlanGoal place;
+  place.position_odom = goal.route.vias[target].position_odom;
+  place.route = goal.route;
+  place.route.goal_speed_mps = goal.route.vias[target].speed_mps;
+  place.route.vias.Resize(target);
+  place.number = goal.number - static_cast<uint32_t>(vias - target);
+  place.list = goal.list;
+  return place;
+}
+
+bool AreOfOneWay(const PlanGoal& earlier, const PlanGoal& later, float tolerance_m) {
+  const auto vias = static_cast<uint32_t>(later.route.vias.size());
+  const uint32_t first = later.number - vias;
+  if (earlier.list != later.list || earlier.number < first) return false;
+  const uint32_t earlier_first = earlier.number - static_cast<uint32_t>(earlier.route.vias.size());
+  HP_LOOP_BOUND(kMaxVias + 1)
+  for (uint32_t number = first; number <= later.number && number <= earlier.number; ++number) {
+    if (number < earlier_first) continue;
+    const Vec2 was = PlaceOfGoal(earlier, static_cast<int>(number - earlier_first)).position_odom;
+    const Vec2 is = PlaceOfGoal(later, static_cast<int>(number - first)).position_odom;
+    const float dx_m = was.x_m - is.x_m;
+    const float dy_m = was.y_m - is.y_m;
+    if (!(dx_m * dx_m + dy_m * dy_m <= tolerance_m * tolerance_m)) return false;
+  }
+  return true;
+}
+
 bool TurnsOnTheSpotAt(const WorldPath& path, int point) {
   return point + 1 < path.size() && !HasLength(Length(ChordBehind(path, point)));
 }

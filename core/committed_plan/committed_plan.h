@@ -10,6 +10,7 @@
 #include "core/base/pose.h"
 #include "core/base/status.h"
 #include "core/path/path.h"
+#include "core/path/route.h"
 #include "core/speed/speed.h"
 
 // The plan being driven: where on it a vehicle is, and what it specifies at each place. It does not
@@ -23,7 +24,22 @@ struct PlanGoal {
   Vec2 position_odom;
   bool has_heading = false;
   float heading_rad = 0.0f;  // ignored otherwise
+  Route route = {};          // the way to it
+  // Of an owner that drives to one place after another: the goal's number, from 0; the vias have
+  // the numbers before it. Places of different lists are different, whatever their numbers: `list`
+  // changes with each new one. Both are looked at only if there are vias.
+  uint32_t number = 0;
+  uint32_t list = 0;
 };
+
+// The place of a goal's way with this index: a via, which then is the goal of its own, or the goal
+// itself if there are no more. What remains of the route leads there.
+PlanGoal PlaceOfGoal(const PlanGoal& goal, int target);
+
+// Whether all places that two goals' ways have in common are at most tolerance_m apart, and the
+// first goal is one of the second one's places or lies beyond them. False for different lists.
+// Where neither has vias this is not the question. Cost: the vias.
+bool AreOfOneWay(const PlanGoal& earlier, const PlanGoal& later, float tolerance_m);
 
 // A place on a path of n points: on the chord from `point` to the next one.
 struct PathPlace {

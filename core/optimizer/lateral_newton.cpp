@@ -49,7 +49,8 @@ constexpr float kLeastTurning_rad = 1.0f;
 
 Status LateralNewton::Begin(const Costmap& map, const OptimizerParams& params,
                             const PathParams& path_params, const WorldPath& seed,
-                            float start_curvature_per_m, bool keep_end_heading) {
+                            float start_curvature_per_m, bool keep_end_heading,
+                            const PassingPlaces& places) {
   result_ = OptimizerResult{};
   path_.Clear();
   moved_ = false;
@@ -63,6 +64,7 @@ Status LateralNewton::Begin(const Costmap& map, const OptimizerParams& params,
   End(Status::kNotStarted);
   result_.after = result_.before;
   params_ = params;
+  places_ = places;
   wanted_step_m_ = path_params.step_m;
   start_curvature_per_m_ = start_curvature_per_m;
   end_points_ = keep_end_heading ? 2 : 1;

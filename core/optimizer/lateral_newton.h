@@ -10,6 +10,7 @@
 #include "core/costmap/costmap.h"
 #include "core/optimizer/path_cost.h"
 #include "core/path/path.h"
+#include "core/path/route.h"
 
 // Another method for the minimum of the paper's F (ours; docs/algorithm.md section 5): all points
 // at once, each moved along its normal, by a damped Newton method.
@@ -32,6 +33,15 @@
 
 namespace hardpack {
 
+// Places that the path shall pass within a radius. For each, the nearest of the free points adds
+//   kWeight max(distance - radius, 0)^2
+// to what is minimised: not to F, so what is reported does not contain it.
+struct PassingPlaces {
+  static constexpr float kWeight_per_m2 = 20.0f;
+  FixedVector<Vec2, kMaxVias> place_odom;  // finite
+  float radius_m = 0.0f;
+};
+
 class LateralNewton {
  public:
   static constexpr int kMaxSteps = 200;
@@ -41,9 +51,10 @@ class LateralNewton {
   static constexpr int kMaxShares = 3;
   static constexpr int kMaxUnits = kMaxSteps * (kMaxSolves * (2 + kMaxShares) + 2) + 1;
 
-  // As BasicOptimizer::Begin.
+  // As BasicOptimizer::Begin, and past `places`. The seed should pass them.
   Status Begin(const Costmap& map, const OptimizerParams& params, const PathParams& path_params,
-               const WorldPath& seed, float start_curvature_per_m, bool keep_end_heading);
+               const WorldPath& seed, float start_curvature_per_m, bool keep_end_heading,
+               const PassingPlaces& places = {});
 
   // A unit is one pass over the points: derivatives, a solution, the cost of a step.
   Progress Step(const Costmap& map, int units);
@@ -79,6 +90,7 @@ class LateralNewton {
     float rate_per_m2[kRoom] = {};
     float map_cost[kRoom] = {};  // per metre
     float path_cost[kRoom] = {};
+    int32_t passing_point[kMaxVias] = {};  // of places_
   };
 
   // A kind of term of F: a |u| up to u_max, b more beyond it, and its rounding.
@@ -103,6 +115,8 @@ class LateralNewton {
   static void DeriveTerm(const Kink& kink, const float* value, const float* ds_m, int points,
                          float* slope, float* bend);
   void Assemble();
+  float CostOfPlaces(Line& line) const;
+  void DerivePlaces();
 
   void Solve();
   bool Factor();
@@ -126,6 +140,7 @@ class LateralNewton {
   int last_free() const { return line().points - 1 - end_points_; }
 
   OptimizerParams params_;
+  PassingPlaces places_;
   OptimizerResult result_;
   WorldPath path_;
   WorldPath seed_;

@@ -67,11 +67,60 @@ float LateralNewton::CostOfLine(const Costmap& map, Line& line) const {
   float cost = 0.0f;
   HP_LOOP_BOUND(kMaxPathPoints)
   for (int k = 0; k < points; ++k) cost += line.ds_m[k] * (line.map_cost[k] + line.path_cost[k]);
+  if (!places_.place_odom.empty()) cost += CostOfPlaces(line);
   float shortest_m = line.length_m[0];
   HP_LOOP_BOUND(kMaxPathPoints)
   for (int k = 1; k + 1 < points; ++k) shortest_m = Min(shortest_m, line.length_m[k]);
   return shortest_m >= cost_terms::kShortestChord_m ? cost
                                                     : std::numeric_limits<float>::quiet_NaN();
+}
+
+// In order: a place's point lies behind that of the place before.
+float LateralNewton::CostOfPlaces(Line& line) const {
+  const int last = line.points - 1 - end_points_;
+  int from = 2;
+  float cost = 0.0f;
+  HP_LOOP_BOUND(kMaxVias)
+  for (int i = 0; i < places_.place_odom.size(); ++i) {
+    const Vec2 place = places_.place_odom[i];
+    int nearest = -1;
+    float least2_m2 = 0.0f;
+    HP_LOOP_BOUND(kMaxPathPoints)
+    for (int k = from; k <= last; ++k) {
+      const float dx_m = line.x_m[k] - place.x_m;
+      const float dy_m = line.y_m[k] - place.y_m;
+      const float distance2_m2 = dx_m * dx_m + dy_m * dy_m;
+      if (nearest >= 0 && distance2_m2 >= least2_m2) continue;
+      nearest = k;
+      least2_m2 = distance2_m2;
+    }
+    line.passing_point[i] = nearest;
+    if (nearest < 0) break;
+    const float excess_m = Max(SqrtUnchecked(least2_m2) - places_.radius_m, 0.0f);
+    cost += PassingPlaces::kWeight_per_m2 * excess_m * excess_m;
+    from = nearest;
+  }
+  return cost;
+}
+
+// Along the points' normals. The second derivative without the part that is negative inside.
+void LateralNewton::DerivePlaces() {
+  const Line& line = this->line();
+  HP_LOOP_BOUND(kMaxVias)
+  for (int i = 0; i < places_.place_odom.size(); ++i) {
+    const int k = line.passing_point[i];
+    if (k < 0) return;
+    const float dx_m = line.x_m[k] - places_.place_odom[i].x_m;
+    const float dy_m = line.y_m[k] - places_.place_odom[i].y_m;
+    const float distance_m = SqrtUnchecked(dx_m * dx_m + dy_m * dy_m);
+    if (distance_m <= places_.radius_m) continue;
+    const float normal_x = -0.5f * (line.chord_y[k - 1] + line.chord_y[k]);
+    const float normal_y = 0.5f * (line.chord_x[k - 1] + line.chord_x[k]);
+    const float away = (dx_m * normal_x + dy_m * normal_y) / distance_m;
+    const float twice = 2.0f * PassingPlaces::kWeight_per_m2;
+    step_m_[k] += twice * (distance_m - places_.radius_m) * away;
+    band_[0][k] += twice * away * away;
+  }
 }
 
 void LateralNewton::MeasureChords(Line& line) {
@@ -279,6 +328,7 @@ void LateralNewton::Assemble() {
     band_[2][k] += before * q[1][k - 1] + here * q[0][k];
     band_[3][k] = before * q[0][k - 1];
   }
+  DerivePlaces();
 }
 
 // L D L^T = band + damping, and step = L^-1 (-gradient). False: rounding, or a map that is no

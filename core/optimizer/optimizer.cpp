@@ -16,12 +16,13 @@ template class BasicOptimizer<PlanarModel>;
 
 Status Optimizer::Begin(const Costmap& map, const OptimizerParams& params,
                         const PathParams& path_params, const WorldPath& seed,
-                        float start_curvature_per_m, bool keep_end_heading) {
+                        float start_curvature_per_m, bool keep_end_heading,
+                        const PassingPlaces& places) {
   by_paper_ = params.method == OptimizerParams::kPaperDescent;
   return by_paper_ ? descent_.Begin(map, params, path_params, seed, start_curvature_per_m,
                                     keep_end_heading)
                    : newton_.Begin(map, params, path_params, seed, start_curvature_per_m,
-                                   keep_end_heading);
+                                   keep_end_heading, places);
 }
 
 Progress Optimizer::Step(const Costmap& map, int units) {

@@ -142,7 +142,8 @@ class BasicOptimizer {
 extern template class BasicOptimizer<PlanarModel>;
 static_assert(sizeof(BasicOptimizer<PlanarModel>) <= 32 * 1024);
 
-// The optimizer selected by params.method. Begin, Step and the results are as above.
+// The optimizer selected by params.method. Begin, Step and the results are as above. The paper's
+// method does not know `places`: its path may pass them farther away.
 class Optimizer {
  public:
   static constexpr int kMinPoints = kMinSeedPoints;
@@ -152,7 +153,8 @@ class Optimizer {
                                        : LateralNewton::kMaxUnits;
 
   Status Begin(const Costmap& map, const OptimizerParams& params, const PathParams& path_params,
-               const WorldPath& seed, float start_curvature_per_m, bool keep_end_heading);
+               const WorldPath& seed, float start_curvature_per_m, bool keep_end_heading,
+               const PassingPlaces& places = {});
   Progress Step(const Costmap& map, int units);
   const OptimizerResult& result() const { return by_paper_ ? descent_.result() : newton_.result(); }
   const WorldPath& path() const { return by_paper_ ? descent_.path() : newton_.path(); }

@@ -141,7 +141,11 @@ void Supervisor::StepArmed(const SupervisorInput& input) {
     return;
   }
   reason_ = OldInput(input);
-  if (reason_ == StopReason::kNone && input.has_goal && !input.has_plan) reason_ = Waits(input);
+  const bool is_held =
+      input.held_by == StopReason::kPaused || input.held_by == StopReason::kAtWaypoint;
+  if (reason_ == StopReason::kNone && input.has_goal && (!input.has_plan || is_held)) {
+    reason_ = Waits(input);
+  }
   if (reason_ == StopReason::kNone && input.has_goal &&
       IsOlder(input.now_ns, input.plan_checked_ns, params_.max_plan_age_s)) {
     reason_ = StopReason::kPlanOld;

@@ -30,7 +30,7 @@
 // (core/safety/corridor.h) does not leave driving either: the vehicle stops along its path, or with
 // zero speed at once if that takes too long, until a plan checked since then is clear of it. The
 // same holds for a plan that makes the vehicle hold where it is; for a person it stops with zero
-// speed at once.
+// speed at once. It holds for a mission that is paused, or waits at a waypoint, in the same way.
 
 namespace hardpack {
 
@@ -67,8 +67,12 @@ enum class StopReason : uint8_t {
   kLidarFrozen,     // it repeats an image
   kLidarTurned,     // it has turned in its mount (core/scan/mount_watch.h)
   kWheelSpin,       // the wheels slip
+  kPaused,          // the operator has paused the mission
+  kAtWaypoint,      // it holds at a waypoint, as the mission says
+  kNoMission,       // nothing to pause, resume or skip
+  kLastWaypoint,    // the last waypoint cannot be skipped
 };
-inline constexpr int kStopReasons = 28;
+inline constexpr int kStopReasons = 32;
 
 // What the drives are told to do.
 enum class Motion : uint8_t {
@@ -114,7 +118,9 @@ struct SupervisorInput {
   // and it must begin now; kTooNear: with zero speed at once.
   WayAhead sweep = WayAhead::kClear;
   // Why there is no plan, if known, or why the plan makes the vehicle hold where it is, short of
-  // its end: kNone, kNoWay, kUnseenGround, kPerson or kGoalInObstacle. It stops then.
+  // its end, or why the mission does: kNone, kNoWay, kUnseenGround, kPerson, kGoalInObstacle,
+  // kPaused or kAtWaypoint. It stops then; the last two keep an armed vehicle from setting out,
+  // too.
   StopReason held_by = StopReason::kNone;
   // Why the look along the path is as old as it is, once it is too old: kBlindAhead, kLidarCovered,
   // kLidarFrozen or kLidarTurned.

@@ -133,6 +133,27 @@ void SpeedCaps::StandFrom(int point) {
   }
 }
 
+// Both ends included; 0: no limit.
+void SpeedCaps::LimitBetween(int first, int last, float most_mps) {
+  if (!(most_mps > 0.0f)) return;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = first; k <= last; ++k) Lower(k, most_mps, CapCause::kLegLimit);
+}
+
+void SpeedCaps::LimitLegs(const WorldPath& path, const Route& route, float reach_m) {
+  int from = 0;
+  HP_LOOP_BOUND(kMaxVias)
+  for (const Via& via : route.vias) {
+    const int at = PassingPoint(path, from, via.position_odom, reach_m);
+    // The via may lie behind the point that is nearest to it.
+    const bool has_next = at >= 0 && at + 1 < points_;
+    LimitBetween(from, has_next ? at + 1 : points_ - 1, via.speed_mps);
+    if (at < 0) return;
+    from = at;
+  }
+  LimitBetween(from, points_ - 1, route.goal_speed_mps);
+}
+
 void SpeedCaps::Lower(int point, float cap_mps, CapCause cause) {
   if (cap_mps >= cap_mps_[point]) return;
   cap_mps_[point] = cap_mps;

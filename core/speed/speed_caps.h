@@ -10,6 +10,7 @@
 #include "core/base/progress.h"
 #include "core/costmap/costmap.h"
 #include "core/path/path.h"
+#include "core/path/route.h"
 #include "core/speed/speed.h"
 
 // Speed limits from the surroundings along a checked path (docs/algorithm.md sections 6 and 8): at
@@ -50,6 +51,7 @@ enum class CapCause : uint8_t {
   kPerson,
   kLittleRoom,
   kGrowth,
+  kLegLimit,  // the operator's limit for this leg of the mission
 };
 
 class SpeedCaps {
@@ -73,6 +75,11 @@ class SpeedCaps {
   // drive any farther, whatever is allowed there. Before the vehicle has come to rest, nobody can
   // know when it will continue. Cost: one pass.
   void StandFrom(int point);
+
+  // Once done: on each leg of the route its limit, up to the point behind the one where the path
+  // passes the leg's end within reach_m. Behind a via that the path does not pass, the limit of the
+  // leg to it stays. Cost: one pass for each via.
+  void LimitLegs(const WorldPath& path, const Route& route, float reach_m);
 
   // [n] m/s, valid once Step has returned kDone.
   std::span<const float> cap_mps() const { return {cap_mps_, static_cast<size_t>(points_)}; }
@@ -102,6 +109,7 @@ class SpeedCaps {
   void SlowDownIn(int point);
   bool LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m);
   void Lower(int point, float cap_mps, CapCause cause);
+  void LimitBetween(int first, int last, float most_mps);
   int NearestHard2(const Costmap& map, const Pose2& pose) const;
   float RoomFor(int hard2_cells2) const;
   void FindBends(const WorldPath& path);

@@ -52,9 +52,13 @@ constexpr CodeName kStopReasonNames[] = {
     {"lidar_frozen", "the lidar repeats an image", true},
     {"lidar_turned", "the lidar has turned in its mount", true},
     {"wheel_spin", "the wheels slip", true},
+    {"paused", "the operator has paused the mission", false},
+    {"at_waypoint", "it holds at a waypoint of the mission", false},
+    {"no_mission", "there is no mission to pause, resume or skip a waypoint of", false},
+    {"last_waypoint", "the last waypoint cannot be skipped", false},
 };
 static_assert(std::size(kStopReasonNames) == kStopReasons);
-static_assert(static_cast<int>(StopReason::kWheelSpin) + 1 == kStopReasons);
+static_assert(static_cast<int>(StopReason::kLastWaypoint) + 1 == kStopReasons);
 
 constexpr CodeName kMotionNames[] = {
     {"off", "", false},        {"hold", "", false}, {"follow", "", false},

@@ -49,6 +49,7 @@ struct CtlOptions {
   std::string latitude;
   std::string longitude;
   std::string heading;
+  std::string speed;
   bool relative = false;
   std::string file;
 };
@@ -150,6 +151,9 @@ void Goal(const CtlOptions& options) {
     command.has_heading = true;
     command.heading_frame = command.waypoint[0].frame;
     command.heading_rad = heading_rad;
+  }
+  if (!options.speed.empty()) {
+    Require(ctl::ParseLegSpeed("--speed", options.speed, command.waypoint[0].speed_dmps));
   }
   Command(options, command);
 }
@@ -342,6 +346,7 @@ void AddGoals(CLI::App& ctl, const Options& options) {
           ->expected(2);
   CLI::Option* heading =
       goal->add_option("--heading", options->heading, "Heading at the goal, in radians");
+  goal->add_option("--speed", options->speed, "Drive there at most so fast, in m/s");
   CLI::Option* relative =
       goal->add_flag("--relative", options->relative,
                      "X Y (and the heading) are relative to the vehicle: ahead and to the left");
@@ -355,7 +360,10 @@ void AddGoals(CLI::App& ctl, const Options& options) {
       ctl, "waypoints",
       "Drive to the waypoints of a file in order; replaces all earlier goals.\n"
       "First the word odom, relative or latlon, then one waypoint per line: x y in metres or\n"
-      "latitude and longitude in degrees; # begins a comment.",
+      "latitude and longitude in degrees; # begins a comment. The vehicle passes all but the "
+      "last.\n"
+      "Behind the numbers: stop or stop=SECONDS (it comes to rest there, and waits), speed=M/S\n"
+      "(the limit on the way there).",
       options, Waypoints)
       ->add_option("file", options->file, "The file")
       ->required();
@@ -393,6 +401,11 @@ void AddCtlCommands(CLI::App& app) {
   add_simple("arm", "Let the vehicle drive, once it has a goal.", Kind::kArm);
   add_simple("disarm", "Stop, then switch the drives off.", Kind::kDisarm);
   add_simple("stop", "Stop along the path and drop the goals; stays armed.", Kind::kStop);
+  add_simple("pause", "Stop along the path and keep the goals.", Kind::kPause);
+  add_simple("resume", "Drive on to the goals, after a pause or a stop that has ended.",
+             Kind::kResume);
+  add_simple("skip", "Leave out the present waypoint; the last one cannot be left out.",
+             Kind::kSkip);
   add_simple("estop", "Zero speed at once; only disarm leaves this mode.", Kind::kEmergencyStop);
   AddGoals(app, options);
   AddPresence(app, options);

@@ -62,13 +62,38 @@ ReadOutcome ParseHeader(const std::string& name, const std::vector<std::string>&
   return Wrong(name, "the first word must be odom, relative or latlon");
 }
 
+// stop, stop=SECONDS or speed=M/S.
+ReadOutcome ParseOption(const std::string& name, std::string_view word,
+                        control::Waypoint& waypoint) {
+  if (word.starts_with("speed=")) return ParseLegSpeed(name, word.substr(6), waypoint.speed_dmps);
+  if (word == "stop") {
+    waypoint.stops = true;
+    return {};
+  }
+  if (!word.starts_with("stop=")) {
+    return Wrong(name, Quoted(word) + " is not stop, stop=SECONDS or speed=M/S");
+  }
+  const std::string_view text = word.substr(5);
+  const char* last = text.data() + text.size();
+  const auto [end, error] = std::from_chars(text.data(), last, waypoint.hold_s);
+  if (error != std::errc{} || end != last || waypoint.hold_s == 0) {
+    return Wrong(name, Quoted(word) + ": a stop takes 1 to 255 whole seconds");
+  }
+  waypoint.stops = true;
+  return {};
+}
+
 ReadOutcome ParseWaypoint(const std::string& name, const std::vector<std::string>& words,
                           GoalFrame frame, control::Waypoint& waypoint) {
   const bool geodetic = frame == GoalFrame::kGeodetic;
   waypoint = {};
   waypoint.frame = frame;
-  if (words.size() != 2) {
+  if (words.size() < 2) {
     return Wrong(name, geodetic ? "expected latitude and longitude" : "expected x and y");
+  }
+  for (size_t i = 2; i < words.size(); ++i) {
+    ReadOutcome outcome = ParseOption(name, words[i], waypoint);
+    if (!outcome.ok()) return outcome;
   }
   if (geodetic) {
     ReadOutcome outcome = ParseNanodegrees(name + ": latitude", words[0],
@@ -111,6 +136,23 @@ ReadOutcome ParseNanodegrees(const std::string& name, std::string_view text, int
   return {};
 }
 
+ReadOutcome ParseLegSpeed(const std::string& name, std::string_view text, uint8_t& speed_dmps) {
+  const size_t point = std::min(text.find('.'), text.size());
+  const std::string_view whole = text.substr(0, point);
+  const std::string_view tenths = text.substr(std::min(point + 1, text.size()));
+  const bool has_form = !whole.empty() && AreDigits(whole) && AreDigits(tenths) &&
+                        tenths.size() == (point < text.size() ? 1 : 0);
+  const std::string scaled = std::string(whole) + (tenths.empty() ? "0" : std::string(tenths));
+  const char* last = scaled.data() + scaled.size();
+  uint8_t value = 0;
+  const auto [end, error] = std::from_chars(scaled.data(), last, value);
+  if (!has_form || error != std::errc{} || end != last || value == 0) {
+    return Wrong(name, Quoted(text) + " is not a speed of 0.1 to 25.5 m/s with one decimal");
+  }
+  speed_dmps = value;
+  return {};
+}
+
 ReadOutcome ReadWaypoints(const std::string& path, control::OperatorCommand& command) {
   std::string text;
   ReadOutcome read = ReadFile(path, kMaxWaypointsFileBytes, text);
@@ -140,6 +182,9 @@ ReadOutcome ReadWaypoints(const std::string& path, control::OperatorCommand& com
     ++command.waypoints;
   }
   if (command.waypoints == 0) return Wrong(path + ":" + std::to_string(number), "no waypoint");
+  if (command.waypoint[command.waypoints - 1].hold_s > 0) {
+    return Wrong(path, "the last waypoint has nothing to wait for: stop takes no seconds there");
+  }
   return {};
 }
 

@@ -239,7 +239,16 @@ void ReceivePackets(const Scene& scene, const SensorPoses& odom_from_sensor, Syn
   AddStatus(mapper.Configure(params, CostmapParams{}, kLabels, model, 0, kColumns - 1), hash);
 }
 
-void RunScene(const Scene& scene, Report& report) {
+// Columns are pending here: the newest directions, and those whose labels were lost. Not inlined:
+// as above.
+[[gnu::noinline]] void PlanInScene(const Scene& scene, const Mapper& mapper, Report& report) {
+  PlanRequest request;
+  request.start = {scene.vehicle, 0.05f, 1.5f};
+  request.goal_odom = scene.goal;
+  PlanOnMap(mapper, request, {scene.costmap, scene.plan}, report);
+}
+
+[[gnu::noinline]] void RunScene(const Scene& scene, Report& report) {
   SensorPoses& odom_from_sensor = g_odom_from_sensor.Construct();
   PlaceSensor(scene.vehicle, LidarMountParams{}, odom_from_sensor);
 
@@ -256,11 +265,7 @@ void RunScene(const Scene& scene, Report& report) {
   AddHeights(mapper.heights(), heights);
   report.Add(scene.heights, heights);
 
-  // Columns are pending here: the newest directions, and those whose labels were lost.
-  PlanRequest request;
-  request.start = {scene.vehicle, 0.05f, 1.5f};
-  request.goal_odom = scene.goal;
-  PlanOnMap(mapper, request, {scene.costmap, scene.plan}, report);
+  PlanInScene(scene, mapper, report);
 }
 
 }  // namespace

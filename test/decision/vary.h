@@ -23,11 +23,12 @@ double NearBy(Random& random, const ParameterEntry<Group>& entry, const Group& g
   return entry.number != nullptr ? double{value} : double(RoundToInt(value));
 }
 
-// Parameters of other vehicles than the one that these decisions are about. They draw no numbers,
-// so that the decisions of before are the same.
-inline bool IsOfAnotherVehicle(std::string_view full_name) {
-  return full_name == "vehicle.kinematics" || full_name == "vehicle.wheelbase_m" ||
-         full_name == "vehicle.max_steering_rad" || full_name.starts_with("twist_drive.");
+// Parameters of other vehicles than the one that these decisions are about, or of waypoints that
+// are passed. They draw no numbers, so that the decisions of before are the same.
+inline bool StaysAsItIs(std::string_view full_name) {
+  return full_name == "replan.pass_radius_m" || full_name == "vehicle.kinematics" ||
+         full_name == "vehicle.wheelbase_m" || full_name == "vehicle.max_steering_rad" ||
+         full_name.starts_with("twist_drive.");
 }
 
 // Changes each parameter of a kind (see VisitParameters) one time in `seldom`.
@@ -37,7 +38,7 @@ void Vary(Random& random, int seldom, Params& params) {
                   [&]<typename Group, size_t kEntries>(
                       Group& group, const std::array<ParameterEntry<Group>, kEntries>& table) {
                     for (const ParameterEntry<Group>& entry : table) {
-                      if (IsOfAnotherVehicle(entry.full_name)) continue;
+                      if (StaysAsItIs(entry.full_name)) continue;
                       if (random.Between(1, seldom) != 1) continue;
                       static_cast<void>(SetParameter(entry, NearBy(random, entry, group), group));
                     }

@@ -224,12 +224,15 @@ def control_messages(seeds):
     def add(sort, kind, body=b""):
         head = b"HPCT" + struct.pack("<BBHI", 1, kind, 12 + len(body), 9)
         seeds.add("control", sort, b"\0\0" + head + body)
-    for kind in (1, 2, 4, 5, 6):
+    for kind in (1, 2, 4, 5, 6, 7, 8, 9):
         add("command", kind)
     waypoints = struct.pack("<BxxxffQ", 0, 12.5, -3.0, 0) + \
         struct.pack("<Bxxxqq", 2, 30_600_000_000, -96_300_000_000)
     add("command", 3, struct.pack("<BBBxf", 2, 0, 0, 0.0) + waypoints)
     add("command", 3, struct.pack("<BBBxf", 1, 1, 1, 0.5) + waypoints[:20])
+    add("command", 3, struct.pack("<BBBxf", 2, 0, 0, 0.0) +
+        struct.pack("<BBBBffQ", 1, 1, 250, 15, 8.0, 1.0, 0) +
+        struct.pack("<BBBBffQ", 1, 1, 0, 30, 16.0, -1.0, 0))
     add("question", 65, struct.pack("<I", 4000))
     add("question", 65, bytes(4))
     add("question", 64)
@@ -282,9 +285,12 @@ def scripts(seeds):
     seeds.add("mapper", "labels", setup + 3 * drive + bytes([9, 250, 11, 12]) + 3 * drive)
 
 
+def scaled(value, reach):
+    return struct.pack("<H", min(65535, round((value / reach + 1.0) * 32768)))
+
+
 def plan_request(goal, heading=None, speed_mps=0.0):
-    def number(value, reach):
-        return struct.pack("<H", min(65535, round((value / reach + 1.0) * 32768)))
+    number = scaled
     moves = speed_mps > 0.0
     return b"\1" + number(0, 40) + number(0, 40) + number(0, 3.2) + number(0, 0.4) + \
         number(speed_mps, 6) + bytes([1 if moves else 0]) + \
@@ -306,6 +312,9 @@ def plans(seeds):
     add(plan_request((3, 0), speed_mps=5.9))  # too fast to stop there
     add(plan_request((20, 0)), shape(0, 0, 290, 240, 10, 40))
     add(plan_request((20, 0)), shape(1, 1, 280, 230, 60, 60), shape(4, 0, 340, 200, 40, 120, 28))
+    for vias in (((10, 0), (20, 0)), ((8, 6), (16, 0), (24, 6)), ((15, 0), (3, 1)), ((12, 0), (12, 0))):
+        way = b"".join(scaled(place, 70) for via in vias for place in via)
+        seeds.add("planner", "plan", plan_request((30, 0)) + bytes([0, 1, 1, 0, 7, len(vias)]) + way)
     for gap in range(8, 12):  # walls with a door that is as wide as the vehicle, or hardly
         walls = shape(0, 0, 290, 150, 2, 106 - gap // 2), \
             shape(0, 0, 290, 256 - gap // 2 + gap, 2, 100)

@@ -47,6 +47,7 @@ class Problem {
     Parameters();
     Draw();
     const int portion = script_.Byte() % 64u + 1;
+    Vias();
     const bool begun = Plan(*planner_, 64);
     Require(Plan(*twin_, portion) == begun);
     DecisionHash one;
@@ -70,6 +71,20 @@ class Problem {
     request_.goal_odom = {number(70.0f), number(70.0f)};
     request_.has_goal_heading = script_.Byte() % 4u == 0;
     request_.goal_heading_rad = number(3.2f);
+  }
+
+  // None at the end of the script.
+  void Vias() {
+    const int vias = script_.Byte() % (kMaxVias + 1);
+    const auto number = [&] { return static_cast<float>(script_.Two()) / 32768.0f - 1.0f; };
+    for (int i = 0; i < vias; ++i) {
+      const float x_m = 70.0f * number();
+      const float y_m = 70.0f * number();
+      static_cast<void>(request_.route.vias.PushBack({{x_m, y_m}, 0.0f}));
+    }
+    for (Via& via : request_.route.vias) {
+      if (script_.Byte() % 2u == 1) via.speed_mps = script_.Any();
+    }
   }
 
   // Those of the planning tables, any of them.

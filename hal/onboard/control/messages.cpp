@@ -17,8 +17,8 @@ constexpr size_t kKindOffset = 5;
 constexpr size_t kSequenceOffset = 8;
 
 // The body of a goal: count u8, has_heading u8, heading's frame u8, zero u8, heading f32; then for
-// each waypoint its frame u8 and three zeros, and x, y f32 and eight zeros, or latitude and
-// longitude i64. Without a heading its frame and the heading are zeros.
+// each waypoint its frame u8, stop u8, hold u8 and speed u8, and x, y f32 and eight zeros, or
+// latitude and longitude i64. Without a heading its frame and the heading are zeros.
 constexpr size_t kCountOffset = kHeaderBytes;
 constexpr size_t kHasHeadingOffset = kHeaderBytes + 1;
 constexpr size_t kHeadingFrameOffset = kHeaderBytes + 2;
@@ -26,6 +26,9 @@ constexpr size_t kGoalZeroOffset = kHeaderBytes + 3;
 constexpr size_t kHeadingOffset = kHeaderBytes + 4;
 constexpr size_t kWaypointsOffset = kHeaderBytes + 8;
 constexpr size_t kWaypointBytes = 20;
+constexpr size_t kStopOffset = 1;  // of a waypoint
+constexpr size_t kHoldOffset = 2;
+constexpr size_t kSpeedOffset = 3;
 static_assert(kWaypointsOffset + kMaxWaypoints * kWaypointBytes <= kMaxMessageBytes);
 
 // The body of an alive: the press u32, or nothing, which is no press.
@@ -36,7 +39,7 @@ constexpr size_t kDoneBytes = kHeaderBytes + 2;
 constexpr size_t kParametersBytes = kHeaderBytes + 8;  // and the part
 
 bool IsKind(uint8_t kind) {
-  return (kind >= static_cast<uint8_t>(Kind::kArm) && kind <= static_cast<uint8_t>(Kind::kAlive)) ||
+  return (kind >= static_cast<uint8_t>(Kind::kArm) && kind <= static_cast<uint8_t>(Kind::kSkip)) ||
          kind == static_cast<uint8_t>(Kind::kGetStatus) ||
          kind == static_cast<uint8_t>(Kind::kGetParameters) ||
          (kind >= static_cast<uint8_t>(Kind::kDone) &&
@@ -64,6 +67,7 @@ Status Both(Status first, Status second) {
 
 // The members that its frame does not use are not looked at.
 Status Check(const Waypoint& waypoint) {
+  if (waypoint.hold_s > 0 && !waypoint.stops) return Status::kInvalidArgument;
   switch (waypoint.frame) {
     case GoalFrame::kOdom:
     case GoalFrame::kBody:
@@ -84,6 +88,9 @@ Status CheckHeading(GoalFrame frame, float heading_rad) {
 Waypoint ReadWaypoint(ByteReader& reader, size_t offset) {
   Waypoint waypoint;
   waypoint.frame = static_cast<GoalFrame>(reader.U8(offset));
+  waypoint.stops = reader.U8(offset + kStopOffset) == 1;
+  waypoint.hold_s = reader.U8(offset + kHoldOffset);
+  waypoint.speed_dmps = reader.U8(offset + kSpeedOffset);
   if (waypoint.frame == GoalFrame::kGeodetic) {
     waypoint.latitude_ndeg = static_cast<int64_t>(reader.U64(offset + 4));
     waypoint.longitude_ndeg = static_cast<int64_t>(reader.U64(offset + 12));
@@ -95,8 +102,9 @@ Waypoint ReadWaypoint(ByteReader& reader, size_t offset) {
 
 void WriteWaypoint(const Waypoint& waypoint, MessageWriter& writer) {
   writer.U8(static_cast<uint8_t>(waypoint.frame));
-  writer.U8(0);
-  writer.U16(0);
+  writer.U8(waypoint.stops ? 1 : 0);
+  writer.U8(waypoint.hold_s);
+  writer.U8(waypoint.speed_dmps);
   if (waypoint.frame == GoalFrame::kGeodetic) {
     writer.U64(static_cast<uint64_t>(waypoint.latitude_ndeg));
     writer.U64(static_cast<uint64_t>(waypoint.longitude_ndeg));
@@ -112,8 +120,9 @@ Status CheckWaypointBytes(ByteReader& reader, size_t offset) {
   const Status status = Check(waypoint);
   if (status != Status::kOk) return status;
   const bool metres = waypoint.frame != GoalFrame::kGeodetic;
-  const bool zeros = reader.U24(offset + 1) == 0 && (!metres || reader.U64(offset + 12) == 0);
-  return zeros ? Status::kOk : Status::kInvalidArgument;
+  const bool fits =
+      reader.U8(offset + kStopOffset) <= 1 && (!metres || reader.U64(offset + 12) == 0);
+  return fits ? Status::kOk : Status::kInvalidArgument;
 }
 
 Status CheckHeadingBytes(ByteReader& reader) {
@@ -141,7 +150,8 @@ Status CheckGoal(std::span<const uint8_t> message) {
     const Status status = CheckWaypointBytes(reader, kWaypointsOffset + i * kWaypointBytes);
     if (status != Status::kOk) return status;
   }
-  return Status::kOk;
+  const size_t last = kWaypointsOffset + (count - 1) * kWaypointBytes;
+  return reader.U8(last + kHoldOffset) == 0 ? Status::kOk : Status::kInvalidArgument;
 }
 
 // Precondition: the message has a header. A press of 0 is written as none.
@@ -182,6 +192,7 @@ Status Check(const OperatorCommand& command) {
     const Status status = Check(command.waypoint[i]);
     if (status != Status::kOk) return status;
   }
+  if (command.waypoint[command.waypoints - 1].hold_s > 0) return Status::kInvalidArgument;
   return command.has_heading ? CheckHeading(command.heading_frame, command.heading_rad)
                              : Status::kOk;
 }

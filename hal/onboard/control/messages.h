@@ -31,7 +31,10 @@ enum class Kind : uint8_t {
   kGoal = 3,  // one or more waypoints, to be reached in order
   kStop = 4,
   kEmergencyStop = 5,
-  kAlive = 6,  // the operator is present: has pressed something since
+  kAlive = 6,   // the operator is present: has pressed something since
+  kPause = 7,   // stop along the path and keep the goals
+  kResume = 8,  // drive on to them, after a pause or a stop
+  kSkip = 9,    // on to the next waypoint
   // Questions: they change nothing, and are answered outside the tick.
   kGetStatus = 64,
   kGetParameters = 65,
@@ -41,7 +44,7 @@ enum class Kind : uint8_t {
   kParameters = 130,  // body: offset u32, whole size u32, a part of the configuration as TOML
 };
 constexpr bool IsCommand(Kind kind) {
-  return kind <= Kind::kAlive;
+  return kind <= Kind::kSkip;
 }
 constexpr bool IsQuestion(Kind kind) {
   return kind == Kind::kGetStatus || kind == Kind::kGetParameters;
@@ -68,6 +71,11 @@ struct Waypoint {
   Vec2 position_m;            // kOdom, kBody
   int64_t latitude_ndeg = 0;  // kGeodetic: 1e-9 degree
   int64_t longitude_ndeg = 0;
+  // The vehicle comes to rest here, for hold_s; else it passes. At the last one it always does, and
+  // there is nothing to hold for: 0.
+  bool stops = false;
+  uint8_t hold_s = 0;      // 0 unless it stops
+  uint8_t speed_dmps = 0;  // limit of the leg that leads here, 0.1 m/s; 0: the configured speed
 };
 
 struct OperatorCommand {
@@ -123,7 +131,8 @@ Status ReadHeader(std::span<const uint8_t> message, Header& header);
 // Each decodes exactly one complete message and checks every byte of it: an accepted message
 // re-encodes to the same bytes. The statuses of ReadHeader; kWrongPacketType: a message of another
 // sort; kTruncated, kOversized: not the size that its body must have; kNotFinite; kInvalidArgument:
-// a number out of range (above), an unknown frame, no waypoint or too many, or a byte that must be
+// a number out of range (above), an unknown frame, no waypoint or too many, a time
+// to hold where nothing stops or at the last one, or a byte that must be
 // 0 and is not. Then the output is unchanged. The codes in an answer are not checked. Cost: one
 // pass over the bytes, two for a goal. (A command other than a goal leaves the waypoints
 // unchanged.)

@@ -124,6 +124,9 @@ struct GoalPart {
   float goal_x_m = 0.0f;    // of the current goal, odom
   float goal_y_m = 0.0f;
   float distance_to_goal_m = 0.0f;  // straight line
+  bool paused = false;              // by the operator
+  bool at_waypoint = false;         // holds there, as the mission says
+  bool may_resume = false;          // a stopped mission, which a resume continues
 };
 
 struct PlanPart {

@@ -122,6 +122,9 @@ constexpr void VisitGoal(Part& part, Visit& visit) {
   HP_STATUS_FIELD(goal_x_m);
   HP_STATUS_FIELD(goal_y_m);
   HP_STATUS_FIELD(distance_to_goal_m);
+  HP_STATUS_FIELD(paused);
+  HP_STATUS_FIELD(at_waypoint);
+  HP_STATUS_FIELD(may_resume);
 }
 
 template <typename Part, typename Visit>

@@ -21,7 +21,7 @@ VehicleState Pilot::PredictedState() const {
 bool Pilot::HasPlan() const {
   const CommittedPlan& plan = replanner_.committed();
   const ReplanDecision decision = replanner_.outcome().decision;
-  return !goals_.empty() && is_located_ && plan.number != 0 && !plan.is_stop &&
+  return on_mission_ && is_located_ && plan.number != 0 && !plan.is_stop &&
          decision != ReplanDecision::kNone && decision != ReplanDecision::kStop &&
          IsUsable(replanner_.outcome().status);
 }
@@ -48,7 +48,7 @@ SupervisorInput Pilot::Situation(const DriveFeedback& drives, bool bus_is_active
   situation.drives_faulty = drives.faulty;
   situation.foreign_sender = drives.foreign_sender;
   situation.at_rest = drives.standstill;
-  situation.has_goal = !goals_.empty();
+  situation.has_goal = on_mission_;
   situation.has_plan = HasPlan();
   situation.has_path = replanner_.committed().number != 0;
   situation.arrived = HasArrived();
@@ -56,6 +56,7 @@ SupervisorInput Pilot::Situation(const DriveFeedback& drives, bool bus_is_active
   situation.ahead_is_person = corridor_.is_person();
   situation.sweep = sweep_advice_;
   situation.held_by = situation.arrived ? StopReason::kNone : HeldBy();
+  if (situation.held_by == StopReason::kNone) situation.held_by = HeldByMission();
   situation.misbehaves = Misbehaves();
   situation.wishes = wishes_;
   return situation;
@@ -70,21 +71,31 @@ void Pilot::Decide(std::span<const uint8_t> command, const DriveFeedback& drives
   FollowPlan();
   WatchMotion(drives.wheels);
   sweep_advice_ = JudgeSweep();
-  permission_ = supervisor_.Judge(Situation(drives, bus_is_active));
-  if (permission_.drop_goal) DropGoals();
+  const SupervisorInput situation = Situation(drives, bus_is_active);
+  permission_ = supervisor_.Judge(situation);
+  if (permission_.drop_goal) {
+    // A stop from which the vehicle may set out again without anybody touching it keeps the
+    // mission.
+    if (permission_.mode != Mode::kArmed || situation.arrived) may_resume_ = false;
+    DropGoals();
+  }
   if (!answer.has_answer || !IsUsable(answer.answer)) return;
   answer.answer = permission_.wish_status;
   answer.reason = permission_.reason;
   if (!IsUsable(answer.answer)) ++counters_.refused_commands;
 }
 
+// A person in the way is told rather than this, and stops the vehicle sooner.
+StopReason Pilot::HeldByMission() const {
+  if (!on_mission_) return StopReason::kNone;
+  if (paused_) return StopReason::kPaused;
+  return held_at_ns_ != 0 ? StopReason::kAtWaypoint : StopReason::kNone;
+}
+
 // The state that the next plan is made from.
 void Pilot::UpdatePlanner() {
-  if (goals_.empty()) return;
-  const Goal& goal = goals_[goal_index_];
-  const PlanGoal wanted = {.position_odom = goal.position_odom,
-                           .has_heading = goal.has_heading,
-                           .heading_rad = goal.heading_rad};
+  if (!on_mission_) return;
+  const PlanGoal wanted = WantedGoal();
   VehicleState state = PredictedState();
   state.reaction_s = ReactionTime();
   state.turn_quickness = tracker_.model().quickness();
@@ -127,7 +138,7 @@ DriveDemand Pilot::Act() {
 
 // A safe stop keeps the path that it has.
 void Pilot::PlanOn() {
-  if (goals_.empty() || permission_.mode == Mode::kSafeStop) return;
+  if (!on_mission_ || permission_.mode == Mode::kSafeStop) return;
   const bool was_busy = replanner_.busy();
   const bool is_judged =
       replanner_.Step(mapper_, config_.onboard.tick.planning_units) == Progress::kDone;

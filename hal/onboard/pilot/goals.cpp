@@ -11,11 +11,18 @@ namespace {
 
 // A goal further away than this is a mistake.
 constexpr float kMaxGoal_m = 20000.0f;
+// Of a waypoint's limit of speed, as the message has it.
+constexpr float kSpeedUnit_mps = 0.1f;
 
 float DistanceBetween(Vec2 a, Vec2 b) {
   const float dx_m = a.x_m - b.x_m;
   const float dy_m = a.y_m - b.y_m;
   return Sqrt(dx_m * dx_m + dy_m * dy_m);
+}
+
+bool IsForMission(control::Kind kind) {
+  return kind == control::Kind::kPause || kind == control::Kind::kResume ||
+         kind == control::Kind::kSkip;
 }
 
 }  // namespace
@@ -35,12 +42,17 @@ void Pilot::TakeCommand(std::span<const uint8_t> bytes, CommandAnswer& answer) {
     return;
   }
   NoteOperator();
+  TakeWishes(answer);
+}
+
+void Pilot::TakeWishes(CommandAnswer& answer) {
   wishes_.arm = command_.kind == control::Kind::kArm;
   wishes_.disarm = command_.kind == control::Kind::kDisarm;
   wishes_.stop = command_.kind == control::Kind::kStop;
   wishes_.emergency_stop = command_.kind == control::Kind::kEmergencyStop;
   wishes_.go = command_.kind == control::Kind::kGoal;
   if (wishes_.go) answer.answer = TakeGoals();
+  if (IsForMission(command_.kind)) answer.answer = TakeMissionCommand(answer.reason);
   if (!IsUsable(answer.answer)) {
     wishes_.go = false;
     ++counters_.refused_commands;
@@ -76,6 +88,11 @@ Status Pilot::TakeGoals() {
   if (mode == Mode::kArmed) DropGoals();
   goals_.Clear();
   goal_index_ = 0;
+  on_mission_ = true;
+  may_resume_ = true;
+  paused_ = false;
+  ++goals_list_;
+  BeginLeg();
   HP_LOOP_BOUND(control::kMaxWaypoints)
   for (int i = 0; i < command_.waypoints; ++i) {
     Goal goal;
@@ -86,6 +103,9 @@ Status Pilot::TakeGoals() {
     goal.has_heading = command_.has_heading && i + 1 == command_.waypoints;
     goal.heading_rad = WrapAngle(is_relative ? odometry_.pose().yaw_rad + command_.heading_rad
                                              : command_.heading_rad);
+    goal.stops = command_.waypoint[i].stops;
+    goal.hold_s = command_.waypoint[i].hold_s;
+    goal.speed_mps = kSpeedUnit_mps * static_cast<float>(command_.waypoint[i].speed_dmps);
     static_cast<void>(goals_.PushBack(goal));
   }
   return Status::kOk;
@@ -112,36 +132,6 @@ Status Pilot::InOdom(const control::Waypoint& waypoint, Vec2& position_odom) con
   if (!is_near) return Status::kInvalidArgument;
   position_odom = place;
   return Status::kOk;
-}
-
-// The goal that is driven to stays where it is on earth, as far as anyone knows where that is.
-void Pilot::FollowEarth() {
-  if (goals_.empty() || !goals_[goal_index_].is_on_earth) return;
-  Goal& goal = goals_[goal_index_];
-  Vec2 place_odom;
-  if (!IsUsable(map_from_odom_.ToOdom(goal.latitude_ndeg, goal.longitude_ndeg, place_odom))) return;
-  if (DistanceBetween(place_odom, goal.position_odom) > kGoalFollows_m) {
-    goal.position_odom = place_odom;
-  }
-}
-
-void Pilot::DropGoals() {
-  if (!goals_.empty()) replanner_.Forget();
-  goals_.Clear();
-  goal_index_ = 0;
-}
-
-// On to the next waypoint where this one is near enough, or as near as it can be; the last one is
-// to be stopped at.
-void Pilot::AdvanceGoal(const DriveFeedback& drives) {
-  if (goal_index_ + 1 >= goals_.size()) return;
-  const Vec2& goal = goals_[goal_index_].position_odom;
-  const float dx_m = goal.x_m - odometry_.pose().position.x_m;
-  const float dy_m = goal.y_m - odometry_.pose().position.y_m;
-  if (dx_m * dx_m + dy_m * dy_m <= kWaypointReached_m * kWaypointReached_m ||
-      (IsAtEndFor(goals_[goal_index_]) && drives.standstill)) {
-    ++goal_index_;
-  }
 }
 
 // Whether the path leads to this goal, or as near as anything can, and has been driven to its end.
@@ -171,7 +161,7 @@ bool Pilot::IsAtEndFor(const Goal& goal) const {
 }
 
 bool Pilot::HasArrived() const {
-  return goal_index_ + 1 == goals_.size() && IsAtEndFor(goals_[goal_index_]);
+  return on_mission_ && goal_index_ + 1 == goals_.size() && IsAtEndFor(goals_[goal_index_]);
 }
 
 }  // namespace hardpack

@@ -22,6 +22,12 @@ void Pilot::Forget() {
   wishes_ = {};
   goals_.Clear();
   goal_index_ = 0;
+  on_mission_ = false;
+  may_resume_ = false;
+  paused_ = false;
+  held_at_ns_ = 0;
+  leg_start_odom_ = {};
+  goals_list_ = 0;
   newest_ins_ = {};
   ins_rate_ = {};
   ins_rate_ns_ = 0;
@@ -122,7 +128,7 @@ void Pilot::TakeColumn(const LidarColumn& column, uint64_t time_ns) {
 
 void Pilot::LoseColumn() {
   ++counters_.refused_columns;
-  if (!goals_.empty()) reaction_.Lost();
+  if (on_mission_) reaction_.Lost();
 }
 
 void Pilot::FinishMap() {
@@ -155,6 +161,7 @@ void Pilot::Localise(const WheelFeedback& wheels) {
     corridor_.Reset();
     sweep_.Reset();
     has_start_ = false;
+    may_resume_ = false;
   }
   if (!has_start_) {
     has_start_ = true;

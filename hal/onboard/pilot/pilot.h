@@ -61,8 +61,8 @@ static_assert(control::kInputSourceCount == kInputSources);
 
 class Pilot {
  public:
-  static constexpr float kWaypointReached_m = 2.0f;  // unless it is the last one
-  static constexpr float kMovedGoal_m = 3.0f;        // distance of an end beside an occupied goal
+  static constexpr float kRouteAhead_m = 30.0f;  // of waypoints that a plan passes at most
+  static constexpr float kMovedGoal_m = 3.0f;    // distance of an end beside an occupied goal
   static constexpr float kArrived_m = 0.3f;
   static constexpr float kArrivedSpeed_mps = 0.05f;
   // A goal on earth that moves in odom by less than this stays where it is, because each move
@@ -99,10 +99,14 @@ class Pilot {
   uint64_t lidar_ns() const { return lidar_ns_; }
   uint64_t ins_ns() const { return ins_ns_; }
   uint64_t operator_ns() const { return operator_ns_; }
-  int goals() const { return goals_.size(); }
+  int goals() const { return on_mission_ ? goals_.size() : 0; }
   int goal_index() const { return goal_index_; }
   // Precondition: goals() > 0.
   Vec2 goal_odom() const { return goals_[goal_index_].position_odom; }
+  bool paused() const { return paused_; }
+  bool at_waypoint() const { return held_at_ns_ != 0; }
+  // Whether there is a mission that was stopped and can be resumed.
+  bool may_resume() const { return !on_mission_ && may_resume_ && !goals_.empty(); }
   const TrackingOutput& tracking() const { return tracking_output_; }
   // Hash of all decisions since Configure: commands, modes, plans.
   uint64_t decision_hash() const { return hash_.value(); }
@@ -159,6 +163,9 @@ class Pilot {
     int64_t longitude_ndeg = 0;
     bool has_heading = false;
     float heading_rad = 0.0f;
+    bool stops = false;      // the vehicle comes to rest here; always at the last one
+    uint8_t hold_s = 0;      // and for so long
+    float speed_mps = 0.0f;  // limit on the leg that leads here; 0: none
   };
 
   // Inputs (pilot.cpp).
@@ -170,12 +177,23 @@ class Pilot {
 
   // The operator's requests (goals.cpp).
   void TakeCommand(std::span<const uint8_t> bytes, CommandAnswer& answer);
+  void TakeWishes(CommandAnswer& answer);
+  Status TakeMissionCommand(StopReason& refusal);
+  Status Resume();
+  void Skip();
   void NoteOperator();
   Status TakeGoals();
   Status InOdom(const control::Waypoint& waypoint, Vec2& position_odom) const;
   void DropGoals();
+  void BeginLeg();
   void FollowEarth();
+  void FollowEarth(Goal& goal) const;
   void AdvanceGoal(const DriveFeedback& drives);
+  bool HasPassed(int index) const;
+  bool IsPathBehind(int index) const;
+  bool HasStoodAt(const DriveFeedback& drives);
+  bool IsPassed(int index) const { return index + 1 < goals_.size() && !goals_[index].stops; }
+  PlanGoal WantedGoal() const;
   bool IsAtEndFor(const Goal& goal) const;
   bool HasArrived() const;
 
@@ -184,6 +202,7 @@ class Pilot {
   bool HasPlan() const;
   SupervisorInput Situation(const DriveFeedback& drives, bool bus_is_active) const;
   void UpdatePlanner();
+  StopReason HeldByMission() const;
   void Move();
 
   // Monitoring (watch.cpp).
@@ -239,6 +258,13 @@ class Pilot {
   control::OperatorCommand command_;
   FixedVector<Goal, control::kMaxWaypoints> goals_;
   int32_t goal_index_ = 0;
+  // The goals are driven to. If not, they are those of a mission that was stopped, or none.
+  bool on_mission_ = false;
+  bool may_resume_ = false;  // odom still is what it was when they were given
+  bool paused_ = false;      // by the operator
+  uint64_t held_at_ns_ = 0;  // at a waypoint to stop at since; 0: not
+  Vec2 leg_start_odom_;      // where the vehicle was when the goal became the present one
+  uint32_t goals_list_ = 0;  // the number of the list of goals, which a skip makes another one
   InsSample newest_ins_;
   AngularRate ins_rate_;         // the newest angular rate, which not every message has
   uint64_t ins_rate_ns_ = 0;     // its time, likewise; 0: none yet

@@ -58,7 +58,7 @@ void Pilot::TestReturns(bool are_new) {
   const auto max_range_mm = static_cast<uint32_t>(RoundToInt(reach_mm));
   HP_LOOP_BOUND(Mapper::kMaxFresh)
   for (const int16_t slot : mapper_.fresh()) {
-    if (are_new && !goals_.empty()) reaction_.Filed(mapper_.ring().column(slot).time_ns);
+    if (are_new && on_mission_) reaction_.Filed(mapper_.ring().column(slot).time_ns);
     TestColumn(slot, max_range_mm);
     if (are_new && MayWatchMount(slot)) WatchMount(slot);
   }
@@ -195,7 +195,7 @@ void Pilot::NoteNoWay() {
 }
 
 StopReason Pilot::HeldBy() const {
-  if (goals_.empty() || replanner_.outcome().status == Status::kNotStarted) {
+  if (!on_mission_ || replanner_.outcome().status == Status::kNotStarted) {
     return StopReason::kNone;
   }
   if (!HasPlan()) return no_way_;

@@ -129,6 +129,9 @@ void Fill(const Pilot& pilot, control::SightPart& part) {
 
 void Fill(const Pilot& pilot, control::GoalPart& part) {
   part.goals = static_cast<uint32_t>(pilot.goals());
+  part.paused = pilot.paused();
+  part.at_waypoint = pilot.at_waypoint();
+  part.may_resume = pilot.may_resume();
   if (part.goals == 0) return;
   const Vec2 goal = pilot.goal_odom();
   const Vec3& here = pilot.odometry().pose().position;

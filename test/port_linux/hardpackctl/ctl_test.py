@@ -20,7 +20,7 @@ import unittest
 COMMAND = os.environ["HARDPACKCTL"].split(" ")
 STATUS = subprocess.run([os.environ["HARDPACK_STATUS_SAMPLE"]], check=True,
                         capture_output=True).stdout
-ARM, DISARM, GOAL, STOP, ESTOP, ALIVE = range(1, 7)
+ARM, DISARM, GOAL, STOP, ESTOP, ALIVE, PAUSE, RESUME, SKIP = range(1, 10)
 GET_STATUS, GET_PARAMETERS = 64, 65
 DONE, STATUS_ANSWER, PARAMETERS = 128, 129, 130
 OK = 0         # Status
@@ -132,7 +132,8 @@ class CtlTest(unittest.TestCase):
 class Commands(CtlTest):
     def test_each_is_sent_and_done(self):
         server = self.serve(done())
-        for name, kind in (("arm", ARM), ("disarm", DISARM), ("stop", STOP), ("estop", ESTOP)):
+        for name, kind in (("arm", ARM), ("disarm", DISARM), ("stop", STOP), ("estop", ESTOP),
+                           ("pause", PAUSE), ("resume", RESUME), ("skip", SKIP)):
             self.assertEqual(self.expect_done(name), "done\n")
             self.assertEqual(server.received.pop(), (kind, b""))
 
@@ -207,6 +208,18 @@ class Goals(CtlTest):
         self.assertEqual(struct.unpack("<I2qI2q", body[8:]),
                          (2, 30600000000, -96300000000, 2, 30600000001, -96300000001))
 
+    def test_waypoints_that_are_stopped_at_and_limits_of_speed(self):
+        path = self.folder / "way.txt"
+        path.write_text("relative\n8 0 stop\n16 0 speed=1.5 stop=250\n24 0 speed=25.5\n32 0 stop\n")
+        body = self.sent("waypoints", path)
+        marks = [tuple(body[8 + 20 * i:12 + 20 * i]) for i in range(4)]
+        self.assertEqual(marks, [(1, 1, 0, 0), (1, 1, 250, 15), (1, 0, 0, 255), (1, 1, 0, 0)])
+
+    def test_a_goal_with_a_limit_of_speed(self):
+        self.assertEqual(self.sent("goal", "5", "0", "--speed", "2"),
+                         bytes([1, 0, 0, 0]) + bytes(4) + bytes([0, 0, 0, 20]) +
+                         struct.pack("<ff", 5.0, 0.0) + bytes(8))
+
     def test_sixty_four_waypoints_and_no_more(self):
         path = self.folder / "way.txt"
         path.write_text("odom\n" + "".join(f"{i} {-i}\n" for i in range(64)))
@@ -220,6 +233,7 @@ class Goals(CtlTest):
         for arguments, part in (((), "X Y"), (("1",), "position"), (("1", "x"), "'x'"),
                                 (("nan", "1"), "nan"), (("1", "1e9"), "1e9"),
                                 (("1", "2", "--heading", "4"), "--heading"),
+                                (("1", "2", "--speed", "0.05"), "--speed"),
                                 (("--lat", "1"), "--lon"),
                                 (("1", "2", "--lat", "1", "--lon", "2"), "--lat"),
                                 (("--lat", "1", "--lon", "2", "--relative"), "--relative"),
@@ -239,13 +253,24 @@ class Goals(CtlTest):
         for text, line, part in (("", 0, "no waypoint"), ("odom\n", 1, "no waypoint"),
                                  ("1 2\n", 1, "odom, relative or latlon"),
                                  ("# a\nodom\n1\n", 3, "x and y"),
-                                 ("odom\n1 2 3\n", 2, "x and y"), ("odom\n1 two\n", 2, "'two'"),
+                                 ("odom\n1 2 3\n", 2, "'3'"),
+                                 ("odom\n1 2 stop=0\n3 4\n", 2, "1 to 255"),
+                                 ("odom\n1 2 stop=256\n3 4\n", 2, "1 to 255"),
+                                 ("odom\n1 2 stop=1.5\n3 4\n", 2, "1 to 255"),
+                                 ("odom\n1 2 stop=\n3 4\n", 2, "1 to 255"),
+                                 ("odom\n1 2 speed=0\n", 2, "0.1 to 25.5"),
+                                 ("odom\n1 2 speed=25.6\n", 2, "0.1 to 25.5"),
+                                 ("odom\n1 2 speed=1.25\n", 2, "0.1 to 25.5"),
+                                 ("odom\n1 2 speed=-1\n", 2, "0.1 to 25.5"),
+                                 ("odom\n1 2 speed=1.\n", 2, "0.1 to 25.5"), ("odom\n1 two\n", 2, "'two'"),
                                  ("relative\n1 inf\n", 2, "inf"),
                                  ("latlon\n91 0\n", 2, "latitude"),
                                  ("latlon\n1 2\n1 200\n", 3, "longitude")):
             with self.subTest(text):
                 path.write_text(text)
                 self.expect_failure(2, ["waypoints", path], f"{path}:{line}: ", part)
+        path.write_text("odom\n1 2\n3 4 stop=5\n")
+        self.expect_failure(2, ["waypoints", path], path, "last waypoint")
         self.expect_failure(2, ["waypoints", self.folder / "absent"], "absent")
 
 

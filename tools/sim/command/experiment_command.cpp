@@ -150,6 +150,7 @@ ReadOutcome Experiment::Prepare(size_t index, MissionSettings& settings) const {
   settings = settings_;
   settings.seed = task.seed;
   settings.scenario = ScenarioOf(task.world, task.seed, options_.mission.scenario);
+  SetWaypoints(options_.mission, settings);
   return {};
 }
 

@@ -8,6 +8,7 @@
 
 #include "port_linux/command_line/arguments.h"
 #include "port_linux/command_line/command.h"
+#include "port_linux/hardpackctl/waypoints.h"
 #include "tools/sim/script/script.h"
 #include "tools/sim/vehicle/vehicle_model_file.h"
 
@@ -85,6 +86,9 @@ void AddMissionOptions(CLI::App& command, MissionOptions& options) {
                      "Columns per revolution: 512, 1024 (default) or 2048");
   command.add_option("--start", options.scenario.start, "X,Y[,THETA] on a map (default 0,0)");
   command.add_option("--goal", options.scenario.goal, "X,Y on a map");
+  command.add_option("--waypoints", options.waypoints,
+                     "File of waypoints as of `hardpack ctl waypoints`, `odom`: metres in the\n"
+                     "world's frame. Replaces the world's goal");
 }
 
 mission::MissionSettings SettingsOf(const MissionOptions& options) {
@@ -100,6 +104,18 @@ mission::MissionSettings SettingsOf(const MissionOptions& options) {
     settings.configuration.planner.speed.max_speed_mps = static_cast<float>(options.max_speed_mps);
   }
   return settings;
+}
+
+void SetWaypoints(const MissionOptions& options, mission::MissionSettings& settings) {
+  if (options.waypoints.empty()) return;
+  control::OperatorCommand command;
+  Require(ctl::ReadWaypoints(options.waypoints, command));
+  settings.waypoints.assign(command.waypoint, command.waypoint + command.waypoints);
+  if (settings.waypoints.front().frame != control::GoalFrame::kOdom) {
+    throw CommandFailure(kBadInput, options.waypoints + ": the first word must be odom here");
+  }
+  const Vec2 last = settings.waypoints.back().position_m;
+  settings.scenario.goal = {double{last.x_m}, double{last.y_m}};
 }
 
 DrivenWay DrivenOf(const mission::MissionTrace& trace) {

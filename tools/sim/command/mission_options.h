@@ -18,6 +18,7 @@ struct MissionOptions {
   std::string configuration;
   std::string labels = "none";
   std::string script;          // path; empty: nothing goes wrong
+  std::string waypoints;       // path; empty: to the world's goal
   double max_speed_mps = 0.0;  // 0: the configuration's
   ScenarioOptions scenario;
   mission::MissionSettings mission;
@@ -28,6 +29,10 @@ void AddMissionOptions(CLI::App& command, MissionOptions& options);
 
 // Reads the files; sets everything but world and seed. Throws a CommandFailure (bad input).
 mission::MissionSettings SettingsOf(const MissionOptions& options);
+
+// The waypoints of the options' file, if they name one; the scenario's goal then is the last of
+// them. Throws a CommandFailure (bad input).
+void SetWaypoints(const MissionOptions& options, mission::MissionSettings& settings);
 
 // What a picture shows of a mission.
 DrivenWay DrivenOf(const mission::MissionTrace& trace);

@@ -55,6 +55,7 @@ void WriteOutputs(const SimOptions& options, const MissionSettings& settings,
 MissionSettings SettingsOf(const SimOptions& options) {
   MissionSettings settings = SettingsOf(options.mission);
   settings.scenario = ScenarioOf(options.world, settings.seed, options.mission.scenario);
+  SetWaypoints(options.mission, settings);
   if (options.log && !options.out.empty()) settings.log = options.out + "/run.pcap";
   return settings;
 }

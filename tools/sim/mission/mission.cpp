@@ -187,7 +187,7 @@ bool Until(LockStep& run, double limit_s, Condition&& condition) {
 }
 
 // Boots, arms and sends the goal. Empty, or the reason why it was not accepted.
-std::string Begin(LockStep& run, world::Point2 goal) {
+std::string Begin(LockStep& run, const MissionSettings& settings) {
   if (!Until(run, kBootLimit_s, [&] { return run.onboard().Drives().ready; })) {
     return "the drives do not become ready";
   }
@@ -199,16 +199,28 @@ std::string Begin(LockStep& run, world::Point2 goal) {
     return "the drives are not enabled";
   }
   const WorldFromOdom frame(run.vehicle().vehicle().pose(), run.pilot().odometry().pose());
-  control::OperatorCommand command = Command(control::Kind::kGoal);
-  command.waypoints = 1;
-  command.waypoint[0].frame = control::GoalFrame::kOdom;
-  command.waypoint[0].position_m = frame.ToOdom(goal);
-  const Status sent = run.Say(command);
+  const Status sent = run.Say(GoalCommand(settings.scenario.goal, settings.waypoints, frame));
   if (!IsUsable(sent) || run.output().answer != Status::kOk) return "the goal was refused";
   return "";
 }
 
 }  // namespace
+
+control::OperatorCommand GoalCommand(world::Point2 goal,
+                                     const std::vector<control::Waypoint>& waypoints,
+                                     const WorldFromOdom& frame) {
+  control::OperatorCommand command = Command(control::Kind::kGoal);
+  command.waypoints = 1;
+  command.waypoint[0].position_m = frame.ToOdom(goal);
+  if (waypoints.empty()) return command;
+  command.waypoints = static_cast<int32_t>(waypoints.size());
+  for (size_t i = 0; i < waypoints.size(); ++i) {
+    const Vec2 place = waypoints[i].position_m;
+    command.waypoint[i] = waypoints[i];
+    command.waypoint[i].position_m = frame.ToOdom({double{place.x_m}, double{place.y_m}});
+  }
+  return command;
+}
 
 std::string LabelsName(const std::optional<sim::LabelSettings>& labels) {
   if (!labels) return "none";
@@ -225,6 +237,13 @@ uint64_t DigestOf(const MissionSettings& settings) {
   if (settings.labels) {
     for (const double number : {settings.labels->accuracy, settings.labels->delay_s,
                                 static_cast<double>(settings.labels->columns)}) {
+      text.append(" ").append(sim::NumberText(number));
+    }
+  }
+  for (const control::Waypoint& waypoint : settings.waypoints) {
+    for (const double number : {double{waypoint.position_m.x_m}, double{waypoint.position_m.y_m},
+                                waypoint.stops ? 1.0 : 0.0, static_cast<double>(waypoint.hold_s),
+                                static_cast<double>(waypoint.speed_dmps)}) {
       text.append(" ").append(sim::NumberText(number));
     }
   }
@@ -251,7 +270,7 @@ ReadOutcome RunMission(const MissionSettings& settings, RunResult& result, Missi
   if (!outcome.ok()) return outcome;
 
   result = ResultOf(settings);
-  const std::string refused = Begin(run, settings.scenario.goal);
+  const std::string refused = Begin(run, settings);
   if (!refused.empty()) {
     result.outcome = Outcome::kFault;
     result.reason = refused;

@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "hal/onboard/control/messages.h"
 #include "port_linux/files/configuration.h"
 #include "port_linux/files/read_outcome.h"
 #include "tools/sim/experiment/run_result.h"
+#include "tools/sim/mission/frame.h"
 #include "tools/sim/mission/map_record.h"
 #include "tools/sim/script/scripted_vehicle.h"
 #include "tools/sim/sensors/sim_labels.h"
@@ -22,6 +24,9 @@ namespace hardpack::mission {
 
 struct MissionSettings {
   world::Scenario scenario;
+  // On the way to the scenario's goal, which is the last of them, as metres in the world's frame;
+  // empty: to the goal alone. At most control::kMaxWaypoints.
+  std::vector<control::Waypoint> waypoints;
   std::string planner = "optimizer";  // or "astar": the base path as it is
   std::string tracker = "full";       // or "pursuit": pure pursuit without lag compensation
   std::string vehicle_name = "warthog_paper";
@@ -93,6 +98,11 @@ ReadOutcome RunMission(const MissionSettings& settings, experiment::RunResult& r
 // lidar other than an Ouster, because labels name the columns of an Ouster.
 ReadOutcome DescribeMission(const MissionSettings& settings, sim::ScriptedVehicleSettings& vehicle,
                             Configuration& configuration);
+
+// The operator's goal: the scenario's, or the waypoints, as the vehicle's odometry has them.
+control::OperatorCommand GoalCommand(world::Point2 goal,
+                                     const std::vector<control::Waypoint>& waypoints,
+                                     const WorldFromOdom& frame);
 
 // A result in which nothing has happened yet.
 experiment::RunResult ResultOf(const MissionSettings& settings);

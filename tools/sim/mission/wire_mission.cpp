@@ -124,8 +124,9 @@ ReadOutcome WireRun::Open() {
   outcome = real_time_.Open(wire);
   if (!outcome.ok()) return outcome;
   if (wire.trace.empty()) vehicle.trace_period_s = 0.0;
-  operator_ = std::make_unique<WireOperator>(
-      settings_.control, settings_.wait_s, vehicle.vehicle.start, settings_.mission.scenario.goal);
+  operator_ =
+      std::make_unique<WireOperator>(settings_.control, settings_.wait_s, vehicle.vehicle.start,
+                                     settings_.mission.scenario.goal, settings_.mission.waypoints);
   start_ns_ = wire::Now_ns();
   vehicle_ =
       std::make_unique<sim::ScriptedVehicle>(vehicle, std::vector<sim::ScriptEvent>(), start_ns_);

@@ -5,7 +5,7 @@
 
 #include "core/safety/supervisor.h"
 #include "port_linux/hardpackctl/code_names.h"
-#include "tools/sim/mission/frame.h"
+#include "tools/sim/mission/mission.h"
 
 namespace hardpack::mission {
 namespace {
@@ -106,11 +106,7 @@ std::string WireOperator::Go() {
   StampedPose odom;
   odom.position = {status_.vehicle.x_m, status_.vehicle.y_m, 0.0f};
   odom.yaw_rad = status_.vehicle.yaw_rad;
-  control::OperatorCommand command;
-  command.kind = control::Kind::kGoal;
-  command.waypoints = 1;
-  command.waypoint[0].frame = control::GoalFrame::kOdom;
-  command.waypoint[0].position_m = WorldFromOdom(start_, odom).ToOdom(goal_);
+  control::OperatorCommand command = GoalCommand(goal_, waypoints_, WorldFromOdom(start_, odom));
   control::Done answer;
   const ReadOutcome outcome = connection_.Ask(command, answer);
   if (!outcome.ok()) return outcome.message;

@@ -7,7 +7,9 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
+#include "hal/onboard/control/messages.h"
 #include "hal/onboard/control/status_report.h"
 #include "port_linux/hardpackctl/connection.h"
 #include "tools/sim/vehicle/pose.h"
@@ -39,8 +41,13 @@ class WireOperator {
   static constexpr double kLeave_s = 12.0;
 
   // The vehicle stands at `start` until the goal is accepted; both are in the world frame.
-  WireOperator(std::string socket, double wait_s, const sim::Pose& start, world::Point2 goal)
-      : socket_(std::move(socket)), wait_s_(wait_s), start_(start), goal_(goal) {}
+  WireOperator(std::string socket, double wait_s, const sim::Pose& start, world::Point2 goal,
+               std::vector<control::Waypoint> waypoints)
+      : socket_(std::move(socket)),
+        wait_s_(wait_s),
+        start_(start),
+        goal_(goal),
+        waypoints_(std::move(waypoints)) {}
   ~WireOperator();
   WireOperator(const WireOperator&) = delete;
   WireOperator& operator=(const WireOperator&) = delete;
@@ -65,6 +72,7 @@ class WireOperator {
   double wait_s_;
   sim::Pose start_;
   world::Point2 goal_;
+  std::vector<control::Waypoint> waypoints_;
   ctl::Connection connection_;
   control::StatusReport status_;  // the thread's own
   std::chrono::steady_clock::time_point patience_;

@@ -131,7 +131,27 @@ void ExpectSame(const OperatorCommand& a, const OperatorCommand& b) {
     EXPECT_EQ(a.waypoint[i].position_m.y_m, b.waypoint[i].position_m.y_m);
     EXPECT_EQ(a.waypoint[i].latitude_ndeg, b.waypoint[i].latitude_ndeg);
     EXPECT_EQ(a.waypoint[i].longitude_ndeg, b.waypoint[i].longitude_ndeg);
+    EXPECT_EQ(a.waypoint[i].stops, b.waypoint[i].stops);
+    EXPECT_EQ(a.waypoint[i].hold_s, b.waypoint[i].hold_s);
+    EXPECT_EQ(a.waypoint[i].speed_dmps, b.waypoint[i].speed_dmps);
   }
+}
+
+// SR-MIS01
+TEST(ControlMessages, AWaypointSaysWhetherItIsStoppedAtForHowLongAndHowFastOneMayDriveThere) {
+  OperatorCommand command = GeodeticGoal();
+  command.waypoints = 2;
+  command.waypoint[0].stops = true;
+  command.waypoint[0].hold_s = 250;
+  command.waypoint[0].speed_dmps = 15;
+  command.waypoint[1].stops = true;
+  command.waypoint[1].speed_dmps = 255;
+  const Bytes bytes = Encoded(command);
+  EXPECT_EQ(Bytes(bytes.begin() + 20, bytes.begin() + 24), (Bytes{2, 1, 250, 15}));
+  EXPECT_EQ(Bytes(bytes.begin() + 40, bytes.begin() + 44), (Bytes{0, 1, 0, 255}));
+  OperatorCommand decoded;
+  ASSERT_EQ(Decode(bytes, decoded), Status::kOk);
+  ExpectSame(command, decoded);
 }
 
 TEST(ControlMessages, CommandsComeBackAsTheyWere) {
@@ -232,11 +252,11 @@ TEST(ControlMessages, MagicVersionAndKindAreToldApart) {
     bytes = arm;
     bytes[5] = static_cast<uint8_t>(kind);
     const bool known =
-        (kind >= 1 && kind <= 6) || kind == 64 || kind == 65 || (kind >= 128 && kind <= 130);
+        (kind >= 1 && kind <= 9) || kind == 64 || kind == 65 || (kind >= 128 && kind <= 130);
     Header header;
     EXPECT_EQ(ReadHeader(bytes, header), known ? Status::kOk : Status::kInvalidArgument);
     EXPECT_EQ(header.sequence, 9u) << "so that it can be answered";
-    EXPECT_EQ(IsUsable(DecodeCommand(bytes)), kind >= 1 && kind <= 6 && kind != 3);
+    EXPECT_EQ(IsUsable(DecodeCommand(bytes)), kind >= 1 && kind <= 9 && kind != 3);
   }
 }
 
@@ -282,6 +302,14 @@ const BadGoal kBadGoals[] = {
     {"heading nan", [](OperatorCommand& c) { c.heading_rad = kNan; }, Status::kNotFinite},
     {"heading far", [](OperatorCommand& c) { c.heading_rad = 3.15f; }, Status::kInvalidArgument},
     {"heading frame", [](OperatorCommand& c) { c.heading_frame = GoalFrame::kGeodetic; },
+     Status::kInvalidArgument},
+    {"a hold without a stop", [](OperatorCommand& c) { c.waypoint[0].hold_s = 1; },
+     Status::kInvalidArgument},
+    {"a hold at the last",
+     [](OperatorCommand& c) {
+       c.waypoint[1].stops = true;
+       c.waypoint[1].hold_s = 1;
+     },
      Status::kInvalidArgument},
     {"kind 0", [](OperatorCommand& c) { c.kind = static_cast<Kind>(0); }, Status::kInvalidArgument},
     {"a question", [](OperatorCommand& c) { c.kind = Kind::kGetStatus; }, Status::kInvalidArgument},
@@ -342,8 +370,10 @@ const BadByte kBadBytes[] = {
     {"heading 4", 16, {0, 0, 0x80, 0x40}, Status::kInvalidArgument},
     {"frame", 20, {3}, Status::kInvalidArgument},
     {"frame", 40, {255}, Status::kInvalidArgument},
-    {"behind the frame", 21, {1}, Status::kInvalidArgument},
-    {"behind the frame", 43, {1}, Status::kInvalidArgument},
+    {"stop 2", 21, {2}, Status::kInvalidArgument},
+    {"stop 255", 41, {255}, Status::kInvalidArgument},
+    {"a hold without a stop", 22, {1}, Status::kInvalidArgument},
+    {"a hold at the last", 41, {1, 1}, Status::kInvalidArgument},
     {"latitude 2^62", 31, {0x40}, Status::kInvalidArgument},
     {"longitude least", 32, {0, 0, 0, 0, 0, 0, 0, 0x80}, Status::kInvalidArgument},
     {"x inf", 44, {0, 0, 0x80, 0x7f}, Status::kNotFinite},

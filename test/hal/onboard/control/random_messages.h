@@ -57,7 +57,7 @@ inline int64_t RandomWithin(std::mt19937& random, int64_t limit) {
 
 inline OperatorCommand RandomCommand(std::mt19937& random) {
   OperatorCommand command;
-  command.kind = static_cast<Kind>(1 + random() % 6);
+  command.kind = static_cast<Kind>(1 + random() % 9);
   command.sequence = static_cast<uint32_t>(random());
   if (command.kind != Kind::kGoal) return command;
   command.waypoints = 1 + static_cast<int32_t>(random() % kMaxWaypoints);
@@ -71,6 +71,10 @@ inline OperatorCommand RandomCommand(std::mt19937& random) {
       waypoint.position_m = {RandomWithin(random, kMaxPosition_m),
                              RandomWithin(random, kMaxPosition_m)};
     }
+    waypoint.stops = random() % 2 == 0;
+    const bool may_hold = waypoint.stops && i + 1 < command.waypoints;
+    waypoint.hold_s = may_hold ? static_cast<uint8_t>(random() % 256) : uint8_t{0};
+    waypoint.speed_dmps = static_cast<uint8_t>(random() % 256);
   }
   command.has_heading = random() % 2 == 0;
   if (command.has_heading) {

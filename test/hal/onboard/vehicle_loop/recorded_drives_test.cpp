@@ -216,8 +216,8 @@ Drive DriveOnce(uint32_t seed) {
 class RecordedDrives : public ::testing::TestWithParam<int> {};
 
 constexpr std::array<uint64_t, 8> kDecided = {
-    0xcd6bdabd5280743eu, 0x8a74ae5a92bfa66fu, 0x61b2a2c1441644b5u, 0xc10ca52024bdb7d2u,
-    0x9b3c667f22b456e9u, 0x5e157a1d937ac4eeu, 0x9a571ca66adc182eu, 0xd8953eb761302adcu};
+    0xcd6bdabd5280743eu, 0xa1b8c9bfd511924cu, 0x61b2a2c1441644b5u, 0xc10ca52024bdb7d2u,
+    0x21d3cb7256c033f4u, 0x5e157a1d937ac4eeu, 0x9a571ca66adc182eu, 0xd8953eb761302adcu};
 
 TEST_P(RecordedDrives, DecideAsTheyDid) {
   const Drive drive = DriveOnce(0x5eed0410u + static_cast<uint32_t>(GetParam()));
