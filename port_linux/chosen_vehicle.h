@@ -32,7 +32,7 @@ template <VehicleType Vehicle>
 BasicVehicleConfig<Vehicle> ConfigOf(const Configuration& configuration,
                                      const LidarConfigs& lidars) {
   return {{configuration.planner, configuration.perception, configuration.onboard,
-           configuration.labels},
+           configuration.labels, configuration.areas},
           std::get<typename Vehicle::Lidar::Config>(lidars)};
 }
 

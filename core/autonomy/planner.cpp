@@ -111,19 +111,21 @@ Status Planner::Prepare(const PlannerParams& params, const PlanRequest& request)
   own_start_ = request_.start;
   led_out_ = false;
   lead_failure_ = Status::kNotStarted;
+  area_ = 0;
+  area_row_ = 0;
   return Status::kOk;
 }
 
-Progress Planner::Step(const Mapper& mapper, int units) {
-  return Run({&mapper.heights(), &mapper}, units);
+Progress Planner::Step(const Mapper& mapper, int units, const AreaSet* areas) {
+  return Run({&mapper.heights(), &mapper, areas}, units);
 }
 
-Progress Planner::Step(const HeightGrid& heights, int units) {
-  return Run({&heights, nullptr}, units);
+Progress Planner::Step(const HeightGrid& heights, int units, const AreaSet* areas) {
+  return Run({&heights, nullptr, areas}, units);
 }
 
-Progress Planner::StepCells(int units) {
-  return Run({}, units);
+Progress Planner::StepCells(int units, const AreaSet* areas) {
+  return Run({nullptr, nullptr, areas}, units);
 }
 
 Progress Planner::Run(const Source& source, int units) {
@@ -139,7 +141,7 @@ void Planner::StepStage(const Source& source, int units) {
     case PlanStage::kPending:
       return StepPending(source, units);
     case PlanStage::kCostmap:
-      return StepCostmap(units);
+      return StepCostmap(source, units);
     case PlanStage::kSearch:
       return StepSearch(units);
     case PlanStage::kSample:
@@ -151,7 +153,7 @@ void Planner::StepStage(const Source& source, int units) {
     case PlanStage::kCheck:
       return StepCheck(units);
     case PlanStage::kSpeed:
-      return StepSpeed(units);
+      return StepSpeed(source, units);
     case PlanStage::kIdle:
     case PlanStage::kDone:
       return;
@@ -176,8 +178,34 @@ void Planner::StepPending(const Source& source, int units) {
   if (pending_slot_ >= slots) stage_ = PlanStage::kCostmap;
 }
 
-void Planner::StepCostmap(int units) {
-  if (builder_.StepCells(units) == Progress::kDone) BeginSearch();
+void Planner::StepCostmap(const Source& source, int units) {
+  if (source.areas != nullptr && area_ < source.areas->size()) {
+    CloseAreas(*source.areas, units);
+  } else if (builder_.StepCells(units) == Progress::kDone) {
+    BeginSearch();
+  }
+}
+
+// Not inlined: its calls are counted (config/timing.toml).
+[[gnu::noinline]] void Planner::CloseAreas(const AreaSet& areas, int units) {
+  int left = units;
+  HP_LOOP_BOUND(kPortion_units + kMaxAreas)
+  while (area_ < areas.size()) {
+    const Area& area = areas[area_];
+    RowRange rows;
+    const bool closes = area.kind != AreaKind::kSpeedZone && areas.HasPlace(area_);
+    if (closes) rows = RowsOf(area, costmap().window);
+    const int row = rows.first + area_row_;
+    if (row > rows.last) {
+      ++area_;
+      area_row_ = 0;
+      continue;
+    }
+    if (left <= 0) return;
+    builder_.CloseCells(row, ClosedCells(area, costmap().window, row).word);
+    ++area_row_;
+    --left;
+  }
 }
 
 // Only of a vehicle that stands, and has no via to drive to: another one has to be brought to rest
@@ -407,8 +435,9 @@ void Planner::TryAgain() {
   BeginSeed();
 }
 
-void Planner::StepSpeed(int units) {
-  if (caps_.Step(costmap(), params_.speed, params_.vehicle, plan_.path, units) == Progress::kBusy) {
+void Planner::StepSpeed(const Source& source, int units) {
+  if (caps_.Step(costmap(), params_.speed, params_.vehicle, plan_.path, units, source.areas) ==
+      Progress::kBusy) {
     return;
   }
   caps_.LimitLegs(plan_.path, request_.route, params_.replan.pass_radius_m + kPassSlack_m);

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "config/parameters.h"
+#include "core/areas/area_set.h"
 #include "core/astar/astar.h"
 #include "core/autonomy/lead_out.h"
 #include "core/autonomy/mapper.h"
@@ -56,6 +57,11 @@
 //   check covers both, from the vehicle's position; the lead-out is driven slowly.
 // - The path sweeps the unseen area beside the place where the map began: the same, unseen_start_m
 //   from that place, if that is free; otherwise the path is taken as it is.
+//
+// Areas (core/areas) close cells of the map as hard obstacles do, so that the search, the
+// optimizer, the check and the speeds all see the same; speed zones limit the speeds. Their shapes
+// are read during the build, as the heights are. An area without a place in odom closes nothing:
+// its owner must not drive then.
 
 namespace hardpack {
 
@@ -155,12 +161,14 @@ class Planner {
   // stages (see there; for pending columns a slot of the ring, for the search kSearchUnits of its
   // own, which are that much shorter than a row of the costmap), and at most kPortion_units of one
   // stage; what a stage leaves of them is lost. Between stages a unit may also join, assemble or
-  // begin, which costs a few passes over the path. kMaxUnits steps of one unit end any plan. Any
-  // split of the units gives the same plan while the mapper is unchanged. Results: those of the
-  // stages, and kPivotBlocked.
-  Progress Step(const Mapper& mapper, int units);
-  Progress Step(const HeightGrid& heights, int units);
-  Progress StepCells(int units);
+  // begin, which costs a few passes over the path. Before the costmap's own units one closes the
+  // cells of one area in one row. kMaxUnits steps of one unit end any plan. Any
+  // split of the units gives the same plan while mapper and areas are unchanged. areas: the same
+  // set, with the same areas, from Begin on; null: none. Results: those of the stages, and
+  // kPivotBlocked.
+  Progress Step(const Mapper& mapper, int units, const AreaSet* areas = nullptr);
+  Progress Step(const HeightGrid& heights, int units, const AreaSet* areas = nullptr);
+  Progress StepCells(int units, const AreaSet* areas = nullptr);
 
   PlanStage stage() const { return stage_; }
   const Plan& result() const { return plan_; }
@@ -187,8 +195,9 @@ class Planner {
   static constexpr int kMaxRouteUnits = (kMaxVias + 1) * kMaxLegUnits + 3 * kMaxPathUnits;
   // From the vehicle, from the end of a lead-out, and again from the vehicle.
   static constexpr int kMaxRoutes = 3;
+  static constexpr int kAreaUnits = kMaxAreas * kMapSize_cells;
   static constexpr int kMaxUnits =
-      CostmapBuilder::kUnits + ScanRing::kMaxColumns + kMaxRoutes * kMaxRouteUnits +
+      CostmapBuilder::kUnits + ScanRing::kMaxColumns + kAreaUnits + kMaxRoutes * kMaxRouteUnits +
       4 * (LeadOut::kBends + 1) * (LeadOut::kMaxUnits + 1) +
       4 * LeadOut::kBends * PathCheck::kMaxUnits + SpeedCaps::kMaxUnits;
 
@@ -197,6 +206,7 @@ class Planner {
   struct Source {
     const HeightGrid* heights = nullptr;
     const Mapper* mapper = nullptr;
+    const AreaSet* areas = nullptr;
   };
 
   Status BeginOn(const HeightGrid& heights, const PlannerParams& params,
@@ -207,14 +217,15 @@ class Planner {
   void StepStage(const Source& source, int units);
   void StepHeights(const Source& source, int units);
   void StepPending(const Source& source, int units);
-  void StepCostmap(int units);
+  void StepCostmap(const Source& source, int units);
+  void CloseAreas(const AreaSet& areas, int units);
   void StepSearch(int units);
   void StepSample(int units);
   void StepSampler(int units);
   void StepLeadOut(int units);
   void StepOptimize(int units);
   void StepCheck(int units);
-  void StepSpeed(int units);
+  void StepSpeed(const Source& source, int units);
 
   void BeginSearch();
   void BeginLeg(Vec2 from_odom);
@@ -258,6 +269,8 @@ class Planner {
   PlanStage stage_ = PlanStage::kIdle;
   uint32_t folded_before_ = 0;  // columns, when this plan began
   int32_t pending_slot_ = 0;    // next
+  int32_t area_ = 0;            // next to close cells ...
+  int32_t area_row_ = 0;        // ... and of its rows, from its first
   bool keeps_end_heading_ = false;
   bool has_goal_heading_ = false;  // and the path ends at the goal
   PlannerParams params_;

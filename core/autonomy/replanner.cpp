@@ -125,18 +125,18 @@ void Replanner::Locate(float since_s) {
       place_.cross_track_m > most_m || (looks_away && !TurnsOnTheSpotAt(path, place_.point));
 }
 
-Progress Replanner::Step(const Mapper& mapper, int units) {
+Progress Replanner::Step(const Mapper& mapper, int units, const AreaSet* areas) {
   if (phase_ == Phase::kIdle && units > 0 && MayBegin()) {
     Begun(planner_.Begin(mapper, params_, request_));
   }
-  return Run([&](int portion) { return planner_.Step(mapper, portion); }, units);
+  return Run([&](int portion) { return planner_.Step(mapper, portion, areas); }, units, areas);
 }
 
-Progress Replanner::Step(const HeightGrid& heights, int units) {
+Progress Replanner::Step(const HeightGrid& heights, int units, const AreaSet* areas) {
   if (phase_ == Phase::kIdle && units > 0 && MayBegin()) {
     Begun(planner_.Begin(heights, params_, request_));
   }
-  return Run([&](int portion) { return planner_.Step(heights, portion); }, units);
+  return Run([&](int portion) { return planner_.Step(heights, portion, areas); }, units, areas);
 }
 
 Status Replanner::BeginCells(const GridWindow& window) {
@@ -147,18 +147,18 @@ Status Replanner::BeginCells(const GridWindow& window) {
   return status;
 }
 
-Progress Replanner::StepCells(int units) {
-  return Run([&](int portion) { return planner_.StepCells(portion); }, units);
+Progress Replanner::StepCells(int units, const AreaSet* areas) {
+  return Run([&](int portion) { return planner_.StepCells(portion, areas); }, units, areas);
 }
 
 template <typename StepPlanner>
-Progress Replanner::Run(StepPlanner&& step_planner, int units) {
+Progress Replanner::Run(StepPlanner&& step_planner, int units, const AreaSet* areas) {
   if (units <= 0) return Progress::kBusy;
   HP_LOOP_BOUND(kMaxUnits)
   for (int left = units; left > 0 && phase_ != Phase::kIdle; left -= Planner::kPortion_units) {
     const int portion = left < Planner::kPortion_units ? left : Planner::kPortion_units;
     if (phase_ != Phase::kPlan) {
-      StepOwn(portion);
+      StepOwn(portion, areas);
     } else if (step_planner(portion) == Progress::kDone) {
       EndPlan();
     }
@@ -166,16 +166,16 @@ Progress Replanner::Run(StepPlanner&& step_planner, int units) {
   return phase_ == Phase::kIdle ? Progress::kDone : Progress::kBusy;
 }
 
-void Replanner::StepOwn(int units) {
+void Replanner::StepOwn(int units, const AreaSet* areas) {
   switch (phase_) {
     case Phase::kCheck:
       return StepCheck(units);
     case Phase::kExtend:
-      if (planner_.StepCells(units) == Progress::kDone) Decide();
+      if (planner_.StepCells(units, areas) == Progress::kDone) Decide();
       return;
     case Phase::kSpeed:
-      if (caps_.Step(planner_.costmap(), caps_params_, params_.vehicle, candidate_.path, units) ==
-          Progress::kDone) {
+      if (caps_.Step(planner_.costmap(), caps_params_, params_.vehicle, candidate_.path, units,
+                     areas) == Progress::kDone) {
         LimitLegs();
         Publish();
       }

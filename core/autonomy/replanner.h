@@ -167,14 +167,15 @@ class Replanner {
   // At most `units` units of the stages, as Planner::Step. Ends with the round, so that the owner
   // sees each one. Begins a round if none is in progress. kDone: a round has been evaluated, or
   // none could begin, and outcome() is new. kMaxUnits steps of one unit end any round. Any split of
-  // the units gives the same outcome while map and state are unchanged.
-  Progress Step(const Mapper& mapper, int units);
-  Progress Step(const HeightGrid& heights, int units);
+  // the units gives the same outcome while map, areas and state are unchanged. areas: as for
+  // Planner::Step; Forget before other ones are used.
+  Progress Step(const Mapper& mapper, int units, const AreaSet* areas = nullptr);
+  Progress Step(const HeightGrid& heights, int units, const AreaSet* areas = nullptr);
 
   // The same on given cells: BeginCells begins the round (kNotStarted: no state yet), then SetCell
   // on costmap_builder(), then StepCells until done. Failures of Begin are outcomes.
   Status BeginCells(const GridWindow& window);
-  Progress StepCells(int units);
+  Progress StepCells(int units, const AreaSet* areas = nullptr);
   CostmapBuilder& costmap_builder() { return planner_.costmap_builder(); }
 
   const CommittedPlan& committed() const { return committed_; }
@@ -235,7 +236,7 @@ class Replanner {
   };
 
   template <typename StepPlanner>
-  Progress Run(StepPlanner&& step_planner, int units);
+  Progress Run(StepPlanner&& step_planner, int units, const AreaSet* areas);
   // core/autonomy/replanner.cpp: the phases of a round.
   bool Stands() const { return state_.speed_mps <= kStanding_mps; }
   bool IsAt(int point) const;  // of the committed path, or beyond it
@@ -247,7 +248,7 @@ class Replanner {
   float PassReach_m() const { return params_.replan.pass_radius_m + kPassSlack_m; }
   PlanGoal PlannedGoal(int passed) const;
   void Begun(Status status);
-  void StepOwn(int units);
+  void StepOwn(int units, const AreaSet* areas);
   void EndPlan();
   void KeepFresh();
   void BeginCheck();

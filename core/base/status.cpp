@@ -60,6 +60,10 @@ constexpr Named kNames[] = {
     {Status::kWrongDevice, "wrong_device"},
     {Status::kStale, "stale"},
     {Status::kNeedsManoeuvre, "needs_manoeuvre"},
+    {Status::kAreaNotSimple, "area_not_simple"},
+    {Status::kAreaTooSmall, "area_too_small"},
+    {Status::kSecondFence, "second_fence"},
+    {Status::kGoalForbidden, "goal_forbidden"},
 };
 constexpr int kNameCount = sizeof(kNames) / sizeof(kNames[0]);
 

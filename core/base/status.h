@@ -72,6 +72,12 @@ enum class [[nodiscard]] Status : uint8_t{
     // Planning, for a vehicle that cannot turn on the spot.
     kNeedsManoeuvre,  // The path bends more sharply than the vehicle can, or needs a turn on the
                       // spot.
+
+    // Areas that a person draws.
+    kAreaNotSimple,  // The polygon's border touches or crosses itself.
+    kAreaTooSmall,   // The polygon is smaller than a cell of the map.
+    kSecondFence,    // There is a fence already.
+    kGoalForbidden,  // The goal is in a keep-out area or not inside the fence.
 };
 
 // True when there is a result to use (possibly not quite the one asked for).

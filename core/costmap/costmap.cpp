@@ -124,6 +124,22 @@ void CostmapBuilder::Mark(int index, uint8_t flags) {
   map_.flags[index] = Consistent(static_cast<uint8_t>(map_.flags[index] | (flags & kObstacles)));
 }
 
+void CostmapBuilder::CloseCells(int row, std::span<const uint32_t, kRowWords> closed) {
+  HP_ASSERT(row >= 0 && row < kMapSize_cells);
+  HP_ASSERT(pass_ == Pass::kObstacles && row_ == 0);
+  constexpr uint32_t kWordBits = 32;
+  uint8_t* flags = &map_.flags[row * kMapSize_cells];
+  HP_LOOP_BOUND(kRowWords)
+  for (const uint32_t word : closed) {
+    HP_LOOP_BOUND(kWordBits)
+    for (uint32_t bit = 0; bit < kWordBits; ++bit) {
+      const auto hard = static_cast<uint8_t>(((word >> bit) & 1u) * Costmap::kHard);
+      flags[bit] = Consistent(flags[bit] | hard);
+    }
+    flags += kWordBits;
+  }
+}
+
 Progress CostmapBuilder::Step(const HeightGrid& heights, int units) {
   HP_LOOP_BOUND(kUnits)
   for (int left = units; left > 0 && pass_ != Pass::kDone; --left) {

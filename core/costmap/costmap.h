@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <type_traits>
 
 #include "config/parameters.h"
@@ -132,6 +133,13 @@ class CostmapBuilder {
   // kPerson; others are ignored. A hard cell stays hard. Precondition: StepHeights has returned
   // kDone and StepCells has not been called, 0 <= index < kMapCells. Cost: constant.
   void Mark(int index, uint8_t flags);
+
+  // Closes cells of a row that a person forbids, whatever is in them: they become hard and
+  // observed, and a person in them stays one. closed: one bit per column, column 32 w + b is bit b
+  // of word w; kMapSize_cells bits. Precondition: StepCells has not been called, and StepHeights
+  // has returned kDone or BeginCells was called; 0 <= row < kMapSize_cells. Cost: constant.
+  static constexpr int kRowWords = kMapSize_cells / 32;
+  void CloseCells(int row, std::span<const uint32_t, kRowWords> closed);
 
   // From given cells (maps from files, tests): call SetCell for any cells between BeginCells and
   // the first StepCells; cells not set are free and observed. kParameterOutOfRange: nothing

@@ -68,6 +68,7 @@ StopReason Supervisor::MayNotArm(const SupervisorInput& input) const {
   // What its silence makes old is told by its name.
   if (old == StopReason::kOdometryOld && !input.drives_ready) return StopReason::kDrives;
   if (old != StopReason::kNone) return old;
+  if (input.area != StopReason::kNone) return input.area;
   return input.at_rest ? StopReason::kNone : StopReason::kMoving;
 }
 
@@ -86,8 +87,9 @@ void Supervisor::JudgeZero(const SupervisorInput& input) {
   const bool has_way = input.has_plan || input.has_path;
   const bool is_held = input.held_by == StopReason::kPerson;
   const bool is_too_near = input.ahead == WayAhead::kTooNear || input.sweep == WayAhead::kTooNear;
-  if (!has_way || is_held || is_too_near) zero_ = true;
-  if (input.at_rest) zero_ = false;
+  const bool is_breached = input.area == StopReason::kAreaBreached;
+  if (!has_way || is_held || is_too_near || is_breached) zero_ = true;
+  if (input.at_rest && !is_breached) zero_ = false;
 }
 
 void Supervisor::TakeWishes(const SupervisorInput& input, Permission& permission) {
@@ -141,6 +143,7 @@ void Supervisor::StepArmed(const SupervisorInput& input) {
     return;
   }
   reason_ = OldInput(input);
+  if (reason_ == StopReason::kNone) reason_ = input.area;
   const bool is_held =
       input.held_by == StopReason::kPaused || input.held_by == StopReason::kAtWaypoint;
   if (reason_ == StopReason::kNone && input.has_goal && (!input.has_plan || is_held)) {
@@ -178,6 +181,10 @@ void Supervisor::StepDriving(const SupervisorInput& input) {
   const StopReason old = OldInput(input);
   if (old != StopReason::kNone) {
     Change(Mode::kSafeStop, old, input.now_ns);
+    return;
+  }
+  if (input.area != StopReason::kNone) {
+    Change(Mode::kSafeStop, input.area, input.now_ns);
     return;
   }
   if (input.has_plan && IsOlder(input.now_ns, input.plan_checked_ns, params_.max_plan_age_s)) {

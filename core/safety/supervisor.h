@@ -31,6 +31,7 @@
 // zero speed at once if that takes too long, until a plan checked since then is clear of it. The
 // same holds for a plan that makes the vehicle hold where it is; for a person it stops with zero
 // speed at once. It holds for a mission that is paused, or waits at a waypoint, in the same way.
+// Where a person has forbidden it to be (core/areas) it makes a safe stop with zero speed.
 
 namespace hardpack {
 
@@ -71,8 +72,10 @@ enum class StopReason : uint8_t {
   kAtWaypoint,      // it holds at a waypoint, as the mission says
   kNoMission,       // nothing to pause, resume or skip
   kLastWaypoint,    // the last waypoint cannot be skipped
+  kAreaBreached,    // it is in a keep-out area, or not inside the fence (core/areas)
+  kAreaUnknown,     // not all areas have arrived, or one on earth has no place in odom
 };
-inline constexpr int kStopReasons = 32;
+inline constexpr int kStopReasons = 34;
 
 // What the drives are told to do.
 enum class Motion : uint8_t {
@@ -128,6 +131,9 @@ struct SupervisorInput {
   // How the vehicle deviates from its commands: kNone, kRunaway, kWrongTurn, kStuck, kWheelSpin or
   // kBadCommand. A fault, once it has torque.
   StopReason misbehaves = StopReason::kNone;
+  // Whether the vehicle is where an area allows it to be: kNone, kAreaBreached or kAreaUnknown. If
+  // not, it is not armed, does not set out, and stops: where it breaches one, with zero speed.
+  StopReason area = StopReason::kNone;
   OperatorWishes wishes;
 };
 

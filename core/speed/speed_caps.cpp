@@ -91,11 +91,14 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
   high_ = window.Nearest(CellAt({high.x_m + reach_m_, high.y_m + reach_m_}));
   row_ = low_.y;
   column_ = low_.x;
+  zone_ = 0;
+  zone_point_ = 0;
   point_ = 0;
 }
 
 Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
-                         const VehicleParams& vehicle, const WorldPath& path, int units) {
+                         const VehicleParams& vehicle, const WorldPath& path, int units,
+                         const AreaSet* areas) {
   HP_LOOP_BOUND(kMaxUnits)
   for (int unit = 0; unit < units && point_ < points_; ++unit) {
     if (chord_ < points_) {
@@ -106,6 +109,8 @@ Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
         column_ = low_.x;
         ++row_;
       }
+    } else if (HasZone(areas)) {
+      CapInZone(*areas, params, path);
     } else {
       const float free_m = observed_m_ - ahead_m_ - along_m_[point_];
       Lower(point_, ReactionSpeedCap(params, free_m), CapCause::kUnseenGround);
@@ -302,6 +307,27 @@ float SpeedCaps::BendAt(int point) const {
     const bool is_nearest = (here_m2 <= distance2[k - 1]) & (here_m2 <= distance2[k + 1]);
     person2_m2_[k] = is_nearest ? nearer_m2 : known_m2;
   }
+}
+
+// Whether a speed zone is left to be looked at.
+bool SpeedCaps::HasZone(const AreaSet* areas) {
+  if (areas == nullptr) return false;
+  HP_LOOP_BOUND(kMaxAreas)
+  while (zone_ < areas->size() && (*areas)[zone_].kind != AreaKind::kSpeedZone) ++zone_;
+  return zone_ < areas->size();
+}
+
+void SpeedCaps::CapInZone(const AreaSet& areas, const SpeedParams& params, const WorldPath& path) {
+  const int k = zone_point_;
+  const float before_m = k > 0 ? along_m_[k] - along_m_[k - 1] : 0.0f;
+  const float behind_m = k + 1 < points_ ? along_m_[k + 1] - along_m_[k] : 0.0f;
+  const float ends_m = Max(before_m, behind_m) + kZoneAhead_m;
+  if (areas.IsInZone(zone_, footprint_, path[k], ends_m, params.track_error_m)) {
+    Lower(k, areas[zone_].speed_mps, CapCause::kSpeedZone);
+  }
+  if (++zone_point_ < points_) return;
+  zone_point_ = 0;
+  ++zone_;
 }
 
 void SpeedCaps::CapForPersonAt(int point, const SpeedParams& params, const VehicleParams& vehicle) {

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "config/parameters.h"
+#include "core/areas/area_set.h"
 #include "core/base/footprint.h"
 #include "core/base/progress.h"
 #include "core/costmap/costmap.h"
@@ -41,6 +42,11 @@
 //   track_error_m + track_error_s v + track_error_s2 v^2 kappa
 // fits into the distance from the discs to the nearest hard cell, less half a cell, with kappa the
 // largest curvature of the last kBendBehind_m and the next kBendAhead_m of the path.
+//
+// Where the outline touches a speed zone (core/areas), longer by the chord before or after the
+// point and kZoneAhead_m at each end, and wider by track_error_m, the zone's speed is the most. So
+// the vehicle has slowed down before its front is in the zone, and speeds up when its rear has left
+// it.
 
 namespace hardpack {
 
@@ -52,6 +58,7 @@ enum class CapCause : uint8_t {
   kLittleRoom,
   kGrowth,
   kLegLimit,  // the operator's limit for this leg of the mission
+  kSpeedZone,
 };
 
 class SpeedCaps {
@@ -63,13 +70,13 @@ class SpeedCaps {
 
   // A unit is one chord searched for unobserved ground, one row of the map searched for people
   // (each of their cells goes to every point where the path passes it), or kMaxPersonCells of their
-  // cells in it, or one point whose nearest person caps the points before it. At most kMaxUnits
-  // units.
+  // cells in it, or one point whose nearest person caps the points before it, or one point in one
+  // speed zone. At most kMaxUnits units. areas: null: none.
   static constexpr int kMaxPersonCells = 32;
   static constexpr int kMaxUnits =
-      kMapSize_cells * (kMapSize_cells / kMaxPersonCells + 1) + 2 * kMaxPathPoints;
+      kMapSize_cells * (kMapSize_cells / kMaxPersonCells + 1) + (2 + kMaxAreas) * kMaxPathPoints;
   Progress Step(const Costmap& map, const SpeedParams& params, const VehicleParams& vehicle,
-                const WorldPath& path, int units);
+                const WorldPath& path, int units, const AreaSet* areas = nullptr);
 
   // Once done: beyond the first place from `point` on where the vehicle must stand, it does not
   // drive any farther, whatever is allowed there. Before the vehicle has come to rest, nobody can
@@ -93,6 +100,8 @@ class SpeedCaps {
   static constexpr float kFarRoom_m = 10.0f;
   static constexpr float kBendBehind_m = 1.5f;
   static constexpr float kBendAhead_m = 0.5f;
+  // What the vehicle may still be too fast for after its speed was lowered, by the drives' lag.
+  static constexpr float kZoneAhead_m = 0.5f;
   // Distance along the path to the end of the observed ground; kFar_m if that is not on it.
   float observed_m() const { return observed_m_; }
   static constexpr float kFar_m = 1.0e3f;        // farther than any two points of a map
@@ -115,6 +124,8 @@ class SpeedCaps {
   void FindBends(const WorldPath& path);
   float BendAt(int point) const;
   bool SearchRow(const Costmap& map);
+  bool HasZone(const AreaSet* areas);
+  void CapInZone(const AreaSet& areas, const SpeedParams& params, const WorldPath& path);
   void FilePerson(Vec2 person_odom);
   void CapForPersonAt(int point, const SpeedParams& params, const VehicleParams& vehicle);
 
@@ -142,9 +153,11 @@ class SpeedCaps {
   float seen_m_[kTracks] = {};  // for each track, distance to the last observed cell
   Cell low_;                    // the part of the map to be searched
   Cell high_;
-  int32_t row_ = 0;     // next, up to high_.y
-  int32_t column_ = 0;  // next in it
-  int32_t point_ = 0;   // next
+  int32_t row_ = 0;         // next, up to high_.y
+  int32_t column_ = 0;      // next in it
+  int32_t zone_ = 0;        // next, of the areas
+  int32_t zone_point_ = 0;  // next in it
+  int32_t point_ = 0;       // next
 };
 static_assert(std::is_trivially_copyable_v<SpeedCaps>);
 

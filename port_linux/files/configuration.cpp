@@ -14,6 +14,7 @@
 #include "core/base/validate.h"
 #include "hal/sevcon/bus_load.h"
 #include "hal/sevcon/sevcon.h"
+#include "port_linux/files/configuration_areas.h"
 #include "port_linux/files/configuration_keys.h"
 #include "port_linux/files/nearest_name.h"
 #include "port_linux/files/read_file.h"
@@ -208,7 +209,12 @@ void Intake::TakeFile(const toml::table& file) {
   for (const auto& [key, node] : file) {
     const std::string group(key.str());
     const toml::table* table = node.as_table();
-    if (IsGroup(group) && table != nullptr) {
+    if (group == "area") {
+      TakeConfiguredAreas(node, configuration_.areas,
+                          [this](size_t line, Status status, std::string text) {
+                            Add(line, status, std::move(text));
+                          });
+    } else if (IsGroup(group) && table != nullptr) {
       TakeGroup(group, *table);
     } else if (IsGroup(group)) {
       std::string text = group;

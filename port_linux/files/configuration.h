@@ -8,6 +8,7 @@
 
 #include "config/onboard_parameters.h"
 #include "config/parameters.h"
+#include "core/areas/area.h"
 #include "core/segmentation/label_table.h"
 #include "hal/velodyne/velodyne.h"
 #include "port_linux/files/read_outcome.h"
@@ -106,6 +107,7 @@ struct Configuration {
   PerceptionParams perception;
   OnboardParams onboard;
   LabelTable labels = RellisLabelTable();  // [labels.classes]
+  AreaList areas;                          // [[area]], in the order of the file
 
   LidarSource lidar = {{{}, 7502, {}, 4194304, true}, {}};
   DatagramSource ins = {{}, 0, {}, 131072, true};

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "port_linux/files/area_file.h"
 #include "port_linux/files/configuration.h"
 #include "port_linux/files/configuration_keys.h"
 
@@ -76,7 +77,7 @@ std::string ToToml(const Configuration& configuration, Secrets secrets) {
     }
     text += '\n';
   }
-  return text + ClassesToToml(configuration.labels);
+  return text + ClassesToToml(configuration.labels) + AreasToToml(configuration.areas);
 }
 
 }  // namespace hardpack

@@ -56,9 +56,11 @@ constexpr CodeName kStopReasonNames[] = {
     {"at_waypoint", "it holds at a waypoint of the mission", false},
     {"no_mission", "there is no mission to pause, resume or skip a waypoint of", false},
     {"last_waypoint", "the last waypoint cannot be skipped", false},
+    {"area_breached", "it is in a keep-out area, or not inside the fence", true},
+    {"area_unknown", "not all areas have arrived, or one on earth has no place yet", true},
 };
 static_assert(std::size(kStopReasonNames) == kStopReasons);
-static_assert(static_cast<int>(StopReason::kLastWaypoint) + 1 == kStopReasons);
+static_assert(static_cast<int>(StopReason::kAreaUnknown) + 1 == kStopReasons);
 
 constexpr CodeName kMotionNames[] = {
     {"off", "", false},        {"hold", "", false}, {"follow", "", false},
@@ -244,6 +246,16 @@ const char* WordsOf(Status status) {
       return "the way is blocked";
     case Status::kGoalInObstacle:
       return "the goal lies in an obstacle";
+    case Status::kGoalForbidden:
+      return "the goal lies in a keep-out area, or not inside the fence";
+    case Status::kAreaNotSimple:
+      return "the border of an area touches or crosses itself";
+    case Status::kAreaTooSmall:
+      return "an area is smaller than a cell of the map";
+    case Status::kSecondFence:
+      return "there is a fence already";
+    case Status::kCapacityExceeded:
+      return "too many areas or corners";
     case Status::kStartEnclosed:
       return "the vehicle stands in an obstacle";
     default:

@@ -23,6 +23,7 @@
 #include <nlohmann/json.hpp>
 #include "port_linux/command_line/arguments.h"
 #include "port_linux/command_line/command.h"
+#include "port_linux/files/area_file.h"
 #include "port_linux/files/configuration.h"
 #include "port_linux/hardpackctl/code_names.h"
 #include "port_linux/hardpackctl/connection.h"
@@ -52,6 +53,10 @@ struct CtlOptions {
   std::string speed;
   bool relative = false;
   std::string file;
+
+  // areas
+  std::string area_file;
+  bool clear = false;
 };
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -127,10 +132,10 @@ control::Waypoint PositionGoal(const CtlOptions& options) {
 control::Waypoint GeodeticGoal(const CtlOptions& options) {
   control::Waypoint waypoint;
   waypoint.frame = control::GoalFrame::kGeodetic;
-  Require(ctl::ParseNanodegrees("--lat", options.latitude, control::kMaxLatitude_ndeg,
-                                waypoint.latitude_ndeg));
-  Require(ctl::ParseNanodegrees("--lon", options.longitude, control::kMaxLongitude_ndeg,
-                                waypoint.longitude_ndeg));
+  Require(ParseNanodegrees("--lat", options.latitude, control::kMaxLatitude_ndeg,
+                           waypoint.latitude_ndeg));
+  Require(ParseNanodegrees("--lon", options.longitude, control::kMaxLongitude_ndeg,
+                           waypoint.longitude_ndeg));
   return waypoint;
 }
 
@@ -162,6 +167,34 @@ void Waypoints(const CtlOptions& options) {
   control::OperatorCommand command;
   Require(ctl::ReadWaypoints(options.file, command));
   Command(options, command);
+}
+
+// One after the other, and all that the vehicle is to have. Until the last one is taken it does not
+// drive.
+void Areas(const CtlOptions& options) {
+  if (options.clear != options.area_file.empty()) {
+    throw CommandFailure(kBadInput, "areas needs a file or --clear");
+  }
+  if (options.clear) return SimpleCommand(options, Kind::kClearAreas);
+  const auto areas = std::make_unique<AreaList>();
+  Require(ReadAreas(options.area_file, *areas));
+  ctl::Connection connection;
+  Open(options, connection);
+  control::OperatorCommand command;
+  command.kind = Kind::kArea;
+  command.area_count = areas->size();
+  control::Done answer;
+  for (int i = 0; i < areas->size() && IsUsable(answer.status); ++i) {
+    command.area_index = i;
+    command.area = (*areas)[i];
+    Require(connection.Ask(command, answer));
+  }
+  if (options.json) std::cout << ToJson(answer).dump() << "\n";
+  if (!IsUsable(answer.status)) {
+    throw CommandFailure(kWorkFailed, "area " + std::to_string(command.area_index + 1) +
+                                          " was refused: " + WhyRefused(answer));
+  }
+  if (!options.json) std::cout << "done\n";
 }
 
 // Almost certainly different from the numbers of all earlier programs; not 0.
@@ -369,6 +402,19 @@ void AddGoals(CLI::App& ctl, const Options& options) {
       ->required();
 }
 
+void AddAreas(CLI::App& ctl, const Options& options) {
+  CLI::App* areas = AddSubcommand(
+      ctl, "areas",
+      "Give the vehicle the areas of a file, which replace those given before. It must stand.\n"
+      "Each begins with a line: keep_out, fence or speed_zone, then odom or latlon, then for a\n"
+      "speed zone the speed in m/s. The corners follow, one per line: x y in metres or latitude\n"
+      "and longitude in degrees; # begins a comment.",
+      options, Areas);
+  CLI::Option* file = areas->add_option("file", options->area_file, "The file");
+  areas->add_flag("--clear", options->clear, "Remove all areas but the configured ones")
+      ->excludes(file);
+}
+
 void AddPresence(CLI::App& ctl, const Options& options) {
   AddSubcommand(
       ctl, "drive",
@@ -408,6 +454,7 @@ void AddCtlCommands(CLI::App& app) {
              Kind::kSkip);
   add_simple("estop", "Zero speed at once; only disarm leaves this mode.", Kind::kEmergencyStop);
   AddGoals(app, options);
+  AddAreas(app, options);
   AddPresence(app, options);
   AddSubcommand(app, "params", "Print the configuration in use, as TOML.", options, Parameters);
 }

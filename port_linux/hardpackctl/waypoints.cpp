@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "port_linux/hardpackctl/waypoints.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <sstream>
 #include <vector>
 
+#include "port_linux/files/area_file.h"
 #include "port_linux/files/read_file.h"
 
 namespace hardpack::ctl {
 namespace {
 
 using control::GoalFrame;
-
-constexpr size_t kFractionDigits = 9;
 
 ReadOutcome Wrong(const std::string& name, const std::string& what) {
   return {Status::kInvalidArgument, name + ": " + what};
@@ -107,34 +107,6 @@ ReadOutcome ParseWaypoint(const std::string& name, const std::vector<std::string
 }
 
 }  // namespace
-
-ReadOutcome ParseNanodegrees(const std::string& name, std::string_view text, int64_t limit_ndeg,
-                             int64_t& value_ndeg) {
-  std::string_view digits = text;
-  const bool negative = digits.starts_with('-');
-  if (negative || digits.starts_with('+')) digits.remove_prefix(1);
-  const size_t point = std::min(digits.find('.'), digits.size());
-  const std::string_view whole = digits.substr(0, point);
-  const std::string_view fraction = digits.substr(std::min(point + 1, digits.size()));
-  if (whole.empty() || !AreDigits(whole) || !AreDigits(fraction) ||
-      (point < digits.size() && fraction.empty())) {
-    return Wrong(name, Quoted(text) + " is not a number of degrees such as -96.338912345");
-  }
-  if (fraction.size() > kFractionDigits) {
-    return Wrong(name, Quoted(text) + " has more than nine decimals");
-  }
-  std::string scaled = std::string(whole) + std::string(fraction);
-  scaled.append(kFractionDigits - fraction.size(), '0');
-  int64_t magnitude_ndeg = 0;
-  const auto [end, error] =
-      std::from_chars(scaled.data(), scaled.data() + scaled.size(), magnitude_ndeg);
-  if (error != std::errc{} || magnitude_ndeg > limit_ndeg) {
-    return Wrong(name, Quoted(text) + " is not within " +
-                           std::to_string(limit_ndeg / 1'000'000'000) + " degrees");
-  }
-  value_ndeg = negative ? -magnitude_ndeg : magnitude_ndeg;
-  return {};
-}
 
 ReadOutcome ParseLegSpeed(const std::string& name, std::string_view text, uint8_t& speed_dmps) {
   const size_t point = std::min(text.find('.'), text.size());

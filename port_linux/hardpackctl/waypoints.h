@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -12,14 +13,8 @@
 
 namespace hardpack::ctl {
 
-// "-12.345678901" -> -12345678901, exactly: digits, at most nine of them after the point, an
-// optional sign. kInvalidArgument, with a line that begins with `name`: not in this form, or beyond
-// +-`limit_ndeg`.
-ReadOutcome ParseNanodegrees(const std::string& name, std::string_view text, int64_t limit_ndeg,
-                             int64_t& value_ndeg);
-
-// "1.5" -> 15: a limit of speed, 0.1 to 25.5 m/s with at most one decimal. kInvalidArgument, as
-// above.
+// A limit of speed: "1.5" is 15; 0.1 to 25.5 m/s with at most one decimal. kInvalidArgument, with a
+// line that begins with `name`.
 ReadOutcome ParseLegSpeed(const std::string& name, std::string_view text, uint8_t& speed_dmps);
 
 // A file of waypoints:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """What config/timing.toml states of calls and rounds within a call holds when the code runs: in a
-simulated mission through a gap, with labels, and in ticks as dear as a test can make them. Prints how
-near it comes. A fact that says too little is noticed.
+simulated mission through a gap, with labels and a keep-out area, and in ticks as dear as a test can
+make them. Prints how near it comes. A fact that says too little is noticed.
 
 usage: call_count_test.py COUNT_CALLS HARDPACK WRITE_TAPE WRITE_CROWDED_TAPE
 """
@@ -25,6 +25,8 @@ RARE = {
     "hardpack::PathCheck::LeaveCell",      # a start that touches: the check's own tests come to it
 }
 MISSION_TICKS = 600
+# Beside the way, and large: its rows are more than a portion of planning closes.
+KEEP_OUT = "keep_out odom\n-30 -40\n-10 -40\n-10 -20\n-30 -20\n"
 
 
 def stated(facts):
@@ -36,8 +38,10 @@ def stated(facts):
 
 
 def tapes(folder, hardpack, write_tape, write_crowded_tape):
+    areas = pathlib.Path(folder, "areas.txt")
+    areas.write_text(KEEP_OUT)
     run = [hardpack, "sim", "--world", "gap", "--seed", "2", "--labels", "60", "--limit", "7",
-           "--out", f"{folder}/run", "--json"]
+           "--areas", areas, "--out", f"{folder}/run", "--json"]
     subprocess.run(run, check=False, capture_output=True)  # the mission need not end in time
     log, = pathlib.Path(folder, "run").glob("*.pcap")
     subprocess.run([write_tape, log, str(MISSION_TICKS), f"{folder}/mission"], check=True)

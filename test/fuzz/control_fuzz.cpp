@@ -35,7 +35,7 @@ Bytes Report() {
 void FixHeader(Bytes& bytes, uint8_t choice) {
   static const Bytes report = Report();
   if (bytes.size() < control::kHeaderBytes) return;
-  constexpr uint8_t kKinds[] = {1, 2, 3, 3, 3, 4, 5, 6, 64, 65, 128, 129, 129, 130};
+  constexpr uint8_t kKinds[] = {1, 2, 3, 3, 3, 4, 5, 6, 64, 65, 128, 129, 129, 130, 10, 10, 11};
   bytes[5] = kKinds[choice % sizeof(kKinds)];
   if (bytes[5] == static_cast<uint8_t>(control::Kind::kStatus)) {
     bytes.resize(report.size());

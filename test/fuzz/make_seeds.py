@@ -233,6 +233,13 @@ def control_messages(seeds):
     add("command", 3, struct.pack("<BBBxf", 2, 0, 0, 0.0) +
         struct.pack("<BBBBffQ", 1, 1, 250, 15, 8.0, 1.0, 0) +
         struct.pack("<BBBBffQ", 1, 1, 0, 30, 16.0, -1.0, 0))
+    corners = [(12500, -3000), (16000, -3000), (16000, 2000)]
+    add("command", 10, struct.pack("<BBBBBxxxf", 1, 2, 2, 0, 3, 1.5) +
+        b"".join(struct.pack("<iiQ", x, y, 0) for x, y in corners))
+    add("command", 10, struct.pack("<BBBBBxxxf", 0, 1, 1, 1, 3, 0.0) +
+        b"".join(struct.pack("<qq", 30_600_000_000 + 10 * x, -96_300_000_000 + 10 * y)
+                 for x, y in corners))
+    add("command", 11)
     add("question", 65, struct.pack("<I", 4000))
     add("question", 65, bytes(4))
     add("question", 64)

@@ -61,6 +61,21 @@ default = "hard"
 ```
 )";
 
+constexpr const char* kPageAreas = R"(
+## Areas
+
+Each `[[area]]` is a keep-out area, the fence or a speed zone that is in force from the start and that no command removes
+(`docs/areas.md`):
+
+```toml
+[[area]]
+kind = "speed_zone"  # or "keep_out", "fence"
+frame = "odom"       # x, y in metres; or "latlon": latitude, longitude in degrees
+speed_mps = 1.5      # of a speed zone only
+corners = [[25.0, -12.0], [32.0, -12.0], [32.0, 9.0]]
+```
+)";
+
 constexpr const char* kPageKeys = R"(
 ## Keys of the program
 
@@ -153,6 +168,7 @@ void PrintPage() {
   std::fputs(kPageIntroduction, stdout);
   PrintRequired(defaults);
   std::fputs(kPageClasses, stdout);
+  std::fputs(kPageAreas, stdout);
   std::fputs(kPageKeys, stdout);
   std::string group;
   for (const ConfigurationKey& key : KeysOf(defaults)) {

@@ -50,13 +50,15 @@ int main() {
            "everything on board: `Mapper`, `Replanner`, and:");
   PrintRow("&nbsp; `Corridor`", sizeof(Corridor),
            "returns against the path: a coarse grid, and the cells of the last ticks");
+  PrintRow("&nbsp; `AreaSet`", sizeof(AreaSet), "the areas in force: 64 of 32 corners");
   PrintRow("&nbsp; `ReactionMeter`", sizeof(ReactionMeter), "waiting columns, and histograms");
   PrintRow("&nbsp; `vectornav::StreamParser`", sizeof(vectornav::StreamParser),
            "the INS's stream, until a message is complete");
-  PrintRow("&nbsp; `control::OperatorCommand`", sizeof(control::OperatorCommand), "waypoints");
+  PrintRow("&nbsp; `control::OperatorCommand`", sizeof(control::OperatorCommand),
+           "waypoints, or an area");
   PrintRow("&nbsp; `sevcon::DrivePair`", sizeof(sevcon::DrivePair), "both drives");
   PrintRow("&nbsp; `ouster::PacketMonitor`", sizeof(ouster::PacketMonitor), "the lidar's stream");
-  PrintRow("&nbsp; `VehicleConfig`", sizeof(VehicleConfig), "parameters");
+  PrintRow("&nbsp; `VehicleConfig`", sizeof(VehicleConfig), "parameters, and the configured areas");
   const size_t planning = sizeof(Replanner) + sizeof(HeightGrid);
   std::printf(
       "\nPlanning (`Replanner` and `HeightGrid`) takes %zu of its %d bytes (%.2f of 6 MiB).\n",

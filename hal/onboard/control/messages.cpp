@@ -6,6 +6,8 @@
 #include "core/base/byte_reader.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
+#include "hal/onboard/control/area_message.h"
+#include "hal/onboard/control/message_checks.h"
 #include "hal/onboard/control/message_writer.h"
 
 namespace hardpack::control {
@@ -39,30 +41,12 @@ constexpr size_t kDoneBytes = kHeaderBytes + 2;
 constexpr size_t kParametersBytes = kHeaderBytes + 8;  // and the part
 
 bool IsKind(uint8_t kind) {
-  return (kind >= static_cast<uint8_t>(Kind::kArm) && kind <= static_cast<uint8_t>(Kind::kSkip)) ||
+  return (kind >= static_cast<uint8_t>(Kind::kArm) &&
+          kind <= static_cast<uint8_t>(Kind::kClearAreas)) ||
          kind == static_cast<uint8_t>(Kind::kGetStatus) ||
          kind == static_cast<uint8_t>(Kind::kGetParameters) ||
          (kind >= static_cast<uint8_t>(Kind::kDone) &&
           kind <= static_cast<uint8_t>(Kind::kParameters));
-}
-
-Status CheckSize(size_t bytes, size_t expected) {
-  if (bytes < expected) return Status::kTruncated;
-  return bytes > expected ? Status::kOversized : Status::kOk;
-}
-
-Status CheckWithin(float value, float limit) {
-  if (!IsFinite(value)) return Status::kNotFinite;
-  return Abs(value) <= limit ? Status::kOk : Status::kInvalidArgument;
-}
-
-Status CheckWithin(int64_t value, int64_t limit) {
-  return value >= -limit && value <= limit ? Status::kOk : Status::kInvalidArgument;
-}
-
-// The first that is not kOk.
-Status Both(Status first, Status second) {
-  return first != Status::kOk ? first : second;
 }
 
 // The members that its frame does not use are not looked at.
@@ -85,8 +69,9 @@ Status CheckHeading(GoalFrame frame, float heading_rad) {
   return CheckWithin(heading_rad, kMaxHeading_rad);
 }
 
-Waypoint ReadWaypoint(ByteReader& reader, size_t offset) {
-  Waypoint waypoint;
+// In place: a copy of it would be a loop without a bound of its own.
+void ReadWaypoint(ByteReader& reader, size_t offset, Waypoint& waypoint) {
+  waypoint = Waypoint{};
   waypoint.frame = static_cast<GoalFrame>(reader.U8(offset));
   waypoint.stops = reader.U8(offset + kStopOffset) == 1;
   waypoint.hold_s = reader.U8(offset + kHoldOffset);
@@ -97,7 +82,6 @@ Waypoint ReadWaypoint(ByteReader& reader, size_t offset) {
   } else {
     waypoint.position_m = {reader.F32(offset + 4), reader.F32(offset + 8)};
   }
-  return waypoint;
 }
 
 void WriteWaypoint(const Waypoint& waypoint, MessageWriter& writer) {
@@ -116,7 +100,8 @@ void WriteWaypoint(const Waypoint& waypoint, MessageWriter& writer) {
 }
 
 Status CheckWaypointBytes(ByteReader& reader, size_t offset) {
-  const Waypoint waypoint = ReadWaypoint(reader, offset);
+  Waypoint waypoint;
+  ReadWaypoint(reader, offset, waypoint);
   const Status status = Check(waypoint);
   if (status != Status::kOk) return status;
   const bool metres = waypoint.frame != GoalFrame::kGeodetic;
@@ -166,6 +151,7 @@ Status CheckAlive(std::span<const uint8_t> message) {
 Status CheckBody(Kind kind, std::span<const uint8_t> message) {
   if (kind == Kind::kGoal) return CheckGoal(message);
   if (kind == Kind::kAlive) return CheckAlive(message);
+  if (kind == Kind::kArea) return CheckArea(message);
   return CheckSize(message.size(), kHeaderBytes);
 }
 
@@ -177,14 +163,17 @@ void ReadGoal(std::span<const uint8_t> message, OperatorCommand& command) {
   command.heading_frame = static_cast<GoalFrame>(reader.U8(kHeadingFrameOffset));
   command.heading_rad = reader.F32(kHeadingOffset);
   HP_LOOP_BOUND(kMaxWaypoints)
-  for (int i = 0; i < kMaxWaypoints; ++i) {
+  for (int i = 0; i < command.waypoints; ++i) {
     const size_t offset = kWaypointsOffset + static_cast<size_t>(i) * kWaypointBytes;
-    command.waypoint[i] = i < command.waypoints ? ReadWaypoint(reader, offset) : Waypoint{};
+    ReadWaypoint(reader, offset, command.waypoint[i]);
   }
+  HP_LOOP_BOUND(kMaxWaypoints)
+  for (int i = command.waypoints; i < kMaxWaypoints; ++i) command.waypoint[i] = Waypoint{};
 }
 
 Status Check(const OperatorCommand& command) {
   if (command.kind < Kind::kArm || !IsCommand(command.kind)) return Status::kInvalidArgument;
+  if (command.kind == Kind::kArea) return CheckArea(command);
   if (command.kind != Kind::kGoal) return Status::kOk;
   if (command.waypoints < 1 || command.waypoints > kMaxWaypoints) return Status::kInvalidArgument;
   HP_LOOP_BOUND(kMaxWaypoints)
@@ -239,6 +228,7 @@ Status Decode(std::span<const uint8_t> message, OperatorCommand& command) {
   command.heading_frame = GoalFrame::kOdom;
   command.heading_rad = 0.0f;
   if (header.kind == Kind::kGoal) ReadGoal(message, command);
+  if (header.kind == Kind::kArea) ReadArea(message, command);
   return Status::kOk;
 }
 
@@ -292,10 +282,13 @@ Status Encode(const OperatorCommand& command, std::span<uint8_t> buffer, int& si
   const bool goal = command.kind == Kind::kGoal;
   const bool pressed = command.kind == Kind::kAlive && command.press != 0;
   size_t needed = pressed ? kAliveBytes : kHeaderBytes;
+  const bool area = command.kind == Kind::kArea;
+  if (area) needed = AreaBytes(command.area);
   if (goal) needed = kWaypointsOffset + static_cast<size_t>(command.waypoints) * kWaypointBytes;
   if (buffer.size() < needed) return Status::kCapacityExceeded;
   MessageWriter writer(buffer, command.kind, command.sequence);
   if (pressed) writer.U32(command.press);
+  if (area) WriteArea(command, writer);
   if (!goal) return writer.Finish(size_bytes);
   writer.U8(static_cast<uint8_t>(command.waypoints));
   writer.U8(command.has_heading ? 1 : 0);

@@ -5,6 +5,7 @@
 #include <span>
 #include <type_traits>
 
+#include "core/areas/area.h"
 #include "core/base/pose.h"
 #include "core/base/status.h"
 
@@ -35,6 +36,8 @@ enum class Kind : uint8_t {
   kPause = 7,   // stop along the path and keep the goals
   kResume = 8,  // drive on to them, after a pause or a stop
   kSkip = 9,    // on to the next waypoint
+  kArea = 10,   // one area of a set, which replaces the operator's earlier ones
+  kClearAreas = 11,
   // Questions: they change nothing, and are answered outside the tick.
   kGetStatus = 64,
   kGetParameters = 65,
@@ -44,7 +47,7 @@ enum class Kind : uint8_t {
   kParameters = 130,  // body: offset u32, whole size u32, a part of the configuration as TOML
 };
 constexpr bool IsCommand(Kind kind) {
-  return kind <= Kind::kSkip;
+  return kind <= Kind::kClearAreas;
 }
 constexpr bool IsQuestion(Kind kind) {
   return kind == Kind::kGetStatus || kind == Kind::kGetParameters;
@@ -90,6 +93,11 @@ struct OperatorCommand {
   bool has_heading = false;                    // at the last one
   GoalFrame heading_frame = GoalFrame::kOdom;  // kOdom or kBody
   float heading_rad = 0.0f;                    // (-pi, pi]
+  // kArea: number area_index, from 0, of the area_count of a set (1 .. kMaxAreas), which are sent
+  // in order.
+  int32_t area_index = 0;
+  int32_t area_count = 0;
+  Area area;
 };
 static_assert(std::is_trivially_copyable_v<OperatorCommand>);
 
@@ -131,11 +139,11 @@ Status ReadHeader(std::span<const uint8_t> message, Header& header);
 // Each decodes exactly one complete message and checks every byte of it: an accepted message
 // re-encodes to the same bytes. The statuses of ReadHeader; kWrongPacketType: a message of another
 // sort; kTruncated, kOversized: not the size that its body must have; kNotFinite; kInvalidArgument:
-// a number out of range (above), an unknown frame, no waypoint or too many, a time
-// to hold where nothing stops or at the last one, or a byte that must be
-// 0 and is not. Then the output is unchanged. The codes in an answer are not checked. Cost: one
-// pass over the bytes, two for a goal. (A command other than a goal leaves the waypoints
-// unchanged.)
+// a number out of range (above), an unknown frame, no waypoint or too many, a time to hold where
+// nothing stops or at the last one, or a byte that must be 0 and is not. Then the output is
+// unchanged. The codes in an answer are not checked, nor whether an area's corners make a polygon
+// (CheckArea). Cost: one pass over the bytes, two for a goal or an area. (A command other than a
+// goal leaves the waypoints unchanged, one other than an area the area.)
 Status Decode(std::span<const uint8_t> message, OperatorCommand& command);
 Status Decode(std::span<const uint8_t> message, Question& question);
 Status Decode(std::span<const uint8_t> message, Done& answer);

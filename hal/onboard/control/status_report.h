@@ -163,6 +163,16 @@ struct SafetyPart {
   uint32_t commands_above_change = 0;
 };
 
+// The areas (core/areas): the configured ones first, then the operator's.
+struct AreasPart {
+  uint32_t areas = 0;
+  uint32_t configured = 0;     // of these, from the configuration
+  uint32_t expected = 0;       // of the operator, announced
+  bool unknown = false;        // not all have arrived, or one on earth has no place: no driving
+  bool breached = false;       // the vehicle is where an area forbids it
+  uint32_t breached_area = 0;  // the first such, counted from 1; 0: none
+};
+
 inline constexpr int kReplanReasonCount = 8;
 
 struct ReplanPart {
@@ -377,6 +387,7 @@ struct StatusReport {
   GoalPart goal;
   PlanPart plan;
   SafetyPart safety;
+  AreasPart areas;
   SightPart sight;
   InsPart ins;
   DrivePart left_drive;

@@ -159,6 +159,16 @@ constexpr void VisitSafety(Part& part, Visit& visit) {
 }
 
 template <typename Part, typename Visit>
+constexpr void VisitAreas(Part& part, Visit& visit) {
+  HP_STATUS_FIELD(areas);
+  HP_STATUS_FIELD(configured);
+  HP_STATUS_FIELD(expected);
+  HP_STATUS_FLAG(unknown, kProblem);
+  HP_STATUS_FLAG(breached, kProblem);
+  HP_STATUS_FIELD(breached_area);
+}
+
+template <typename Part, typename Visit>
 constexpr void VisitSight(Part& part, Visit& visit) {
   HP_STATUS_SHOWN(look_age, kAge);
   HP_STATUS_FIELD(sectors);
@@ -439,6 +449,8 @@ constexpr void VisitStatus(Report& report, Visit& visit) {
   VisitPlan(report.plan, visit);
   visit.BeginGroup("safety");
   VisitSafety(report.safety, visit);
+  visit.BeginGroup("areas");
+  VisitAreas(report.areas, visit);
   visit.BeginGroup("sight");
   VisitSight(report.sight, visit);
   visit.BeginGroup("ins");

@@ -58,19 +58,21 @@ SupervisorInput Pilot::Situation(const DriveFeedback& drives, bool bus_is_active
   situation.held_by = situation.arrived ? StopReason::kNone : HeldBy();
   if (situation.held_by == StopReason::kNone) situation.held_by = HeldByMission();
   situation.misbehaves = Misbehaves();
+  situation.area = area_;
   situation.wishes = wishes_;
   return situation;
 }
 
 void Pilot::Decide(std::span<const uint8_t> command, const DriveFeedback& drives,
                    bool bus_is_active, CommandAnswer& answer) {
-  TakeCommand(command, answer);
+  TakeCommand(command, drives, answer);
   FollowEarth();
   AdvanceGoal(drives);
   UpdatePlanner();
   FollowPlan();
   WatchMotion(drives.wheels);
   sweep_advice_ = JudgeSweep();
+  area_ = JudgeAreas();
   const SupervisorInput situation = Situation(drives, bus_is_active);
   permission_ = supervisor_.Judge(situation);
   if (permission_.drop_goal) {
@@ -141,7 +143,7 @@ void Pilot::PlanOn() {
   if (!on_mission_ || permission_.mode == Mode::kSafeStop) return;
   const bool was_busy = replanner_.busy();
   const bool is_judged =
-      replanner_.Step(mapper_, config_.onboard.tick.planning_units) == Progress::kDone;
+      replanner_.Step(mapper_, config_.onboard.tick.planning_units, &areas_) == Progress::kDone;
   NoteRound(was_busy, is_judged);
   if (!is_judged) return;
   ++counters_.plans;

@@ -25,9 +25,14 @@ bool IsForMission(control::Kind kind) {
          kind == control::Kind::kSkip;
 }
 
+bool IsForAreas(control::Kind kind) {
+  return kind == control::Kind::kArea || kind == control::Kind::kClearAreas;
+}
+
 }  // namespace
 
-void Pilot::TakeCommand(std::span<const uint8_t> bytes, CommandAnswer& answer) {
+void Pilot::TakeCommand(std::span<const uint8_t> bytes, const DriveFeedback& drives,
+                        CommandAnswer& answer) {
   if (bytes.empty()) return;
   ++counters_.commands;
   control::Header header;
@@ -42,17 +47,22 @@ void Pilot::TakeCommand(std::span<const uint8_t> bytes, CommandAnswer& answer) {
     return;
   }
   NoteOperator();
-  TakeWishes(answer);
+  TakeWishes(drives, answer);
 }
 
-void Pilot::TakeWishes(CommandAnswer& answer) {
+void Pilot::TakeWishes(const DriveFeedback& drives, CommandAnswer& answer) {
   wishes_.arm = command_.kind == control::Kind::kArm;
   wishes_.disarm = command_.kind == control::Kind::kDisarm;
   wishes_.stop = command_.kind == control::Kind::kStop;
   wishes_.emergency_stop = command_.kind == control::Kind::kEmergencyStop;
   wishes_.go = command_.kind == control::Kind::kGoal;
-  if (wishes_.go) answer.answer = TakeGoals();
-  if (IsForMission(command_.kind)) answer.answer = TakeMissionCommand(answer.reason);
+  if (wishes_.go) {
+    answer.answer = TakeGoals();
+  } else if (IsForMission(command_.kind)) {
+    answer.answer = TakeMissionCommand(answer.reason);
+  } else if (IsForAreas(command_.kind)) {
+    answer.answer = TakeAreas(drives, answer.reason);
+  }
   if (!IsUsable(answer.answer)) {
     wishes_.go = false;
     ++counters_.refused_commands;
@@ -81,6 +91,8 @@ Status Pilot::TakeGoals() {
     Vec2 position_odom;
     const Status status = InOdom(command_.waypoint[i], position_odom);
     if (!IsUsable(status)) return status;
+    // It would be moved to the nearest place that is free, which nobody asked for.
+    if (!areas_.Permits(position_odom)) return Status::kGoalForbidden;
     command_.waypoint[i].position_m = position_odom;
   }
   const bool is_relative = command_.heading_frame == control::GoalFrame::kBody;

@@ -55,14 +55,25 @@ Status Pilot::TakeMissionCommand(StopReason& refusal) {
   return Status::kOk;
 }
 
-// kStale: a waypoint on earth, and nobody knows where that is, as for a new goal.
+// Of the waypoints that are left, as for a new goal. kStale: one on earth, and nobody knows where
+// that is; kGoalForbidden: one where an area forbids it by now.
+Status Pilot::CheckResume() const {
+  HP_LOOP_BOUND(control::kMaxWaypoints)
+  for (int i = goal_index_; i < goals_.size(); ++i) {
+    Goal goal = goals_[i];
+    const bool is_lost = goal.is_on_earth && map_from_odom_.status() != MapStatus::kTracking;
+    if (is_lost && !on_mission_) return Status::kStale;
+    FollowEarth(goal);
+    if (!areas_.Permits(goal.position_odom)) return Status::kGoalForbidden;
+  }
+  return Status::kOk;
+}
+
 Status Pilot::Resume() {
+  if (on_mission_ && !paused_) return Status::kOk;
+  const Status status = CheckResume();
+  if (!IsUsable(status)) return status;
   if (!on_mission_) {
-    HP_LOOP_BOUND(control::kMaxWaypoints)
-    for (int i = goal_index_; i < goals_.size(); ++i) {
-      const bool is_lost = goals_[i].is_on_earth && map_from_odom_.status() != MapStatus::kTracking;
-      if (is_lost) return Status::kStale;
-    }
     on_mission_ = true;
     wishes_.go = true;
     BeginLeg();

@@ -35,6 +35,8 @@ void Pilot::Forget() {
   ins_speed_ns_ = 0;
   operator_press_ = 0;
   has_position_ = false;
+  breached_area_ = -1;
+  area_ = StopReason::kNone;
   tracking_output_ = {};
   permission_ = {};
   hash_ = {};
@@ -58,6 +60,7 @@ Status Pilot::Configure(const PilotConfig& config, const LidarLayout& lidar) {
   if (IsUsable(status)) status = supervisor_.Configure(onboard.safety);
   if (IsUsable(status)) status = ConfigureSafety();
   if (IsUsable(status)) status = ConfigureSight();
+  if (IsUsable(status)) status = areas_.Configure(config.areas);
   return status;
 }
 
@@ -192,6 +195,7 @@ void Pilot::LocateInMap(const StampedPose& pose) {
   }
   has_position_ = false;
   map_from_odom_.Advance(now_ns_, pose_odom);
+  areas_.Advance(map_from_odom_);
 }
 
 void Pilot::AddToHash(const CommandAnswer& answer) {

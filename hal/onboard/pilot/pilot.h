@@ -8,6 +8,7 @@
 #include "config/conflicts.h"
 #include "config/onboard_parameters.h"
 #include "config/parameters.h"
+#include "core/areas/area_set.h"
 #include "core/autonomy/mapper.h"
 #include "core/autonomy/replanner.h"
 #include "core/base/decision_hash.h"
@@ -45,6 +46,7 @@ struct PilotConfig {
   PerceptionParams perception;
   OnboardParams onboard;
   LabelTable labels = RellisLabelTable();
+  AreaList areas;  // the configured ones, which no command removes
 };
 
 // Content of the answer to an operator's command.
@@ -107,6 +109,9 @@ class Pilot {
   bool at_waypoint() const { return held_at_ns_ != 0; }
   // Whether there is a mission that was stopped and can be resumed.
   bool may_resume() const { return !on_mission_ && may_resume_ && !goals_.empty(); }
+  const AreaSet& areas() const { return areas_; }
+  // The area that forbids the vehicle to be where it is, by its index; -1: none.
+  int breached_area() const { return breached_area_; }
   const TrackingOutput& tracking() const { return tracking_output_; }
   // Hash of all decisions since Configure: commands, modes, plans.
   uint64_t decision_hash() const { return hash_.value(); }
@@ -176,9 +181,11 @@ class Pilot {
   void Restart();
 
   // The operator's requests (goals.cpp).
-  void TakeCommand(std::span<const uint8_t> bytes, CommandAnswer& answer);
-  void TakeWishes(CommandAnswer& answer);
+  void TakeCommand(std::span<const uint8_t> bytes, const DriveFeedback& drives,
+                   CommandAnswer& answer);
+  void TakeWishes(const DriveFeedback& drives, CommandAnswer& answer);
   Status TakeMissionCommand(StopReason& refusal);
+  Status CheckResume() const;
   Status Resume();
   void Skip();
   void NoteOperator();
@@ -196,6 +203,10 @@ class Pilot {
   PlanGoal WantedGoal() const;
   bool IsAtEndFor(const Goal& goal) const;
   bool HasArrived() const;
+
+  // Areas (areas.cpp).
+  Status TakeAreas(const DriveFeedback& drives, StopReason& refusal);
+  StopReason JudgeAreas();
 
   // Decisions (decide.cpp).
   VehicleState PredictedState() const;
@@ -275,6 +286,9 @@ class Pilot {
   bool has_position_ = false;
   Odometry odometry_;
   MapFromOdom map_from_odom_;
+  AreaSet areas_;
+  int32_t breached_area_ = -1;
+  StopReason area_ = StopReason::kNone;  // as JudgeAreas found in this tick
   Tracker tracker_;
   TrackingOutput tracking_output_;
   Supervisor supervisor_;

@@ -182,6 +182,16 @@ void Fill(const Pilot& pilot, control::SafetyPart& part) {
   part.commands_above_change = gate.above_change;
 }
 
+void Fill(const Pilot& pilot, control::AreasPart& part) {
+  const AreaSet& areas = pilot.areas();
+  part.areas = static_cast<uint32_t>(areas.size());
+  part.configured = static_cast<uint32_t>(areas.configured());
+  part.expected = static_cast<uint32_t>(areas.expected());
+  part.unknown = !areas.is_known();
+  part.breached = pilot.breached_area() >= 0;
+  part.breached_area = static_cast<uint32_t>(pilot.breached_area() + 1);
+}
+
 void Fill(const ReplanCounters& counters, control::ReplanPart& part) {
   static_assert(control::kReplanReasonCount == kReplanReasons);
   part.plans = counters.plans;
@@ -240,6 +250,7 @@ void RunLoop::Report(control::StatusReport& report) const {
   Fill(pilot, report.goal);
   Fill(pilot, report.plan);
   Fill(pilot, report.safety);
+  Fill(pilot, report.areas);
   Fill(pilot, report.sight);
   Fill(pilot.replanner().counters(), report.replan);
   Fill(pilot.newest_ins(), report.ins);

@@ -29,7 +29,7 @@ TEST(Status, HasOneNameForEachCode) {
   }
   EXPECT_EQ(named_usable - 1, static_cast<int>(Status::kOffPath));
   EXPECT_EQ(named_failures - 1,
-            static_cast<int>(Status::kNeedsManoeuvre) - static_cast<int>(Status::kFirstFailure));
+            static_cast<int>(Status::kGoalForbidden) - static_cast<int>(Status::kFirstFailure));
 }
 
 TEST(Status, DividesOutcomesWithAndWithoutAResult) {

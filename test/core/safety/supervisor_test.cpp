@@ -715,5 +715,70 @@ TEST(Supervisor, RefusesParametersOutOfRangeAndPermitsNothingWithout) {
   EXPECT_EQ(supervisor.Configure({.max_lidar_age_s = 100.0f}), Status::kParameterOutOfRange);
 }
 
+// SR-ARE03
+TEST(Supervisor, WhereAnAreaForbidsItToBeItStopsAtOnceAndDoesNotSetOut) {
+  for (const StopReason reason : {StopReason::kAreaBreached, StopReason::kAreaUnknown}) {
+    Vehicle vehicle;
+    vehicle.Drive();
+    vehicle.input.area = reason;
+    EXPECT_EQ(vehicle.Tick().mode, Mode::kSafeStop);
+    EXPECT_EQ(vehicle.permission.reason, reason);
+    const bool is_breached = reason == StopReason::kAreaBreached;
+    EXPECT_EQ(vehicle.permission.motion, is_breached ? Motion::kZero : Motion::kStopAlong);
+    vehicle.input.at_rest = true;
+    EXPECT_EQ(vehicle.Tick().mode, Mode::kArmed);
+    EXPECT_FALSE(vehicle.input.has_goal);
+    // A goal is taken, and waits.
+    EXPECT_EQ(vehicle.Tick({.go = true}).wish_status, Status::kOk);
+    vehicle.input.has_goal = true;
+    vehicle.input.has_plan = true;
+    vehicle.input.has_path = true;
+    EXPECT_EQ(vehicle.Ticks(100).mode, Mode::kArmed);
+    EXPECT_EQ(vehicle.permission.reason, reason);
+    EXPECT_EQ(vehicle.permission.motion, Motion::kHold);
+    vehicle.input.area = StopReason::kNone;
+    EXPECT_EQ(vehicle.Tick().mode, Mode::kDriving);
+  }
+}
+
+// SR-ARE03
+TEST(Supervisor, DoesNotArmWhereAnAreaForbidsItToBe) {
+  for (const StopReason reason : {StopReason::kAreaBreached, StopReason::kAreaUnknown}) {
+    Vehicle vehicle;
+    vehicle.input.area = reason;
+    EXPECT_EQ(vehicle.Tick({.arm = true}).mode, Mode::kStandby);
+    EXPECT_EQ(vehicle.permission.wish_status, Status::kNotPermitted);
+    EXPECT_EQ(vehicle.permission.reason, reason);
+    vehicle.input.area = StopReason::kNone;
+    EXPECT_EQ(vehicle.Tick({.arm = true}).mode, Mode::kArmed);
+  }
+}
+
+// SR-ARE03, SR-MIS02
+TEST(Supervisor, ToldOfAPauseAndAnAreaItSaysTheAreaAndWhenThatEndsItStillHolds) {
+  for (const StopReason reason : {StopReason::kAreaBreached, StopReason::kAreaUnknown}) {
+    Vehicle vehicle;
+    vehicle.Drive();
+    vehicle.input.held_by = StopReason::kPaused;
+    EXPECT_EQ(vehicle.Tick().mode, Mode::kDriving);
+    EXPECT_EQ(vehicle.permission.reason, StopReason::kPaused);
+    vehicle.input.area = reason;
+    EXPECT_EQ(vehicle.Tick().mode, Mode::kSafeStop);
+    EXPECT_EQ(vehicle.permission.reason, reason);
+    vehicle.input.at_rest = true;
+    EXPECT_EQ(vehicle.Tick().mode, Mode::kArmed);
+    vehicle.input.has_goal = true;
+    vehicle.input.has_plan = true;
+    vehicle.input.has_path = true;
+    EXPECT_EQ(vehicle.Ticks(10).mode, Mode::kArmed);
+    EXPECT_EQ(vehicle.permission.reason, reason);
+    vehicle.input.area = StopReason::kNone;
+    EXPECT_EQ(vehicle.Ticks(10).mode, Mode::kArmed);
+    EXPECT_EQ(vehicle.permission.reason, StopReason::kPaused);
+    vehicle.input.held_by = StopReason::kNone;
+    EXPECT_EQ(vehicle.Tick().mode, Mode::kDriving);
+  }
+}
+
 }  // namespace
 }  // namespace hardpack

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <vector>
 
 #include "core/path/path.h"
 
@@ -347,6 +348,50 @@ TEST(SpeedCaps, WithoutAnyRoomItIsDrivenAtTheLeast) {
   ground.Caps();
   EXPECT_EQ(ground.caps->room_m(20), 0.0f);
   EXPECT_EQ(ground.CapAt(5.5f), ground.speed.least_room_mps);
+}
+
+//  [>]======|zone|======
+// SR-ARE05
+TEST(SpeedCaps, ASpeedZoneCapsWhereTheOutlineMayTouchIt) {
+  Ground ground;
+  const auto areas = std::make_unique<AreaSet>();
+  Area zone;
+  zone.kind = AreaKind::kSpeedZone;
+  zone.speed_mps = 1.25f;
+  zone.corners = 4;
+  zone.corner[0] = {.x_mm = 10'000, .y_mm = -2000};
+  zone.corner[1] = {.x_mm = 15'000, .y_mm = -2000};
+  zone.corner[2] = {.x_mm = 15'000, .y_mm = 2000};
+  zone.corner[3] = {.x_mm = 10'000, .y_mm = 2000};
+  Area keep_out = zone;
+  keep_out.kind = AreaKind::kKeepOut;
+  keep_out.speed_mps = 0.0f;
+  ASSERT_EQ(areas->Take(0, 2, keep_out), Status::kOk);
+  ASSERT_EQ(areas->Take(1, 2, zone), Status::kOk);
+  std::vector<float> whole;
+  for (const int units : {SpeedCaps::kMaxUnits, 1, 7}) {
+    ground.caps->Begin(ground.map->window, ground.speed, ground.vehicle, ground.path, 2.0f);
+    while (ground.caps->Step(*ground.map, ground.speed, ground.vehicle, ground.path, units,
+                             areas.get()) == Progress::kBusy) {
+    }
+    const auto caps = ground.caps->cap_mps();
+    if (whole.empty()) whole.assign(caps.begin(), caps.end());
+    EXPECT_TRUE(std::equal(caps.begin(), caps.end(), whole.begin(), whole.end())) << units;
+  }
+  const Footprint footprint = FootprintOf(ground.vehicle);
+  const float first_m = 10.0f - footprint.front_m;
+  const float last_m = 15.0f - footprint.rear_m;
+  for (float x_m = 0.275f; x_m < 18.5f; x_m += 0.275f) {
+    const bool must_be_slow = x_m > first_m - SpeedCaps::kZoneAhead_m && x_m < last_m;
+    const bool may_be_slow = x_m > first_m - SpeedCaps::kZoneAhead_m - 0.3f &&
+                             x_m < last_m + SpeedCaps::kZoneAhead_m + 0.3f;
+    if (must_be_slow) {
+      EXPECT_EQ(ground.CapAt(x_m), 1.25f) << x_m;
+      EXPECT_EQ(ground.CauseAt(x_m), CapCause::kSpeedZone) << x_m;
+    } else if (!may_be_slow) {
+      EXPECT_EQ(ground.CapAt(x_m), ground.speed.max_speed_mps) << x_m;
+    }
+  }
 }
 
 }  // namespace

@@ -20,11 +20,12 @@ import unittest
 COMMAND = os.environ["HARDPACKCTL"].split(" ")
 STATUS = subprocess.run([os.environ["HARDPACK_STATUS_SAMPLE"]], check=True,
                         capture_output=True).stdout
-ARM, DISARM, GOAL, STOP, ESTOP, ALIVE, PAUSE, RESUME, SKIP = range(1, 10)
+ARM, DISARM, GOAL, STOP, ESTOP, ALIVE, PAUSE, RESUME, SKIP, AREA, CLEAR_AREAS = range(1, 12)
 GET_STATUS, GET_PARAMETERS = 64, 65
 DONE, STATUS_ANSWER, PARAMETERS = 128, 129, 130
 OK = 0         # Status
 LIDAR_OLD = 2  # StopReason
+MOVING = 13
 
 
 def status_code(name):
@@ -228,6 +229,42 @@ class Goals(CtlTest):
         self.assertEqual(struct.unpack_from("<Iff", body, 8 + 63 * 20), (0, 63.0, -63.0))
         path.write_text(path.read_text() + "64 64\n")
         self.expect_failure(2, ["waypoints", path], f"{path}:66", "more than 64")
+
+    def test_areas_of_a_file_are_sent_in_order(self):
+        path = self.folder / "areas.txt"
+        path.write_text("# a pond\nkeep_out odom\n0 0\n4.5 0\n0 -4\n"
+                        "speed_zone latlon 1.5\n30.6 -96.3\n30.601 -96.3\n30.6 -96.301\n")
+        server = self.serve(done())
+        self.expect_done("areas", path)
+        (first, one), (second, two) = server.received
+        self.assertEqual((first, second), (AREA, AREA))
+        self.assertEqual(one[:12], bytes([0, 2, 0, 0, 3, 0, 0, 0]) + bytes(4))
+        self.assertEqual(struct.unpack("<iiQiiQiiQ", one[12:]),
+                         (0, 0, 0, 4500, 0, 0, 0, -4000, 0))
+        self.assertEqual(two[:12], bytes([1, 2, 2, 1, 3, 0, 0, 0]) + struct.pack("<f", 1.5))
+        self.assertEqual(struct.unpack("<6q", two[12:]),
+                         (30600000000, -96300000000, 30601000000, -96300000000, 30600000000,
+                          -96301000000))
+
+    def test_areas_are_cleared(self):
+        server = self.serve(done())
+        self.expect_done("areas", "--clear")
+        self.assertEqual(server.received, [(CLEAR_AREAS, b"")])
+
+    def test_the_first_area_that_is_refused_ends_it(self):
+        path = self.folder / "areas.txt"
+        path.write_text(3 * "keep_out odom\n0 0\n4 0\n0 4\n")
+        refused = done(status_code("kNotPermitted"), MOVING)
+        server = self.serve(lambda *message: (done() if message[2][0] == 0 else refused)(*message))
+        self.expect_failure(1, ["areas", path], "area 2 was refused", "moving")
+        self.assertEqual([body[0] for _, body in server.received], [0, 1])
+
+    def test_bad_area_files(self):
+        path = self.folder / "areas.txt"
+        path.write_text("keep_out odom\n0 0\n4 4\n4 0\n0 4\n")
+        self.expect_failure(2, ["areas", path], f"{path}:1: ", "crosses itself")
+        self.expect_failure(2, ["areas"], "a file or --clear")
+        self.expect_failure(2, ["areas", path, "--clear"], "--clear")
 
     def test_bad_goals(self):
         for arguments, part in (((), "X Y"), (("1",), "position"), (("1", "x"), "'x'"),

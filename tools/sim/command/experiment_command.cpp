@@ -171,7 +171,7 @@ ReadOutcome Experiment::Note(size_t index, const MissionSettings& settings, cons
   progress_->Show(static_cast<int64_t>(index) + 1, failed_);
   if (!WantsPicture(tasks_[index], result)) return {};
   const std::string name = std::filesystem::path(result.world).stem().string();
-  return DrawWorld(settings.scenario, settings.seed, {}, DrivenOf(trace))
+  return DrawWorld(settings.scenario, settings.seed, {}, DrivenOf(settings, trace))
       .WritePng(options_.out + "/pictures/" + name + "_" + std::to_string(settings.seed) + ".png");
 }
 

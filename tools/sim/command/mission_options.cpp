@@ -8,6 +8,7 @@
 
 #include "port_linux/command_line/arguments.h"
 #include "port_linux/command_line/command.h"
+#include "port_linux/files/area_file.h"
 #include "port_linux/hardpackctl/waypoints.h"
 #include "tools/sim/script/script.h"
 #include "tools/sim/vehicle/vehicle_model_file.h"
@@ -79,6 +80,8 @@ void AddMissionOptions(CLI::App& command, MissionOptions& options) {
   command.add_option(
       "--script", options.script,
       "File of faults (tools/sim/script/script.h), timed from the acceptance of the goal");
+  command.add_option("--areas", options.areas,
+                     "File of areas (docs/areas.md), in the world's frame, sent before arming");
   command.add_option("--config", options.configuration, "Configuration (TOML) of the vehicle");
   command.add_option("--max-speed", options.max_speed_mps, "Replaces the configuration's [m/s]");
   command.add_option("--limit", mission.limit_s, "Time limit of the mission [s] (default 120)");
@@ -96,6 +99,7 @@ mission::MissionSettings SettingsOf(const MissionOptions& options) {
   ReadNamedVehicle(options.vehicle, settings.vehicle);
   settings.vehicle_name = options.vehicle;
   SetLabels(options.labels, settings);
+  if (!options.areas.empty()) Require(ReadAreas(options.areas, settings.areas));
   if (!options.script.empty()) settings.script = ReadScript(options.script);
   if (!options.configuration.empty()) {
     Require(ReadConfiguration(options.configuration, settings.configuration));
@@ -118,8 +122,13 @@ void SetWaypoints(const MissionOptions& options, mission::MissionSettings& setti
   settings.scenario.goal = {double{last.x_m}, double{last.y_m}};
 }
 
-DrivenWay DrivenOf(const mission::MissionTrace& trace) {
+DrivenWay DrivenOf(const mission::MissionSettings& settings, const mission::MissionTrace& trace) {
   DrivenWay driven;
+  driven.areas = settings.areas;
+  for (const control::Waypoint& waypoint : settings.waypoints) {
+    driven.waypoints.push_back({double{waypoint.position_m.x_m}, double{waypoint.position_m.y_m}});
+  }
+  if (!driven.waypoints.empty()) driven.waypoints.pop_back();  // the goal
   driven.footprint = trace.footprint;
   for (const mission::MissionTrace::Sample& sample : trace.samples) {
     driven.way.push_back({sample.x_m, sample.y_m});

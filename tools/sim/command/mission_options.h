@@ -19,6 +19,7 @@ struct MissionOptions {
   std::string labels = "none";
   std::string script;          // path; empty: nothing goes wrong
   std::string waypoints;       // path; empty: to the world's goal
+  std::string areas;           // path; empty: none
   double max_speed_mps = 0.0;  // 0: the configuration's
   ScenarioOptions scenario;
   mission::MissionSettings mission;
@@ -35,6 +36,6 @@ mission::MissionSettings SettingsOf(const MissionOptions& options);
 void SetWaypoints(const MissionOptions& options, mission::MissionSettings& settings);
 
 // What a picture shows of a mission.
-DrivenWay DrivenOf(const mission::MissionTrace& trace);
+DrivenWay DrivenOf(const mission::MissionSettings& settings, const mission::MissionTrace& trace);
 
 }  // namespace hardpack::command

@@ -41,7 +41,7 @@ void WriteOutputs(const SimOptions& options, const MissionSettings& settings,
                   const nlohmann::ordered_json& json, const RunResult& result,
                   const MissionTrace& trace) {
   WriteText(options.out + "/run.json", json.dump(1) + "\n");
-  Require(DrawWorld(settings.scenario, settings.seed, {}, DrivenOf(trace))
+  Require(DrawWorld(settings.scenario, settings.seed, {}, DrivenOf(settings, trace))
               .WritePng(options.out + "/sim.png"));
   std::string events;
   for (const MissionTrace::Event& event : trace.events) {

@@ -31,6 +31,7 @@ using world::Scenario;
 constexpr double kWidth_px = 1480.0;
 constexpr picture::Rectangle kMap = {80.0, 74.0, 1080.0, 760.0};
 constexpr double kLegend_px = 1190.0;
+constexpr double kWaypoint_px = 5.0;
 constexpr double kContour_m = 0.5;
 
 constexpr Colour kLowGround = {0.62, 0.70, 0.62};
@@ -41,6 +42,11 @@ constexpr Colour kSolidFill = {0.50, 0.50, 0.54};
 constexpr Colour kTrunkFill = {0.45, 0.28, 0.12};
 constexpr Colour kLeavesFill = {0.35, 0.62, 0.28, 0.45};
 constexpr Colour kMeshFill = {0.30, 0.30, 0.75};
+// By AreaKind.
+constexpr std::array<Colour, kAreaKinds> kAreaFills = {
+    {{0.90, 0.20, 0.10, 0.35}, {0.0, 0.0, 0.0, 0.0}, {0.95, 0.75, 0.10, 0.30}}};
+constexpr std::array<Colour, kAreaKinds> kAreaRims = {
+    {{0.80, 0.05, 0.05}, {0.45, 0.05, 0.60}, {0.75, 0.55, 0.0}}};
 constexpr Colour kPlanLine = {0.05, 0.20, 0.90, 0.35};
 
 class WorldPicture {
@@ -52,6 +58,7 @@ class WorldPicture {
   void DrawBodies();
   void DrawPeople(double time_s);
   void DrawReturns(const std::vector<WorldReturn>& returns);
+  void DrawAreas(const AreaList& areas);
   void DrawDriven(const DrivenWay& driven);
   void DrawEnds(const world::Footprint& footprint);
   void Frame() {
@@ -196,6 +203,20 @@ std::vector<DataPoint> PointsOf(const std::vector<Point2>& way) {
   return points;
 }
 
+void WorldPicture::DrawAreas(const AreaList& areas) {
+  for (const Area& area : areas) {
+    if (area.frame != AreaFrame::kOdom) continue;
+    std::vector<DataPoint> points;
+    for (int i = 0; i < area.corners; ++i) {
+      points.push_back({area.corner[i].x_mm / 1000.0, area.corner[i].y_mm / 1000.0});
+    }
+    const auto kind = static_cast<size_t>(area.kind);
+    axes_.Polygon(points, kAreaFills[kind], kAreaRims[kind]);
+    points.push_back(points.front());
+    axes_.Line(points, {.colour = kAreaRims[kind], .line_px = 2.0});
+  }
+}
+
 void WorldPicture::DrawDriven(const DrivenWay& driven) {
   for (const std::vector<Point2>& plan : driven.plans) {
     axes_.Line(PointsOf(plan), {.colour = kPlanLine, .line_px = 1.0});
@@ -204,6 +225,9 @@ void WorldPicture::DrawDriven(const DrivenWay& driven) {
   const std::vector<DataPoint> way = PointsOf(driven.way);
   axes_.Line(way, {.colour = {0.25, 0.20, 0.0}, .line_px = 6.0});
   axes_.Line(way, {.colour = picture::kDriven, .line_px = 4.0});
+  for (const Point2& place : driven.waypoints) {
+    canvas_->Disc(axes_.X(place.x_m), axes_.Y(place.y_m), kWaypoint_px, picture::kGoal);
+  }
 }
 
 void WorldPicture::DrawEnds(const world::Footprint& footprint) {
@@ -257,6 +281,12 @@ void DrawLegend(Canvas& canvas, const WorldPicture& picture,
     entry({0.85, 0.05, 0.05}, "hard, treetops too");
     entry(picture::kPerson, "person");
   }
+  if (!driven.areas.empty()) {
+    heading("Areas");
+    entry(kAreaRims[0], "keep out");
+    entry(kAreaRims[1], "fence");
+    entry(kAreaRims[2], "speed zone");
+  }
   heading("The way");
   if (!driven.way.empty()) {
     entry(picture::kDriven, "driven");
@@ -267,6 +297,10 @@ void DrawLegend(Canvas& canvas, const WorldPicture& picture,
   y_px += 25.0;
   canvas.Disc(kLegend_px + 13.0, y_px, 8.0, picture::kGoal);
   canvas.Text(kLegend_px + 38.0, y_px + 5.0, "goal", {.size_px = 14.5});
+  if (driven.waypoints.empty()) return;
+  y_px += 25.0;
+  canvas.Disc(kLegend_px + 13.0, y_px, kWaypoint_px, picture::kGoal);
+  canvas.Text(kLegend_px + 38.0, y_px + 5.0, "waypoint", {.size_px = 14.5});
 }
 
 // Its packets, read back.
@@ -338,6 +372,7 @@ Canvas DrawWorld(const Scenario& scenario, uint64_t seed, const std::vector<Worl
   picture.DrawBodies();
   picture.DrawReturns(returns);
   picture.DrawPeople(driven.end_s);
+  picture.DrawAreas(driven.areas);
   picture.DrawDriven(driven);
   picture.DrawEnds(driven.footprint);
   picture.Frame();

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/areas/area.h"
 #include "tools/picture/canvas.h"
 #include "tools/sim/world/contact.h"
 #include "tools/sim/world/named_worlds.h"
@@ -32,6 +33,8 @@ struct DrivenWay {
   world::Footprint footprint;  // of the vehicle that has driven, or will
   std::vector<world::Point2> way;
   std::vector<std::vector<world::Point2>> plans;  // all committed plans
+  AreaList areas;                                 // those in odom, in the world's frame
+  std::vector<world::Point2> waypoints;           // before the goal
   double end_s = 0.0;                             // people are drawn at this time
 };
 

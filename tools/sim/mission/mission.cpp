@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 
+#include "port_linux/files/area_file.h"
 #include "port_linux/files/vehicle_types.h"
 #include "tools/replay/replay.h"
 #include "tools/sim/mission/lock_step.h"
@@ -186,13 +187,43 @@ bool Until(LockStep& run, double limit_s, Condition&& condition) {
   return true;
 }
 
-// Boots, arms and sends the goal. Empty, or the reason why it was not accepted.
+// Areas as the vehicle gets them: its odom frame begins where it starts.
+Area InOdom(const Area& area, const WorldFromOdom& frame) {
+  Area moved = area;
+  for (int i = 0; i < area.corners && area.frame == AreaFrame::kOdom; ++i) {
+    const AreaCorner& corner = area.corner[i];
+    const Vec2 place = frame.ToOdom({corner.x_mm / 1000.0, corner.y_mm / 1000.0});
+    moved.corner[i].x_mm = static_cast<int32_t>(std::lround(1000.0 * double{place.x_m}));
+    moved.corner[i].y_mm = static_cast<int32_t>(std::lround(1000.0 * double{place.y_m}));
+  }
+  return moved;
+}
+
+// Empty, or the reason why one was not accepted.
+std::string SendAreas(LockStep& run, const AreaList& areas) {
+  const WorldFromOdom frame(run.vehicle().vehicle().pose(), run.pilot().odometry().pose());
+  control::OperatorCommand command = Command(control::Kind::kArea);
+  command.area_count = areas.size();
+  for (int i = 0; i < areas.size(); ++i) {
+    command.area_index = i;
+    command.area = InOdom(areas[i], frame);
+    const Status sent = run.Say(command);
+    if (!IsUsable(sent) || run.output().answer != Status::kOk) {
+      return "area " + std::to_string(i + 1) + " was refused";
+    }
+  }
+  return "";
+}
+
+// Boots, sends the areas, arms and sends the goal. Empty, or the reason why it was not accepted.
 std::string Begin(LockStep& run, const MissionSettings& settings) {
   if (!Until(run, kBootLimit_s, [&] { return run.onboard().Drives().ready; })) {
     return "the drives do not become ready";
   }
   const double settled_s = run.time_s() + kSettle_s;
   if (!Until(run, kBootLimit_s, [&] { return run.time_s() > settled_s; })) return "a tick failed";
+  const std::string refused = SendAreas(run, settings.areas);
+  if (!refused.empty()) return refused;
   const Status armed = run.Say(Command(control::Kind::kArm));
   if (!IsUsable(armed) || run.output().answer != Status::kOk) return "arming was refused";
   if (!Until(run, kBootLimit_s, [&] { return run.onboard().Drives().enabled; })) {
@@ -229,6 +260,7 @@ std::string LabelsName(const std::optional<sim::LabelSettings>& labels) {
 
 uint64_t DigestOf(const MissionSettings& settings) {
   std::string text = ToToml(settings.configuration) + settings.script;
+  text += AreasToToml(settings.areas);
   text += sim::VehicleToToml(settings.vehicle, "");
   for (const double number : {settings.spread ? 1.0 : 0.0, settings.limit_s,
                               static_cast<double>(settings.lidar_columns)}) {

@@ -39,6 +39,8 @@ struct MissionSettings {
   std::optional<sim::LabelSettings> labels;
   int lidar_columns = 1024;  // of an Ouster
   Configuration configuration;
+  // Sent by the operator before arming. Those in odom are in the world's frame here.
+  AreaList areas;
   std::string script;  // more events (tools/sim/script/script.h), timed from the goal's acceptance
   double limit_s = 120.0;  // from the goal on
   std::string log;         // path of the flight log; empty: none

@@ -118,8 +118,27 @@ TEST(ControlMessages, QuestionsAndAnswersHaveTheBytesOfTheDocs) {
       (Bytes{0x48, 0x50, 0x43, 0x54, 1, 130, 22, 0, 4, 0, 0, 0, 5, 0, 0, 0, 7, 0, 0, 0, 'a', '='}));
 }
 
+OperatorCommand Arm(uint32_t sequence = 0) {
+  OperatorCommand command;
+  command.kind = Kind::kArm;
+  command.sequence = sequence;
+  return command;
+}
+
 void ExpectSame(const OperatorCommand& a, const OperatorCommand& b) {
   EXPECT_EQ(a.kind, b.kind);
+  if (a.kind == Kind::kArea) {
+    EXPECT_EQ(a.area_index, b.area_index);
+    EXPECT_EQ(a.area_count, b.area_count);
+    EXPECT_EQ(a.area.kind, b.area.kind);
+    EXPECT_EQ(a.area.frame, b.area.frame);
+    EXPECT_EQ(a.area.speed_mps, b.area.speed_mps);
+    ASSERT_EQ(a.area.corners, b.area.corners);
+    for (int i = 0; i < a.area.corners; ++i) EXPECT_EQ(a.area.corner[i], b.area.corner[i]);
+    for (int i = b.area.corners; i < kMaxAreaCorners; ++i) {
+      EXPECT_EQ(b.area.corner[i], AreaCorner{}) << "nothing is left of the one before";
+    }
+  }
   EXPECT_EQ(a.sequence, b.sequence);
   ASSERT_EQ(a.waypoints, b.waypoints);
   EXPECT_EQ(a.has_heading, b.has_heading);
@@ -203,6 +222,96 @@ TEST(ControlMessages, QuestionsAndAnswersComeBackAsTheyWere) {
   }
 }
 
+OperatorCommand ExampleArea() {
+  OperatorCommand command;
+  command.kind = Kind::kArea;
+  command.sequence = 7;
+  command.area_index = 1;
+  command.area_count = 2;
+  command.area.kind = AreaKind::kSpeedZone;
+  command.area.speed_mps = 1.5f;
+  command.area.corners = 3;
+  command.area.corner[0] = {.x_mm = 12'500, .y_mm = -3000};
+  command.area.corner[1] = {.x_mm = 16'000, .y_mm = -3000};
+  command.area.corner[2] = {.x_mm = 16'000, .y_mm = 2000};
+  return command;
+}
+
+TEST(ControlMessages, AnAreaHasTheBytesOfTheDocs) {
+  const Bytes expected = {0x48, 0x50, 0x43, 0x54, 1,    10,   0x48, 0,     //
+                          7,    0,    0,    0,                             //
+                          1,    2,    2,    0,    3,    0,    0,    0,     //
+                          0,    0,    0xc0, 0x3f,                          //
+                          0xd4, 0x30, 0,    0,    0x48, 0xf4, 0xff, 0xff,  //
+                          0,    0,    0,    0,    0,    0,    0,    0,     //
+                          0x80, 0x3e, 0,    0,    0x48, 0xf4, 0xff, 0xff,  //
+                          0,    0,    0,    0,    0,    0,    0,    0,     //
+                          0x80, 0x3e, 0,    0,    0xd0, 0x07, 0,    0,     //
+                          0,    0,    0,    0,    0,    0,    0,    0};
+  EXPECT_EQ(Encoded(ExampleArea()), expected);
+  for (size_t size = 0; size < expected.size(); ++size) {
+    EXPECT_EQ(DecodeCommand(Resized(expected, size)), Status::kTruncated) << size;
+  }
+  EXPECT_EQ(DecodeCommand(Resized(expected, expected.size() + 1)), Status::kOversized);
+  for (const size_t zero : {17u, 18u, 19u, 32u, 39u, 71u}) {
+    Bytes bytes = expected;
+    bytes[zero] = 1;
+    EXPECT_EQ(DecodeCommand(bytes), Status::kInvalidArgument) << zero;
+  }
+}
+
+struct BadArea {
+  const char* what;
+  void (*spoil)(OperatorCommand&);
+  Status status;
+};
+
+// SR-ARE01
+TEST(ControlMessages, AnAreaWithANumberOutOfRangeIsRefusedBothWays) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const BadArea cases[] = {
+      {"index", [](OperatorCommand& c) { c.area_index = 2; }, Status::kInvalidArgument},
+      {"no count", [](OperatorCommand& c) { c.area_count = 0; }, Status::kInvalidArgument},
+      {"65th", [](OperatorCommand& c) { c.area_count = 65; }, Status::kInvalidArgument},
+      {"kind", [](OperatorCommand& c) { c.area.kind = static_cast<AreaKind>(3); },
+       Status::kInvalidArgument},
+      {"frame", [](OperatorCommand& c) { c.area.frame = static_cast<AreaFrame>(2); },
+       Status::kInvalidArgument},
+      {"few corners", [](OperatorCommand& c) { c.area.corners = 2; }, Status::kInvalidArgument},
+      {"33rd corner", [](OperatorCommand& c) { c.area.corners = 33; }, Status::kInvalidArgument},
+      {"far", [](OperatorCommand& c) { c.area.corner[1].x_mm = INT32_MIN; },
+       Status::kInvalidArgument},
+      {"farther", [](OperatorCommand& c) { c.area.corner[2].y_mm = kMaxAreaPosition_mm + 1; },
+       Status::kInvalidArgument},
+      {"NaN", [](OperatorCommand& c) { c.area.speed_mps = kNan; }, Status::kNotFinite},
+  };
+  for (const BadArea& bad : cases) {
+    SCOPED_TRACE(bad.what);
+    OperatorCommand command = ExampleArea();
+    bad.spoil(command);
+    Bytes bytes;
+    EXPECT_EQ(TryEncode(command, bytes), bad.status);
+    EXPECT_TRUE(bytes.empty());
+  }
+  const Bytes good = Encoded(ExampleArea());
+  for (const auto& [offset, value] : {std::pair{12u, 2},
+                                      {13u, 65},
+                                      {13u, 1},
+                                      {14u, 3},
+                                      {15u, 2},
+                                      {16u, 2},
+                                      {16u, 33},
+                                      {27u, 0x7f}}) {
+    Bytes bytes = good;
+    bytes[offset] = static_cast<uint8_t>(value);
+    EXPECT_EQ(DecodeCommand(bytes), Status::kInvalidArgument) << offset;
+  }
+  Bytes nan = good;
+  nan[22] = 0xc0;
+  nan[23] = 0x7f;
+  EXPECT_EQ(DecodeCommand(nan), Status::kNotFinite);
+}
+
 // What a cut message says of its size is not what it has; and where it is, the body's.
 // SR-OPR02
 TEST(ControlMessages, EveryTruncationIsTold) {
@@ -223,7 +332,7 @@ TEST(ControlMessages, EveryTruncationIsTold) {
   longer.resize(kMaxMessageBytes + 1);
   EXPECT_EQ(DecodeCommand(longer), Status::kOversized);
 
-  const Bytes arm = Encoded(OperatorCommand{.kind = Kind::kArm});
+  const Bytes arm = Encoded(Arm());
   EXPECT_EQ(DecodeCommand(Resized(arm, 13)), Status::kOversized);
   Question question;
   const Bytes asked = Encoded(Question{Kind::kGetParameters, 1, 0});
@@ -238,7 +347,7 @@ TEST(ControlMessages, EveryTruncationIsTold) {
 }
 
 TEST(ControlMessages, MagicVersionAndKindAreToldApart) {
-  const Bytes arm = Encoded(OperatorCommand{.kind = Kind::kArm, .sequence = 9});
+  const Bytes arm = Encoded(Arm(9));
   for (size_t i = 0; i < 4; ++i) {
     Bytes bytes = arm;
     bytes[i] ^= 0x20;
@@ -252,11 +361,11 @@ TEST(ControlMessages, MagicVersionAndKindAreToldApart) {
     bytes = arm;
     bytes[5] = static_cast<uint8_t>(kind);
     const bool known =
-        (kind >= 1 && kind <= 9) || kind == 64 || kind == 65 || (kind >= 128 && kind <= 130);
+        (kind >= 1 && kind <= 11) || kind == 64 || kind == 65 || (kind >= 128 && kind <= 130);
     Header header;
     EXPECT_EQ(ReadHeader(bytes, header), known ? Status::kOk : Status::kInvalidArgument);
     EXPECT_EQ(header.sequence, 9u) << "so that it can be answered";
-    EXPECT_EQ(IsUsable(DecodeCommand(bytes)), kind >= 1 && kind <= 9 && kind != 3);
+    EXPECT_EQ(IsUsable(DecodeCommand(bytes)), kind >= 1 && kind <= 11 && kind != 3 && kind != 10);
   }
 }
 
@@ -265,7 +374,7 @@ TEST(ControlMessages, WhatIsOfAnotherSortIsNotDecoded) {
   Question question;
   Done done;
   ParametersPart part;
-  const Bytes arm = Encoded(OperatorCommand{.kind = Kind::kArm});
+  const Bytes arm = Encoded(Arm());
   const Bytes asked = Encoded(Question{});
   EXPECT_EQ(Decode(asked, command), Status::kWrongPacketType);
   EXPECT_EQ(Decode(arm, question), Status::kWrongPacketType);

@@ -55,10 +55,32 @@ inline int64_t RandomWithin(std::mt19937& random, int64_t limit) {
   return std::uniform_int_distribution<int64_t>(-limit, limit)(random);
 }
 
+inline void SetRandomArea(std::mt19937& random, OperatorCommand& command) {
+  command.area_count = 1 + static_cast<int32_t>(random() % kMaxAreas);
+  command.area_index = static_cast<int32_t>(random() % static_cast<uint32_t>(command.area_count));
+  Area& area = command.area;
+  area.kind = static_cast<AreaKind>(random() % kAreaKinds);
+  area.frame = static_cast<AreaFrame>(random() % kAreaFrames);
+  area.speed_mps = RandomWithin(random, 20.0f);
+  area.corners =
+      kMinAreaCorners + static_cast<int32_t>(random() % (kMaxAreaCorners - kMinAreaCorners + 1));
+  for (int i = 0; i < area.corners; ++i) {
+    AreaCorner& corner = area.corner[i];
+    if (area.frame == AreaFrame::kEarth) {
+      corner.latitude_ndeg = RandomWithin(random, kMaxLatitude_ndeg);
+      corner.longitude_ndeg = RandomWithin(random, kMaxLongitude_ndeg);
+    } else {
+      corner.x_mm = static_cast<int32_t>(RandomWithin(random, int64_t{kMaxAreaPosition_mm}));
+      corner.y_mm = static_cast<int32_t>(RandomWithin(random, int64_t{kMaxAreaPosition_mm}));
+    }
+  }
+}
+
 inline OperatorCommand RandomCommand(std::mt19937& random) {
   OperatorCommand command;
-  command.kind = static_cast<Kind>(1 + random() % 9);
+  command.kind = static_cast<Kind>(1 + random() % 11);
   command.sequence = static_cast<uint32_t>(random());
+  if (command.kind == Kind::kArea) SetRandomArea(random, command);
   if (command.kind != Kind::kGoal) return command;
   command.waypoints = 1 + static_cast<int32_t>(random() % kMaxWaypoints);
   for (int i = 0; i < command.waypoints; ++i) {
