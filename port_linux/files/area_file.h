@@ -3,9 +3,7 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <string>
-#include <string_view>
 
 #include "core/areas/area.h"
 #include "port_linux/files/read_outcome.h"
@@ -14,6 +12,11 @@
 // configuration. docs/areas.md.
 
 namespace hardpack {
+
+// An odom corner is written in metres and kept in millimetres; the furthest one [m].
+inline constexpr double kAreaUnitsPerMeter = 1.0e3;
+inline constexpr double kMaxAreaPosition_m =
+    static_cast<double>(kMaxAreaPosition_mm) / kAreaUnitsPerMeter;
 
 // By AreaKind and AreaFrame.
 inline constexpr std::array<const char*, kAreaKinds> kAreaKindNames = {"keep_out", "fence",
@@ -45,11 +48,5 @@ ReadOutcome ParseAreas(const std::string& text, const std::string& name, AreaLis
 // Areas as the tables [[area]] of a configuration (configuration_areas.h), which read back as the
 // same areas; empty without areas.
 std::string AreasToToml(const AreaList& areas);
-
-// A number of degrees, exactly: "-12.345678901" is -12345678901. Digits, at most nine of them after
-// the point, an optional sign. kInvalidArgument, with a line that begins with `name`: not in this
-// form, or beyond +-`limit_ndeg`.
-ReadOutcome ParseNanodegrees(const std::string& name, std::string_view text, int64_t limit_ndeg,
-                             int64_t& value_ndeg);
 
 }  // namespace hardpack

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "port_linux/files/configuration_areas.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -10,20 +9,19 @@
 
 #include "port_linux/files/area_file.h"
 #include "port_linux/files/configuration_keys.h"
+#include "port_linux/files/line_words.h"
 
 namespace hardpack {
 namespace {
 
 constexpr double kNanodegreesPerDegree = 1.0e9;
-constexpr double kMillimetersPerMeter = 1.0e3;
 
 template <size_t kNames>
 std::optional<int> NamedBy(const toml::node* node, const std::array<const char*, kNames>& names) {
   const auto* text = node != nullptr ? node->as_string() : nullptr;
   if (text == nullptr) return std::nullopt;
-  const auto found = std::find(names.begin(), names.end(), text->get());
-  if (found == names.end()) return std::nullopt;
-  return static_cast<int>(std::distance(names.begin(), found));
+  const int index = IndexOfName(names, text->get());
+  return index < 0 ? std::nullopt : std::optional(index);
 }
 
 std::optional<double> NumberOf(const toml::node* node) {
@@ -121,9 +119,8 @@ class AreaTable {
       corner.longitude_ndeg = longitude.value_or(0);
       return latitude && longitude;
     }
-    constexpr double kMost_m = kMaxAreaPosition_mm / 1000;
-    const auto x_mm = Scaled(first, kMost_m, kMillimetersPerMeter);
-    const auto y_mm = Scaled(second, kMost_m, kMillimetersPerMeter);
+    const auto x_mm = Scaled(first, kMaxAreaPosition_m, kAreaUnitsPerMeter);
+    const auto y_mm = Scaled(second, kMaxAreaPosition_m, kAreaUnitsPerMeter);
     corner.x_mm = static_cast<int32_t>(x_mm.value_or(0));
     corner.y_mm = static_cast<int32_t>(y_mm.value_or(0));
     return x_mm && y_mm;

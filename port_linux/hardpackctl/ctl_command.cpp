@@ -25,6 +25,7 @@
 #include "port_linux/command_line/command.h"
 #include "port_linux/files/area_file.h"
 #include "port_linux/files/configuration.h"
+#include "port_linux/files/line_words.h"
 #include "port_linux/hardpackctl/code_names.h"
 #include "port_linux/hardpackctl/connection.h"
 #include "port_linux/hardpackctl/status_view.h"
@@ -132,10 +133,8 @@ control::Waypoint PositionGoal(const CtlOptions& options) {
 control::Waypoint GeodeticGoal(const CtlOptions& options) {
   control::Waypoint waypoint;
   waypoint.frame = control::GoalFrame::kGeodetic;
-  Require(ParseNanodegrees("--lat", options.latitude, control::kMaxLatitude_ndeg,
-                           waypoint.latitude_ndeg));
-  Require(ParseNanodegrees("--lon", options.longitude, control::kMaxLongitude_ndeg,
-                           waypoint.longitude_ndeg));
+  Require(ParseLatitude("--lat", options.latitude, waypoint.latitude_ndeg));
+  Require(ParseLongitude("--lon", options.longitude, waypoint.longitude_ndeg));
   return waypoint;
 }
 

@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <sstream>
 #include <vector>
 
-#include "port_linux/files/area_file.h"
+#include "port_linux/files/line_words.h"
 #include "port_linux/files/read_file.h"
 
 namespace hardpack::ctl {
@@ -15,39 +14,11 @@ namespace {
 
 using control::GoalFrame;
 
-ReadOutcome Wrong(const std::string& name, const std::string& what) {
-  return {Status::kInvalidArgument, name + ": " + what};
-}
-
-std::string Quoted(std::string_view text) {
-  // Not with operator+: GCC 12 warns of overlaps there (its bug 105329).
-  std::string quoted(1, '\'');
-  quoted.append(text);
-  quoted.push_back('\'');
-  return quoted;
-}
-
-bool AreDigits(std::string_view text) {
-  return text.find_first_not_of("0123456789") == std::string_view::npos;
-}
-
 ReadOutcome ParseMeters(const std::string& name, std::string_view text, float& value_m) {
-  const char* first = text.data();
-  const char* last = first + text.size();
-  if (first != last && *first == '+') ++first;
-  const auto [end, error] = std::from_chars(first, last, value_m);
-  if (error != std::errc{} || end != last) return Wrong(name, Quoted(text) + " is not a number");
-  if (std::isfinite(value_m) && std::abs(value_m) <= control::kMaxPosition_m) return {};
-  return Wrong(name, Quoted(text) + " is not within 1e6 m");
-}
-
-// The words of a line, without its comment.
-std::vector<std::string> Words(std::string line) {
-  line.resize(std::min(line.size(), line.find('#')));
-  std::istringstream stream(line);
-  std::vector<std::string> words;
-  for (std::string word; stream >> word;) words.push_back(word);
-  return words;
+  double value = 0.0;
+  ReadOutcome outcome = ParseDecimal(name, text, double{control::kMaxPosition_m}, value);
+  value_m = static_cast<float>(value);
+  return outcome;
 }
 
 ReadOutcome ParseHeader(const std::string& name, const std::vector<std::string>& words,
@@ -96,10 +67,8 @@ ReadOutcome ParseWaypoint(const std::string& name, const std::vector<std::string
     if (!outcome.ok()) return outcome;
   }
   if (geodetic) {
-    ReadOutcome outcome = ParseNanodegrees(name + ": latitude", words[0],
-                                           control::kMaxLatitude_ndeg, waypoint.latitude_ndeg);
-    return outcome.ok() ? ParseNanodegrees(name + ": longitude", words[1],
-                                           control::kMaxLongitude_ndeg, waypoint.longitude_ndeg)
+    ReadOutcome outcome = ParseLatitude(name + ": latitude", words[0], waypoint.latitude_ndeg);
+    return outcome.ok() ? ParseLongitude(name + ": longitude", words[1], waypoint.longitude_ndeg)
                         : outcome;
   }
   ReadOutcome outcome = ParseMeters(name + ": x", words[0], waypoint.position_m.x_m);
@@ -137,7 +106,7 @@ ReadOutcome ReadWaypoints(const std::string& path, control::OperatorCommand& com
   int number = 0;
   for (std::string line; std::getline(lines, line);) {
     const std::string name = path + ":" + std::to_string(++number);
-    const std::vector<std::string> words = Words(line);
+    const std::vector<std::string> words = WordsOf(line);
     if (words.empty()) continue;
     if (!has_frame) {
       ReadOutcome header = ParseHeader(name, words, frame);
