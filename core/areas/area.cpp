@@ -4,13 +4,11 @@
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
 #include "core/base/pose.h"
-#include "core/base/saturate.h"
 #include "core/odometry/local_plane.h"
 
 namespace hardpack {
 namespace {
 
-constexpr float kMillimetersPerMeter = 1000.0f;
 constexpr int kEdgePairs = kMaxAreaCorners - 1;
 
 // Corners in one plane.
@@ -21,16 +19,11 @@ struct Polygon {
   int Next(int corner) const { return corner + 1 < corners ? corner + 1 : 0; }
 };
 
-bool IsInOdom(const AreaCorner& corner) {
-  return corner.x_mm >= -kMaxAreaPosition_mm && corner.x_mm <= kMaxAreaPosition_mm &&
-         corner.y_mm >= -kMaxAreaPosition_mm && corner.y_mm <= kMaxAreaPosition_mm;
-}
-
 Status MakePolygonInOdom(const Area& area, Polygon& polygon) {
   HP_LOOP_BOUND(kMaxAreaCorners)
   for (int i = 0; i < area.corners; ++i) {
     const AreaCorner& corner = area.corner[i];
-    if (!IsInOdom(corner)) return Status::kInvalidArgument;
+    if (!IsAreaPosition(corner.x_mm, corner.y_mm)) return Status::kInvalidArgument;
     polygon.x_mm[i] = corner.x_mm;
     polygon.y_mm[i] = corner.y_mm;
   }
@@ -46,8 +39,8 @@ Status MakePolygonOnEarth(const Area& area, Polygon& polygon) {
     const AreaCorner& corner = area.corner[i];
     Vec2 place;
     status = plane.ToPlane(corner.latitude_ndeg, corner.longitude_ndeg, place);
-    polygon.x_mm[i] = RoundToInt(place.x_m * kMillimetersPerMeter);
-    polygon.y_mm[i] = RoundToInt(place.y_m * kMillimetersPerMeter);
+    polygon.x_mm[i] = ToMillimeters(place.x_m);
+    polygon.y_mm[i] = ToMillimeters(place.y_m);
   }
   return status;
 }

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "core/base/fixed_vector.h"
+#include "core/base/saturate.h"
 #include "core/base/status.h"
 
 // Areas that a person draws: where the vehicle must not go, what it must not leave, and where it
@@ -21,6 +22,14 @@ inline constexpr int kMinAreaCorners = 3;
 inline constexpr int kMaxAreaCorners = 32;
 // Of a corner in odom, either way. A float is exact to 8 mm there.
 inline constexpr int32_t kMaxAreaPosition_mm = 100'000'000;
+constexpr bool IsAreaPosition(int32_t x_mm, int32_t y_mm) {
+  return x_mm >= -kMaxAreaPosition_mm && x_mm <= kMaxAreaPosition_mm &&
+         y_mm >= -kMaxAreaPosition_mm && y_mm <= kMaxAreaPosition_mm;
+}
+// To the nearest; saturates.
+inline int32_t ToMillimeters(float length_m) {
+  return RoundToInt(length_m * 1000.0f);
+}
 // A smaller polygon is a mistake: less than a cell.
 inline constexpr int64_t kMinArea_mm2 = 40'000;
 inline constexpr float kMinZoneSpeed_mps = 0.1f;
@@ -34,9 +43,8 @@ enum class AreaKind : uint8_t {
 inline constexpr int kAreaKinds = 3;
 
 enum class AreaFrame : uint8_t {
-  kOdom = 0,  // metres in the local frame
-  kEarth =
-      1,  // latitude and longitude, WGS 84: moves in odom as the transform from odom to map does
+  kOdom = 0,   // metres in the local frame
+  kEarth = 1,  // latitude and longitude, WGS 84: moves in odom with the transform to map
 };
 inline constexpr int kAreaFrames = 2;
 

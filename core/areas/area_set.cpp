@@ -3,12 +3,10 @@
 
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
-#include "core/base/saturate.h"
 
 namespace hardpack {
 namespace {
 
-constexpr float kMillimetersPerMeter = 1000.0f;
 // More than the margin of any test of an area.
 constexpr float kBeyond_m = 1.0f;
 
@@ -124,12 +122,9 @@ void AreaSet::PlaceOnEarth(int index, const MapFromOdom& map_from_odom) {
     Vec2 place_odom;
     const Status status =
         map_from_odom.ToOdom(corner.latitude_ndeg, corner.longitude_ndeg, place_odom);
-    x_mm[i] = RoundToInt(place_odom.x_m * kMillimetersPerMeter);
-    y_mm[i] = RoundToInt(place_odom.y_m * kMillimetersPerMeter);
-    const bool fits = IsUsable(status) && x_mm[i] >= -kMaxAreaPosition_mm &&
-                      x_mm[i] <= kMaxAreaPosition_mm && y_mm[i] >= -kMaxAreaPosition_mm &&
-                      y_mm[i] <= kMaxAreaPosition_mm;
-    if (!fits) {
+    x_mm[i] = ToMillimeters(place_odom.x_m);
+    y_mm[i] = ToMillimeters(place_odom.y_m);
+    if (!IsUsable(status) || !IsAreaPosition(x_mm[i], y_mm[i])) {
       if (place_[index] == Place::kPresent) place_[index] = Place::kOld;
       return;
     }
@@ -149,9 +144,9 @@ void AreaSet::PlaceOnEarth(int index, const MapFromOdom& map_from_odom) {
 // Whether the area's box reaches to within reach_m of the pose.
 bool AreaSet::IsNear(int index, const Pose2& pose, float reach_m) const {
   const Box& box = box_[index];
-  const int64_t x_mm = RoundToInt(pose.x_m * kMillimetersPerMeter);
-  const int64_t y_mm = RoundToInt(pose.y_m * kMillimetersPerMeter);
-  const int64_t reach_mm = RoundToInt((reach_m + kBeyond_m) * kMillimetersPerMeter);
+  const int64_t x_mm = ToMillimeters(pose.x_m);
+  const int64_t y_mm = ToMillimeters(pose.y_m);
+  const int64_t reach_mm = ToMillimeters(reach_m + kBeyond_m);
   return box.low_x_mm - reach_mm <= x_mm && x_mm <= box.high_x_mm + reach_mm &&
          box.low_y_mm - reach_mm <= y_mm && y_mm <= box.high_y_mm + reach_mm;
 }

@@ -3,13 +3,11 @@
 
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
-#include "core/base/saturate.h"
 
 namespace hardpack {
 namespace {
 
 constexpr int64_t kCell_mm = 200;
-constexpr float kMillimetersPerMeter = 1000.0f;
 constexpr float kMetersPerMillimeter = 0.001f;
 // A few roundings of single precision, of the size of the numbers that were rounded.
 constexpr float kRounding = 1.0f / (1 << 20);
@@ -59,7 +57,7 @@ void Fill(int32_t first, int32_t last, RowCells& cells) {
   if (low > high) return;
   const auto low_word = static_cast<uint32_t>(low) / kWordBits;
   const auto high_word = static_cast<uint32_t>(high) / kWordBits;
-  HP_LOOP_BOUND(RowCells::kWords)
+  HP_LOOP_BOUND(kRowWords)
   for (uint32_t word = low_word; word <= high_word; ++word) {
     uint32_t bits = 0xffffffffu;
     if (word == low_word) bits &= 0xffffffffu << (static_cast<uint32_t>(low) % kWordBits);
@@ -96,7 +94,7 @@ RowRange ColumnsOf(const Edge& edge, float row) {
 // and below it. `before`: of what lies left of the map.
 void SumParity(bool before, RowCells& cells) {
   uint32_t carried = before ? 0xffffffffu : 0u;
-  HP_LOOP_BOUND(RowCells::kWords)
+  HP_LOOP_BOUND(kRowWords)
   for (uint32_t& word : cells.word) {
     word ^= word << 1u;
     word ^= word << 2u;
@@ -116,8 +114,8 @@ struct BodyView {
   float middle_m = 0.0f;
 
   BodyView(const Pose2& pose, float middle)
-      : x_mm(RoundToInt(pose.x_m * kMillimetersPerMeter)),
-        y_mm(RoundToInt(pose.y_m * kMillimetersPerMeter)),
+      : x_mm(ToMillimeters(pose.x_m)),
+        y_mm(ToMillimeters(pose.y_m)),
         heading(SinCos(pose.theta_rad)),
         middle_m(middle) {}
 
@@ -243,8 +241,8 @@ RowCells ClosedCells(const Area& area, const GridWindow& window, int row) {
   }
   SumParity(is_left_inside, inside);
   const uint32_t flip = area.kind == AreaKind::kFence ? 0xffffffffu : 0u;
-  HP_LOOP_BOUND(RowCells::kWords)
-  for (int word = 0; word < RowCells::kWords; ++word) {
+  HP_LOOP_BOUND(kRowWords)
+  for (int word = 0; word < kRowWords; ++word) {
     touched.word[word] |= inside.word[word] ^ flip;
   }
   return touched;
@@ -265,8 +263,8 @@ bool IsBreached(const Area& area, const Footprint& footprint, const Pose2& pose)
 }
 
 bool Forbids(const Area& area, Vec2 place_odom) {
-  return ForbidsBy(area.kind, RelationTo(area, RoundToInt(place_odom.x_m * kMillimetersPerMeter),
-                                         RoundToInt(place_odom.y_m * kMillimetersPerMeter)));
+  return ForbidsBy(area.kind,
+                   RelationTo(area, ToMillimeters(place_odom.x_m), ToMillimeters(place_odom.y_m)));
 }
 
 }  // namespace hardpack

@@ -17,8 +17,7 @@ namespace hardpack {
 
 // Cells of one row of the map, one bit each: column 32 w + b is bit b of word w.
 struct RowCells {
-  static constexpr int kWords = kMapSize_cells / 32;
-  uint32_t word[kWords] = {};
+  uint32_t word[kRowWords] = {};
   constexpr bool Has(int column) const {
     return ((word[column / 32] >> (static_cast<uint32_t>(column) % 32u)) & 1u) != 0;
   }
@@ -48,7 +47,8 @@ bool IsTouched(const Area& area, const Footprint& footprint, const Pose2& pose, 
 // inside a fence. A speed zone forbids nothing. Precondition and cost as above.
 bool IsBreached(const Area& area, const Footprint& footprint, const Pose2& pose);
 
-// The same for a single point, as for a goal.
+// The same for a single point, as for a goal: without a margin, exact for the point to the nearest
+// millimetre.
 bool Forbids(const Area& area, Vec2 place_odom);
 
 }  // namespace hardpack

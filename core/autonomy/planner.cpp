@@ -14,15 +14,6 @@ namespace {
 // Copied from, since a temporary would not fit on the stack.
 constexpr Plan kNoPlan;
 
-Vec2 PlaceOf(const Pose2& pose) {
-  return {pose.x_m, pose.y_m};
-}
-
-bool IsNear(Vec2 place, Vec2 here) {
-  const Vec2 way = {place.x_m - here.x_m, place.y_m - here.y_m};
-  return way.x_m * way.x_m + way.y_m * way.y_m <= Planner::kHere_m * Planner::kHere_m;
-}
-
 Status CheckRequest(const PlanRequest& request) {
   const PathStart& start = request.start;
   const bool finite = IsFinite(start.pose) && IsFinite(start.curvature_per_m) &&
@@ -213,7 +204,7 @@ void Planner::StepCostmap(const Source& source, int units) {
 bool Planner::IsHere() const {
   if (first_leg_ < request_.route.vias.size()) return false;
   return request_.start.speed_mps == 0.0f &&
-         IsNear(request_.goal_odom, PlaceOf(request_.start.pose));
+         AreWithin(request_.goal_odom, PlaceOf(request_.start.pose), kHere_m);
 }
 
 void Planner::Stay() {
@@ -243,26 +234,23 @@ void Planner::BeginSearch() {
   shortened_ = false;
   plan_.base.Clear();
   leg_ = 0;
+  const Vec2 start = PlaceOf(request_.start.pose);
   HP_LOOP_BOUND(kMaxVias)
-  while (leg_ < request_.route.vias.size() && IsNear(PlaceAt(leg_), PlaceOf(request_.start.pose))) {
+  while (leg_ < request_.route.vias.size() && AreWithin(PlaceAt(leg_), start, kHere_m)) {
     ++leg_;
   }
   first_leg_ = leg_;
   plan_.target = leg_;
   if (IsHere()) return Stay();
   if (request_.lead_out > 0 && BeginLeadOut(Status::kOk)) return;
-  BeginLeg(PlaceOf(request_.start.pose));
+  BeginLeg(start);
 }
 
 void Planner::StepSearch(int units) {
   if (search_.Step(costmap(), kSearchUnits * units) == Progress::kBusy) return;
   const AstarResult& found = search_.result();
   if (leg_ > first_leg_) {
-    const bool goes = IsUsable(found.status) &&
-                      IsUsable(sampler_.Begin(search_, params_.path, leg_from_, PlaceAt(leg_)));
-    if (!goes) return EndLegs();
-    sampled_ = false;
-    stage_ = PlanStage::kSample;
+    if (!IsUsable(found.status) || !IsUsable(BeginSample())) EndLegs();
     return;
   }
   plan_.search = found;
@@ -273,10 +261,16 @@ void Planner::StepSearch(int units) {
     if (is_enclosed && BeginLeadOut(plan_.base_status)) return;
     return Fail(plan_.base_status);
   }
-  plan_.base_status = sampler_.Begin(search_, params_.path, leg_from_, PlaceAt(leg_));
+  plan_.base_status = BeginSample();
   if (!IsUsable(plan_.base_status)) return Fail(plan_.base_status);
+}
+
+Status Planner::BeginSample() {
+  const Status status = sampler_.Begin(search_, params_.path, leg_from_, PlaceAt(leg_));
+  if (!IsUsable(status)) return status;
   sampled_ = false;
   stage_ = PlanStage::kSample;
+  return status;
 }
 
 void Planner::StepSample(int units) {

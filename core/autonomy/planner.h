@@ -162,10 +162,9 @@ class Planner {
   // own, which are that much shorter than a row of the costmap), and at most kPortion_units of one
   // stage; what a stage leaves of them is lost. Between stages a unit may also join, assemble or
   // begin, which costs a few passes over the path. Before the costmap's own units one closes the
-  // cells of one area in one row. kMaxUnits steps of one unit end any plan. Any
-  // split of the units gives the same plan while mapper and areas are unchanged. areas: the same
-  // set, with the same areas, from Begin on; null: none. Results: those of the stages, and
-  // kPivotBlocked.
+  // cells of one area in one row. kMaxUnits steps of one unit end any plan. Any split of the units
+  // gives the same plan while mapper and areas are unchanged. areas: the same set, with the same
+  // areas, from Begin on; null: none. Results: those of the stages, and kPivotBlocked.
   Progress Step(const Mapper& mapper, int units, const AreaSet* areas = nullptr);
   Progress Step(const HeightGrid& heights, int units, const AreaSet* areas = nullptr);
   Progress StepCells(int units, const AreaSet* areas = nullptr);
@@ -220,6 +219,7 @@ class Planner {
   void StepCostmap(const Source& source, int units);
   void CloseAreas(const AreaSet& areas, int units);
   void StepSearch(int units);
+  Status BeginSample();
   void StepSample(int units);
   void StepSampler(int units);
   void StepLeadOut(int units);
@@ -288,7 +288,8 @@ class Planner {
   AstarSearch search_;
   PathSampler sampler_;
   bool sampled_ = false;  // and the smoother has begun
-  // A leg that is part of the base path: where it ends there, and the search up to there.
+  // A leg that is part of the base path: where it ends there, and the search up to there. Not an
+  // AstarResult, which is copied as a block, by a loop that no bound is recorded for.
   struct Leg {
     int32_t end_point = 0;
     Status status = Status::kNotStarted;

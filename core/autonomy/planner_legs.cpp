@@ -13,19 +13,6 @@ constexpr float kTightShare = 0.5f;
 // From a start that is nearer to the first via than this, the leg's direction is the vehicle's own.
 constexpr float kLeastFirstLeg_m = 3.0f;
 
-Vec2 PlaceOf(const Pose2& pose) {
-  return {pose.x_m, pose.y_m};
-}
-
-Vec2 Minus(Vec2 a, Vec2 b) {
-  return {a.x_m - b.x_m, a.y_m - b.y_m};
-}
-
-bool AreWithin(Vec2 a, Vec2 b, float distance_m) {
-  const Vec2 way = Minus(a, b);
-  return way.x_m * way.x_m + way.y_m * way.y_m <= distance_m * distance_m;
-}
-
 }  // namespace
 
 // Not inlined: within NextLeg's loop the choice becomes a second way into it, and such a loop has

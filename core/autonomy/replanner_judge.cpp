@@ -15,12 +15,7 @@ constexpr float kGoalTurn_rad = 0.1f;
 constexpr float kMaxReaction_s = 5.0f;
 
 float Distance(Vec2 a, Vec2 b) {
-  const Vec2 arm = {a.x_m - b.x_m, a.y_m - b.y_m};
-  return Sqrt(arm.x_m * arm.x_m + arm.y_m * arm.y_m);
-}
-
-Vec2 PlaceOf(const Pose2& pose) {
-  return {pose.x_m, pose.y_m};
+  return Length(Minus(a, b));
 }
 
 bool AreSame(Vec2 a, Vec2 b) {

@@ -12,6 +12,7 @@ namespace hardpack {
 // The planning grid: 512 x 512 square cells of 0.2 m, aligned to the odom frame ([OS] System
 // Overview). A map is a window onto an unbounded plane of cells; it moves by whole cells.
 inline constexpr int kMapSize_cells = 512;
+inline constexpr int kRowWords = kMapSize_cells / 32;  // of 32 bits: one for each cell of a row
 inline constexpr int kMapCells = kMapSize_cells * kMapSize_cells;
 inline constexpr float kCellSize_m = 0.2f;
 inline constexpr float kCellsPerMeter = 5.0f;  // exact in binary, unlike its inverse

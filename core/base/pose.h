@@ -37,6 +37,21 @@ constexpr bool IsFinite(const Pose2& pose) {
   return IsFinite(pose.x_m) && IsFinite(pose.y_m) && IsFinite(pose.theta_rad);
 }
 
+constexpr Vec2 PlaceOf(const Pose2& pose) {
+  return {pose.x_m, pose.y_m};
+}
+constexpr Vec2 Minus(Vec2 a, Vec2 b) {
+  return {a.x_m - b.x_m, a.y_m - b.y_m};
+}
+inline float Length(Vec2 v) {
+  return Sqrt(v.x_m * v.x_m + v.y_m * v.y_m);
+}
+// False for what is not finite.
+constexpr bool AreWithin(Vec2 a, Vec2 b, float distance_m) {
+  const Vec2 arm = Minus(a, b);
+  return arm.x_m * arm.x_m + arm.y_m * arm.y_m <= distance_m * distance_m;
+}
+
 // Maps a point of frame `from` to frame `to`: p_to = R p_from + t.
 struct Transform3 {
   float rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  // [3 x 3], row-major, orthonormal

@@ -11,10 +11,6 @@ Vec2 ChordBehind(const WorldPath& path, int point) {
   return {path[point + 1].x_m - path[point].x_m, path[point + 1].y_m - path[point].y_m};
 }
 
-float Length(Vec2 v) {
-  return Sqrt(v.x_m * v.x_m + v.y_m * v.y_m);
-}
-
 // Nearer than what was best so far, or not.
 void TryChord(const WorldPath& path, int point, float along_m, Vec2 position, PathPlace& best) {
   const Vec2 chord = ChordBehind(path, point);
@@ -51,9 +47,7 @@ bool AreOfOneWay(const PlanGoal& earlier, const PlanGoal& later, float tolerance
     if (number < earlier_first) continue;
     const Vec2 was = PlaceOfGoal(earlier, static_cast<int>(number - earlier_first)).position_odom;
     const Vec2 is = PlaceOfGoal(later, static_cast<int>(number - first)).position_odom;
-    const float dx_m = was.x_m - is.x_m;
-    const float dy_m = was.y_m - is.y_m;
-    if (!(dx_m * dx_m + dy_m * dy_m <= tolerance_m * tolerance_m)) return false;
+    if (!AreWithin(was, is, tolerance_m)) return false;
   }
   return true;
 }

@@ -138,7 +138,6 @@ class CostmapBuilder {
   // observed, and a person in them stays one. closed: one bit per column, column 32 w + b is bit b
   // of word w; kMapSize_cells bits. Precondition: StepCells has not been called, and StepHeights
   // has returned kDone or BeginCells was called; 0 <= row < kMapSize_cells. Cost: constant.
-  static constexpr int kRowWords = kMapSize_cells / 32;
   void CloseCells(int row, std::span<const uint32_t, kRowWords> closed);
 
   // From given cells (maps from files, tests): call SetCell for any cells between BeginCells and

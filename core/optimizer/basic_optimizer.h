@@ -166,8 +166,8 @@ float BasicOptimizer<Model>::TryTurn(const Costmap& map, const Window& window, f
                                      float limit, Line& candidate) {
   MovePoints(window, delta_rad, candidate);
   const int before = window.pivot - 1;
-  const Vec2 chord = cost_terms::Minus(line_.point[window.pivot], line_.point[before]);
-  cost_terms::Walk walk = {chord, cost_terms::Length(chord), line_.curvature_per_m[before]};
+  const Vec2 chord = Minus(line_.point[window.pivot], line_.point[before]);
+  cost_terms::Walk walk = {chord, Length(chord), line_.curvature_per_m[before]};
   float sum = 0.0f;
   HP_LOOP_BOUND(kMaxPathPoints)
   for (int k = window.pivot; k <= window.last && sum < limit; ++k) {
@@ -250,7 +250,7 @@ bool BasicOptimizer<Model>::BeginSpread() {
   float longest_m = 0.0f;
   HP_LOOP_BOUND(kMaxPathPoints)
   for (int k = 1; k < end; ++k) {
-    const float chord_m = cost_terms::Length(cost_terms::Minus(line_.point[k + 1], line_.point[k]));
+    const float chord_m = Length(Minus(line_.point[k + 1], line_.point[k]));
     length_m += chord_m;
     longest_m = Max(longest_m, chord_m);
     shortest_m = k == 1 ? chord_m : Min(shortest_m, chord_m);
@@ -286,8 +286,7 @@ void BasicOptimizer<Model>::SpreadNextPoint() {
   spread_along_m_ += spread_step_m_;
   HP_LOOP_BOUND(kMaxPathPoints)
   while (spread_chord_ + 1 < points_ - end_points_) {
-    const float chord_m = cost_terms::Length(
-        cost_terms::Minus(line_.point[spread_chord_ + 1], line_.point[spread_chord_]));
+    const float chord_m = Length(Minus(line_.point[spread_chord_ + 1], line_.point[spread_chord_]));
     if (spread_along_m_ < chord_m) break;
     spread_along_m_ -= chord_m;
     ++spread_chord_;

@@ -15,14 +15,6 @@ namespace hardpack::cost_terms {
 // A chord shorter than this has no meaningful direction: no curvature is computed there.
 inline constexpr float kShortestChord_m = 1.0e-4f;
 
-inline Vec2 Minus(Vec2 a, Vec2 b) {
-  return {a.x_m - b.x_m, a.y_m - b.y_m};
-}
-
-inline float Length(Vec2 v) {
-  return Sqrt(v.x_m * v.x_m + v.y_m * v.y_m);
-}
-
 // f(u; alpha, beta, u_max): a limit as a steep slope, not a wall.
 inline float BoundedTerm(float value, float alpha, float beta, float max) {
   const float size = Abs(value);

@@ -39,7 +39,7 @@ Status CheckBase(const WorldPath& base, float heading_rad) {
 void BlendFromRay(float heading_rad, float reach_m, WorldPath& path) {
   const SinCosPair ray = SinCos(heading_rad);
   const Pose2 start = path[0];
-  const float first_m = cost_terms::Length(ChordAt(path, 0));
+  const float first_m = Length(ChordAt(path, 0));
   const float end_m = Min(first_m + reach_m, LengthOf(path));
   float along_m = first_m;
   HP_LOOP_BOUND(kMaxPathPoints)
@@ -50,7 +50,7 @@ void BlendFromRay(float heading_rad, float reach_m, WorldPath& path) {
     Pose2& pose = path[k];
     pose.x_m += weight * (start.x_m + along_m * ray.cos - pose.x_m);
     pose.y_m += weight * (start.y_m + along_m * ray.sin - pose.y_m);
-    along_m += cost_terms::Length(next_chord);
+    along_m += Length(next_chord);
   }
 }
 

@@ -4,14 +4,6 @@
 #include "core/optimizer/basic_optimizer.h"
 
 namespace hardpack {
-namespace {
-
-Vec2 Position(const Pose2& pose) {
-  return {pose.x_m, pose.y_m};
-}
-
-}  // namespace
-
 template class BasicOptimizer<PlanarModel>;
 
 Status Optimizer::Begin(const Costmap& map, const OptimizerParams& params,
@@ -47,7 +39,7 @@ Status Perturb(const WorldPath& path, int point, float delta_rad, int window, bo
   }
   const int steps = window < last - point ? window : last - point;
   const SinCosPair turn = SinCos(delta_rad);
-  const Vec2 pivot = Position(path[point]);
+  const Vec2 pivot = PlaceOf(path[point]);
   const float share = 1.0f / static_cast<float>(steps);
   const int end = damped ? point + steps : last + 1;
   HP_LOOP_BOUND(kMaxPathPoints)
@@ -55,7 +47,7 @@ Status Perturb(const WorldPath& path, int point, float delta_rad, int window, bo
     const float weight =
         damped ? 1.0f - perturbation::SCurve(static_cast<float>(k - point) * share) : 1.0f;
     const Vec2 moved =
-        perturbation::PerturbedPoint<PlanarModel>(pivot, Position(path[k]), turn, weight);
+        perturbation::PerturbedPoint<PlanarModel>(pivot, PlaceOf(path[k]), turn, weight);
     perturbed[k].x_m = moved.x_m;
     perturbed[k].y_m = moved.y_m;
   }

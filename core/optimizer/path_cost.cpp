@@ -52,7 +52,7 @@ Status CheckSeed(const WorldPath& seed, float start_curvature_per_m) {
   HP_LOOP_BOUND(kMaxPathPoints - 1)
   for (int k = 1; k < seed.size(); ++k) {
     const Vec2 chord = {seed[k].x_m - seed[k - 1].x_m, seed[k].y_m - seed[k - 1].y_m};
-    const float length_m = cost_terms::Length(chord);
+    const float length_m = Length(chord);
     if (!IsFinite(seed[k]) || !IsFinite(length_m)) return Status::kNotFinite;
     if (length_m < cost_terms::kShortestChord_m) return Status::kInvalidArgument;
   }

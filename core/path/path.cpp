@@ -7,10 +7,6 @@
 namespace hardpack {
 namespace {
 
-float Length(Vec2 v) {
-  return Sqrt(v.x_m * v.x_m + v.y_m * v.y_m);
-}
-
 Vec2 Chord(const Pose2& from, const Pose2& to) {
   return {to.x_m - from.x_m, to.y_m - from.y_m};
 }

@@ -14,10 +14,6 @@ constexpr uint32_t kPlaceMask = Corridor::kRecent_cells - 1;
 static_assert((Corridor::kRecent_cells & (Corridor::kRecent_cells - 1)) == 0);
 constexpr int32_t kHalf_cells = Corridor::kRecent_cells / 2;
 
-float Length(Vec2 v) {
-  return Sqrt(v.x_m * v.x_m + v.y_m * v.y_m);
-}
-
 bool IsSize(float value_m, float largest_m) {
   return value_m >= 0.0f && value_m <= largest_m;
 }

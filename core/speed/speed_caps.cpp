@@ -109,7 +109,7 @@ Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
         column_ = low_.x;
         ++row_;
       }
-    } else if (HasZone(areas)) {
+    } else if (SkipToZone(areas)) {
       CapInZone(*areas, params, path);
     } else {
       const float free_m = observed_m_ - ahead_m_ - along_m_[point_];
@@ -309,8 +309,8 @@ float SpeedCaps::BendAt(int point) const {
   }
 }
 
-// Whether a speed zone is left to be looked at.
-bool SpeedCaps::HasZone(const AreaSet* areas) {
+// On to the next speed zone that is left to be looked at. False: there is none.
+bool SpeedCaps::SkipToZone(const AreaSet* areas) {
   if (areas == nullptr) return false;
   HP_LOOP_BOUND(kMaxAreas)
   while (zone_ < areas->size() && (*areas)[zone_].kind != AreaKind::kSpeedZone) ++zone_;

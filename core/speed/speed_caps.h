@@ -124,7 +124,7 @@ class SpeedCaps {
   void FindBends(const WorldPath& path);
   float BendAt(int point) const;
   bool SearchRow(const Costmap& map);
-  bool HasZone(const AreaSet* areas);
+  bool SkipToZone(const AreaSet* areas);
   void CapInZone(const AreaSet& areas, const SpeedParams& params, const WorldPath& path);
   void FilePerson(Vec2 person_odom);
   void CapForPersonAt(int point, const SpeedParams& params, const VehicleParams& vehicle);

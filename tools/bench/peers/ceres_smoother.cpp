@@ -267,7 +267,7 @@ bool IsUsableSeed(const WorldPath& seed, float start_curvature_per_m) {
   if (!IsFinite(seed[0])) return false;
   for (int k = 1; k < seed.size(); ++k) {
     const Vec2 chord = {seed[k].x_m - seed[k - 1].x_m, seed[k].y_m - seed[k - 1].y_m};
-    const float length_m = cost_terms::Length(chord);
+    const float length_m = Length(chord);
     if (!IsFinite(length_m) || length_m < cost_terms::kShortestChord_m) return false;
   }
   return true;

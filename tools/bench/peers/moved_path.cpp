@@ -63,8 +63,8 @@ WorldPath Spread(const WorldPath& path, bool keep_end_heading) {
   const int end = path.size() - (keep_end_heading ? 2 : 1);  // ... and the next that does
   std::vector<float> along_m = {0.0f};
   for (int k = first; k < end; ++k) {
-    const Vec2 chord = cost_terms::Minus(PositionOf(path[k + 1]), PositionOf(path[k]));
-    along_m.push_back(along_m.back() + cost_terms::Length(chord));
+    const Vec2 chord = Minus(PositionOf(path[k + 1]), PositionOf(path[k]));
+    along_m.push_back(along_m.back() + Length(chord));
   }
   WorldPath spread = path;
   const float step_m = along_m.back() / static_cast<float>(end - first);
