@@ -45,13 +45,19 @@ bool LeadOut::IsOut(const Costmap& map, const Pose2& pose) const {
   return Abs(WrapAngle(HeadingOf(way) - pose.theta_rad)) <= kAhead_rad;
 }
 
+// The bend begins in the middle of the first chord, where the path begins to turn.
 Pose2 LeadOut::PoseAt(int bend, float along_m) const {
-  const float turn_rad = Bend(bend) * along_m;
+  const float straight_m = Min(along_m, 0.5f * kFirstChord_m);
+  const float arc_m = along_m - straight_m;
+  const float turn_rad = Bend(bend) * arc_m;
   const float half_rad = 0.5f * turn_rad;
   const float shortened = Abs(half_rad) < 1.0e-3f ? 1.0f : Sin(half_rad) / half_rad;
+  const SinCosPair heading = SinCos(start_.theta_rad);
   const SinCosPair chord = SinCos(WrapAngle(start_.theta_rad + half_rad));
-  return {start_.x_m + along_m * shortened * chord.cos,
-          start_.y_m + along_m * shortened * chord.sin, WrapAngle(start_.theta_rad + turn_rad)};
+  const float chord_m = arc_m * shortened;
+  return {start_.x_m + straight_m * heading.cos + chord_m * chord.cos,
+          start_.y_m + straight_m * heading.sin + chord_m * chord.sin,
+          WrapAngle(start_.theta_rad + turn_rad)};
 }
 
 // How deep a point lies in the outline at a pose; negative outside.
@@ -127,34 +133,30 @@ Progress LeadOut::Step(const Costmap& map, int units) {
   return bend_ < bends_ ? Progress::kBusy : Progress::kDone;
 }
 
-// How far along its way a point of the result lies. Who turns on the way sets off by a short chord,
-// which is along its heading.
-float LeadOut::AlongAt(int point, int points) const {
-  const float first_m = can_pivot_ ? 0.0f : Min(kFirstChord_m, 0.5f * best_m_);
-  const int whole = can_pivot_ ? 0 : 1;
-  if (point < whole) return 0.0f;
-  const float share = static_cast<float>(point - whole) / static_cast<float>(points - whole);
-  return first_m + share * (best_m_ - first_m);
-}
-
+// Chord by chord: each along the heading of its first pose, which is why the first chord, along the
+// start's own, is a short one. At every point between the path turns as sharply as the bend.
 void LeadOut::Poses(WorldPath& path) const {
   path.Clear();
   if (!found()) return;
-  constexpr int kMaxPoints = kMaxPoses / kStepsPerPoint + 2;
-  const float point_step_m = static_cast<float>(kStepsPerPoint) * step_m_;
-  const int steps = ClampInt(FloorToInt(best_m_ / point_step_m) + 1, 1, kMaxPoints);
-  const int points = can_pivot_ ? steps : steps + 1;
-  HP_LOOP_BOUND(kMaxPoints + 2)
-  for (int k = 0; k <= points; ++k) {
+  constexpr int kMaxChords = kMaxPoses / kStepsPerPoint + 1;
+  const float most_m = static_cast<float>(kStepsPerPoint) * step_m_;
+  const float first_m = Min(kFirstChord_m, 0.5f * best_m_);
+  const int chords = ClampInt(FloorToInt((best_m_ - first_m) / most_m) + 1, 1, kMaxChords);
+  const float chord_m = (best_m_ - first_m) / static_cast<float>(chords);
+  Pose2 pose = start_;
+  float way_m = first_m;
+  HP_LOOP_BOUND(kMaxChords + 1)
+  for (int k = 0; k <= chords; ++k) {
     path.Resize(path.size() + 1);
-    path.back() = PoseAt(best_bend_, AlongAt(k, points));
-    // A chord of an arc points where the arc does in its middle. At its ends the turns are as sharp
-    // as between: its chords are not all as long, nor is the one behind it.
-    if (!can_pivot_ && k < points) {
-      const float middle_m = 0.5f * (AlongAt(k, points) + AlongAt(k + 1, points));
-      path.back().theta_rad = PoseAt(best_bend_, middle_m).theta_rad;
-    }
+    path.back() = pose;
+    const SinCosPair heading = SinCos(pose.theta_rad);
+    const float next_m = k < chords ? chord_m : 0.0f;
+    pose = {pose.x_m + way_m * heading.cos, pose.y_m + way_m * heading.sin,
+            WrapAngle(pose.theta_rad + 0.5f * (way_m + next_m) * Bend(best_bend_))};
+    way_m = next_m;
   }
+  path.Resize(path.size() + 1);
+  path.back() = pose;
 }
 
 }  // namespace hardpack

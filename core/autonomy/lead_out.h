@@ -38,7 +38,7 @@ class LeadOut {
   // The same for a vehicle that cannot turn on the spot: more than half a circle of 7 m.
   static constexpr float kTurningStep_m = 0.2f;
   static constexpr float kMaxTurningLength_m = 24.0f;
-  static constexpr float kFirstChord_m = 0.1f;
+  static constexpr float kFirstChord_m = 0.1f;  // of the result, at most
   static constexpr int kMaxPoses = 121;
   static constexpr float kBends_per_m[] = {0.0f, 0.08f, -0.08f, 0.2f, -0.2f, 0.4f, -0.4f};
   static constexpr int kBends = sizeof(kBends_per_m) / sizeof(kBends_per_m[0]);
@@ -63,7 +63,7 @@ class LeadOut {
   void RefuseFound();
 
   // Once done: whether there is one. It is the shortest, including the cost of bends; its first
-  // point is the start, its last where the vehicle may turn.
+  // point is the start, its last where the vehicle may turn. Its headings are those of its chords.
   bool found() const { return best_bend_ >= 0; }
   // Of the lead-out found.
   float curvature_per_m() const { return found() ? Bend(best_bend_) : 0.0f; }
@@ -73,7 +73,6 @@ class LeadOut {
   float Bend(int bend) const;  // [1/m]
   float Cost_m(int bend) const;
   bool IsOut(const Costmap& map, const Pose2& pose) const;
-  float AlongAt(int point, int points) const;
   Pose2 PoseAt(int bend, float along_m) const;
   bool Touches(const Costmap& map, const Pose2& pose) const;
   float Depth(const Pose2& pose, const SinCosPair& heading, Vec2 point_odom) const;
