@@ -7,7 +7,8 @@ import unittest
 from command_line import CommandTest
 
 NAMES = ("gap", "rock_pile", "hill", "forest", "corridor", "crossing", "dead_end", "ditch", "open",
-         "thicket", "tight_start", "low", "low_bare")
+         "thicket", "tight_start", "low", "low_bare", "corner",
+         "corner_ditch")
 
 
 class World(CommandTest):

@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "tools/sim/world/blind.h"
+#include "tools/sim/world/corner.h"
 #include "tools/sim/world/features.h"
 #include "tools/sim/world/low_world.h"
 #include "tools/sim/world/thicket.h"
@@ -280,6 +281,8 @@ constexpr Maker kMakers[] = {
     {"tight_start", MakeTightStart},
     {"low", MakeLow},
     {"low_bare", MakeLowBare},
+    {"corner", MakeCorner},
+    {"corner_ditch", MakeCornerDitch},
 };
 
 }  // namespace
