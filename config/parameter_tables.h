@@ -252,6 +252,11 @@ inline constexpr std::array kSpeedTable = {
         unseen_margin_m, 0.0f, 5.0f,
         "Distance between the vehicle's front at rest and the end of the observed ground, whose "
         "last part may be the slope into a ditch; the vehicle may turn on the spot there (ours)."),
+    HP_SPEED(hidden_creep_mps, 0.0f, 0.3f,
+             "Creep speed over ground that was in an obstacle's shadow from wherever the lidar has "
+             "looked: the vehicle stops within half a wheel's radius of a wheel that drops; 0: it "
+             "stands (ours).",
+             &SpeedParams::min_speed_mps),
     HP_SPEED(narrow_room_m, 0.0f, 1.0f,
              "Where there is less room than this between one of the discs that cover the outline "
              "and a hard cell, less half a cell's diagonal, min_speed_mps is the limit: the "

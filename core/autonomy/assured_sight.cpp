@@ -59,6 +59,18 @@ float SensorHeight_m(const BeamModel& model, const LidarMountParams& mount) {
   return mount.z_m + model.sensor_from_lidar.translation.z_m;
 }
 
+float BlindRadius_m(const BeamModel& model, const LidarMountParams& mount) {
+  const int row = model.beams > 0 ? model.by_altitude[0] : 0;
+  const float tilt_rad = Sqrt(mount.pitch_rad * mount.pitch_rad + mount.roll_rad * mount.roll_rad);
+  const SinCosPair tilt = SinCos(Min(tilt_rad, kHalfPi));
+  const float down = tilt.sin * model.cos_altitude[row] - tilt.cos * model.sin_altitude[row];
+  const float out = tilt.cos * model.cos_altitude[row] + tilt.sin * model.sin_altitude[row];
+  const float height_m = SensorHeight_m(model, mount);
+  const bool meets = model.beams > 0 && down > 0.0f && height_m > 0.0f;
+  if (!meets || height_m * out > kMostSight_m * down) return kMostSight_m;
+  return Max(height_m * out / down, 0.0f);
+}
+
 float LeastAssuredHeight_m(const BeamModel& model, const PerceptionParams& perception,
                            const VehicleParams& vehicle, const SpeedParams& speed,
                            float speed_mps) {
@@ -95,6 +107,7 @@ Status LimitToAssuredSight(const BeamModel& model, const PerceptionParams& perce
   speed.max_speed_mps = Min(speed.max_speed_mps, limit_mps);
   speed.min_speed_mps = Min(speed.min_speed_mps, speed.max_speed_mps);
   speed.person_creep_mps = Min(speed.person_creep_mps, speed.min_speed_mps);
+  speed.hidden_creep_mps = Min(speed.hidden_creep_mps, speed.min_speed_mps);
   return Status::kOk;
 }
 

@@ -44,6 +44,10 @@ float FirmSight_m(const BeamModel& model, float width_m);
 // The height of the lidar's centre above level ground.
 float SensorHeight_m(const BeamModel& model, const LidarMountParams& mount);
 
+// The level distance from the sensor within which no beam meets level ground: of its lowest beam,
+// in the direction in which the mount is tilted down; at most kMostSight_m.
+float BlindRadius_m(const BeamModel& model, const LidarMountParams& mount);
+
 // The least height that is met as far away as a stop from speed_mps needs, in steps of 1 cm up to 2
 // m; 0: none. Cost: 200 times AssuredSight_m.
 float LeastAssuredHeight_m(const BeamModel& model, const PerceptionParams& perception,

@@ -30,6 +30,7 @@ void AddToHash(const CommittedPlan& plan, DecisionHash& hash) {
   hash.AddFloat(plan.start_turn_rad);
   hash.AddI32(plan.slow_points);
   AddBool(plan.narrow, hash);
+  AddBool(plan.creeps, hash);
   AddBool(plan.is_stop, hash);
   AddBool(plan.reaches_goal, hash);
 }

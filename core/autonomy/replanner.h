@@ -90,6 +90,7 @@ struct VehicleState {
   // SpeedParams::max_curvature_rate_per_s2, down to Replanner::kLeastQuickness; a quicker one gets
   // no more.
   float turn_quickness = 1.0f;
+  Lookouts lookouts = {};
   bool has_unseen_start = false;  // see PlanRequest
   Pose2 unseen_start = {};
   int32_t lead_out = 0;

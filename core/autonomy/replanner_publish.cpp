@@ -82,6 +82,7 @@ void Replanner::Commit(const PathPlace& place) {
   plan.reaches_goal = !plan.is_stop && dx_m * dx_m + dy_m * dy_m <= kSameEnd_m * kSameEnd_m;
   plan.checked_ns = begun_ns_;
   const int next = place.point + 1;
+  plan.creeps = caps_.cause(next) == CapCause::kHiddenGround;
   caps_.StandFrom(next);
   const Status timed = TimeFrom(place);
   round_.decision = candidate_.decision;

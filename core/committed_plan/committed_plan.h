@@ -72,6 +72,7 @@ struct CommittedPlan {
   // The first of these, which lead out of a place without room to turn (core/autonomy/lead_out.h).
   int32_t lead_points = 0;
   bool narrow = false;        // has a place with little room, driven at min_speed_mps there
+  bool creeps = false;        // over hidden ground (SpeedCaps), at the vehicle's place
   bool is_stop = false;       // cut short to come to rest: it has no goal
   bool reaches_goal = false;  // its end is the goal itself
   PlanGoal goal;              // that it was planned for

@@ -88,7 +88,7 @@ void Supervisor::JudgeZero(const SupervisorInput& input) {
   const bool is_held = input.held_by == StopReason::kPerson;
   const bool is_too_near = input.ahead == WayAhead::kTooNear || input.sweep == WayAhead::kTooNear;
   const bool is_breached = input.area == StopReason::kAreaBreached;
-  if (!has_way || is_held || is_too_near || is_breached) zero_ = true;
+  if (!has_way || is_held || is_too_near || is_breached || input.ground_drops) zero_ = true;
   if (input.at_rest && !is_breached) zero_ = false;
 }
 
@@ -185,6 +185,10 @@ void Supervisor::StepDriving(const SupervisorInput& input) {
   }
   if (input.area != StopReason::kNone) {
     Change(Mode::kSafeStop, input.area, input.now_ns);
+    return;
+  }
+  if (input.ground_drops) {
+    Change(Mode::kSafeStop, StopReason::kGroundDrops, input.now_ns);
     return;
   }
   if (input.has_plan && IsOlder(input.now_ns, input.plan_checked_ns, params_.max_plan_age_s)) {

@@ -31,7 +31,8 @@
 // zero speed at once if that takes too long, until a plan checked since then is clear of it. The
 // same holds for a plan that makes the vehicle hold where it is; for a person it stops with zero
 // speed at once. It holds for a mission that is paused, or waits at a waypoint, in the same way.
-// Where a person has forbidden it to be (core/areas) it makes a safe stop with zero speed.
+// Where a person has forbidden it to be (core/areas), and where a wheel drops, it makes a safe stop
+// with zero speed.
 
 namespace hardpack {
 
@@ -74,8 +75,9 @@ enum class StopReason : uint8_t {
   kLastWaypoint,    // the last waypoint cannot be skipped
   kAreaBreached,    // it is in a keep-out area, or not inside the fence (core/areas)
   kAreaUnknown,     // not all areas have arrived, or one on earth has no place in odom
+  kGroundDrops,     // a wheel drops in ground that was not seen (core/safety/ground_watch.h)
 };
-inline constexpr int kStopReasons = 34;
+inline constexpr int kStopReasons = 35;
 
 // What the drives are told to do.
 enum class Motion : uint8_t {
@@ -134,6 +136,7 @@ struct SupervisorInput {
   // Whether the vehicle is where an area allows it to be: kNone, kAreaBreached or kAreaUnknown. If
   // not, it is not armed, does not set out, and stops: where it breaches one, with zero speed.
   StopReason area = StopReason::kNone;
+  bool ground_drops = false;  // stops, with zero speed
   OperatorWishes wishes;
 };
 

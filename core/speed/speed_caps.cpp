@@ -52,7 +52,8 @@ float RoomSpeedCap(const SpeedParams& params, float room_m, float bend_per_m) {
 }  // namespace
 
 void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
-                      const VehicleParams& vehicle, const WorldPath& path, float speed_mps) {
+                      const VehicleParams& vehicle, const WorldPath& path, float speed_mps,
+                      const Lookouts& lookouts) {
   points_ = path.size();
   speed_mps_ = speed_mps;
   footprint_ = FootprintOf(vehicle);
@@ -78,7 +79,10 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
   }
   FindBends(path);
   chord_ = 0;
+  sample_ = 0;
   observed_m_ = kFar_m;
+  lookouts_ = lookouts;
+  hidden_creep_mps_ = params.hidden_creep_mps;
   max_unseen_m_ = params.max_unseen_m;
   growth_speed_mps_ = params.growth_speed_mps;
   ahead_m_ = footprint_.front_m + params.unseen_margin_m;
@@ -87,6 +91,8 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
   narrow_ = false;
   HP_LOOP_BOUND(kTracks)
   for (float& seen_m : seen_m_) seen_m = 0.0f;
+  HP_LOOP_BOUND(kTracks)
+  for (float& from_m : gap_from_m_) from_m = 0.0f;
   low_ = window.Nearest(CellAt({low.x_m - reach_m_, low.y_m - reach_m_}));
   high_ = window.Nearest(CellAt({high.x_m + reach_m_, high.y_m + reach_m_}));
   row_ = low_.y;
@@ -102,8 +108,7 @@ Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
   HP_LOOP_BOUND(kMaxUnits)
   for (int unit = 0; unit < units && point_ < points_; ++unit) {
     if (chord_ < points_) {
-      LookAlong(map, vehicle, path, chord_);
-      ++chord_;
+      LookAlong(map, vehicle, path);
     } else if (row_ <= high_.y) {
       if (SearchRow(map)) {
         column_ = low_.x;
@@ -165,15 +170,20 @@ void SpeedCaps::Lower(int point, float cap_mps, CapCause cause) {
   cause_[point] = cause;
 }
 
-// The chord behind a point; behind the last one straight on, as far as the ground has to be
+// At the next place of a chord; behind the last point straight on, as far as the ground has to be
 // observed before the vehicle's front.
-void SpeedCaps::LookAlong(const Costmap& map, const VehicleParams& vehicle, const WorldPath& path,
-                          int point) {
-  if (observed_m_ < kFar_m) return;  // it ends before
+void SpeedCaps::LookAlong(const Costmap& map, const VehicleParams& vehicle, const WorldPath& path) {
+  const int point = chord_;
   const Pose2& from = path[point];
   const bool is_last = point + 1 == points_;
   const float length_m = is_last ? ahead_m_ : along_m_[point + 1] - along_m_[point];
-  if (!HasLength(length_m)) return;
+  const int samples = ClampInt(FloorToInt(Min(length_m / kSample_m, 1.0e6f)) + 1, 1, kMaxSamples);
+  const bool ends_before = observed_m_ < kFar_m || !HasLength(length_m);
+  if (++sample_ >= samples || ends_before) {
+    ++chord_;
+    sample_ = 0;
+  }
+  if (ends_before) return;
   const SinCosPair heading = SinCos(from.theta_rad);
   Vec2 direction = {heading.cos, heading.sin};
   if (!is_last) {
@@ -181,16 +191,23 @@ void SpeedCaps::LookAlong(const Costmap& map, const VehicleParams& vehicle, cons
                  (path[point + 1].y_m - from.y_m) / length_m};
   }
   const Vec2 aside = {-vehicle.width_m * direction.y_m, vehicle.width_m * direction.x_m};
-  const int samples = ClampInt(FloorToInt(Min(length_m / kSample_m, 1.0e6f)) + 1, 1, kMaxSamples);
   const float step_m = length_m / static_cast<float>(samples);
-  bool grows = false;
-  HP_LOOP_BOUND(kMaxSamples)
-  for (int i = 1; i <= samples; ++i) {
-    const float on_m = step_m * static_cast<float>(i);
-    const Vec2 place = {from.x_m + on_m * direction.x_m, from.y_m + on_m * direction.y_m};
-    grows = LookAt(map, place, aside, along_m_[point] + on_m) || grows;
+  const float on_m = step_m * static_cast<float>(chord_ == point ? sample_ : samples);
+  const Vec2 place = {from.x_m + on_m * direction.x_m, from.y_m + on_m * direction.y_m};
+  const float along_m = along_m_[point] + on_m;
+  const Look look = LookAt(map, place, aside, along_m, step_m);
+  if (look.grows) SlowDownIn(point);
+  if (look.is_hidden) CreepOver(look.hidden_m, along_m);
+}
+
+// From where the front is before such a stretch to where the rear has left it.
+void SpeedCaps::CreepOver(float from_m, float to_m) {
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 0; k < points_; ++k) {
+    const bool is_over =
+        along_m_[k] + ahead_m_ >= from_m && along_m_[k] + footprint_.rear_m <= to_m;
+    if (is_over) Lower(k, hidden_creep_mps_, CapCause::kHiddenGround);
   }
-  if (grows) SlowDownIn(point);
 }
 
 // The vehicle's front is in it before its middle is.
@@ -204,24 +221,35 @@ void SpeedCaps::SlowDownIn(int point) {
   }
 }
 
-// Whether there is growth on one of the tracks.
-bool SpeedCaps::LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m) {
-  bool grows = false;
+SpeedCaps::Look SpeedCaps::LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m,
+                                  float step_m) {
+  Look look;
   HP_LOOP_BOUND(kTracks)
   for (int track = 0; track < kTracks; ++track) {
     const float side = kAside[track];
     const Cell cell = CellAt({place.x_m + side * aside.x_m, place.y_m + side * aside.y_m});
     const uint8_t flags =
         map.window.Contains(cell) ? map.flags[map.window.Index(cell)] : uint8_t{0};
-    const bool is_seen = (flags & Costmap::kObserved) != 0;
-    grows = grows || (flags & Costmap::kGrowth) != 0;
-    if (is_seen) {
+    look.grows = look.grows || (flags & Costmap::kGrowth) != 0;
+    if ((flags & Costmap::kObserved) != 0) {
       seen_m_[track] = along_m;
-    } else if (along_m - seen_m_[track] > max_unseen_m_) {
+      gap_from_m_[track] = along_m;
+      continue;
+    }
+    if (IsHiddenAt(map, cell, along_m)) gap_from_m_[track] += step_m;
+    if (along_m - gap_from_m_[track] > max_unseen_m_) {
       observed_m_ = Min(observed_m_, seen_m_[track]);
+    } else if (along_m - seen_m_[track] > max_unseen_m_) {
+      look.is_hidden = true;
+      look.hidden_m = Min(look.hidden_m, seen_m_[track]);
     }
   }
-  return grows;
+  return look;
+}
+
+// Not inlined: the loops of its lines are called from one place.
+[[gnu::noinline]] bool SpeedCaps::IsHiddenAt(const Costmap& map, Cell cell, float along_m) const {
+  return hidden_creep_mps_ > 0.0f && along_m <= kCreepAhead_m && IsHidden(map, lookouts_, cell);
 }
 
 // The least squared distance [cells^2] from the cells under the discs' middles to a hard one;

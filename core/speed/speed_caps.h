@@ -12,6 +12,7 @@
 #include "core/costmap/costmap.h"
 #include "core/path/path.h"
 #include "core/path/route.h"
+#include "core/speed/hidden_ground.h"
 #include "core/speed/speed.h"
 
 // Speed limits from the surroundings along a checked path (docs/algorithm.md sections 6 and 8): at
@@ -29,6 +30,11 @@
 // Shorter stretches are gaps left by the lidar's ring spacing and the spacing of directions. The
 // search extends beyond the path's end by what is kept free before it: the length ahead of the axle
 // plus unseen_margin_m. A path begins at the vehicle, so its first point counts as observed.
+//
+// Ground that is hidden (core/speed/hidden_ground.h) does not end it within the next kCreepAhead_m:
+// of such a stretch only the part that is not hidden counts. Where the vehicle's front is over a
+// longer one than max_unseen_m, or unseen_margin_m before it, hidden_creep_mps is the most. With 0,
+// hidden ground is as any other.
 //
 // Growth on one of the tracks (Costmap::kGrowth) may hide lower objects: growth_speed_mps at most
 // along the chord over it.
@@ -59,6 +65,7 @@ enum class CapCause : uint8_t {
   kGrowth,
   kLegLimit,  // the operator's limit for this leg of the mission
   kSpeedZone,
+  kHiddenGround,  // no place has shown it: the vehicle creeps
 };
 
 class SpeedCaps {
@@ -66,15 +73,17 @@ class SpeedCaps {
   // path: as passed by the check, at least one point. speed_mps: the vehicle's present speed; the
   // time to pass somebody is computed from it at every point. Cost: one pass over its points.
   void Begin(const GridWindow& window, const SpeedParams& params, const VehicleParams& vehicle,
-             const WorldPath& path, float speed_mps);
+             const WorldPath& path, float speed_mps, const Lookouts& lookouts = {});
 
-  // A unit is one chord searched for unobserved ground, one row of the map searched for people
-  // (each of their cells goes to every point where the path passes it), or kMaxPersonCells of their
-  // cells in it, or one point whose nearest person caps the points before it, or one point in one
-  // speed zone. At most kMaxUnits units. areas: null: none.
+  // A unit is one place on a chord looked at for unobserved ground, one row of the map searched for
+  // people (each of their cells goes to every point where the path passes it), or kMaxPersonCells
+  // of their cells in it, or one point whose nearest person caps the points before it, or one point
+  // in one speed zone. At most kMaxUnits units. areas: null: none.
   static constexpr int kMaxPersonCells = 32;
-  static constexpr int kMaxUnits =
-      kMapSize_cells * (kMapSize_cells / kMaxPersonCells + 1) + (2 + kMaxAreas) * kMaxPathPoints;
+  // Of a chord; on a longer one than 3.2 m they are farther apart than half a cell.
+  static constexpr int kMaxSamples = 32;
+  static constexpr int kMaxUnits = kMapSize_cells * (kMapSize_cells / kMaxPersonCells + 1) +
+                                   (1 + kMaxSamples + kMaxAreas) * kMaxPathPoints;
   Progress Step(const Costmap& map, const SpeedParams& params, const VehicleParams& vehicle,
                 const WorldPath& path, int units, const AreaSet* areas = nullptr);
 
@@ -102,6 +111,9 @@ class SpeedCaps {
   static constexpr float kBendAhead_m = 0.5f;
   // What the vehicle may still be too fast for after its speed was lowered, by the drives' lag.
   static constexpr float kZoneAhead_m = 0.5f;
+  // Farther away hidden ground ends the observed ground: until the vehicle is there, it may be
+  // seen.
+  static constexpr float kCreepAhead_m = 8.0f;
   // Distance along the path to the end of the observed ground; kFar_m if that is not on it.
   float observed_m() const { return observed_m_; }
   static constexpr float kFar_m = 1.0e3f;        // farther than any two points of a map
@@ -110,13 +122,19 @@ class SpeedCaps {
  private:
   static constexpr float kAside[] = {-0.6f, -0.4f, 0.0f, 0.4f, 0.6f};  // of the width
   static constexpr int kTracks = sizeof(kAside) / sizeof(kAside[0]);
-  // Between two points of a path; samples on a longer chord are farther apart than half a cell.
-  static constexpr int kMaxSamples = 32;
 
-  void LookAlong(const Costmap& map, const VehicleParams& vehicle, const WorldPath& path,
-                 int point);
+  // What is at one place of the path, on the tracks.
+  struct Look {
+    bool grows = false;
+    bool is_hidden = false;   // a stretch of hidden ground, longer than max_unseen_m, reaches here
+    float hidden_m = kFar_m;  // where it begins, along the path
+  };
+
+  void LookAlong(const Costmap& map, const VehicleParams& vehicle, const WorldPath& path);
   void SlowDownIn(int point);
-  bool LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m);
+  void CreepOver(float from_m, float to_m);
+  Look LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m, float step_m);
+  bool IsHiddenAt(const Costmap& map, Cell cell, float along_m) const;
   void Lower(int point, float cap_mps, CapCause cause);
   void LimitBetween(int first, int last, float most_mps);
   int NearestHard2(const Costmap& map, const Pose2& pose) const;
@@ -143,7 +161,8 @@ class SpeedCaps {
   CapCause cause_[kMaxPathPoints] = {};
   float speed_mps_ = 0.0f;
   int32_t points_ = 0;
-  int32_t chord_ = 0;        // next to be searched; the one after the last is beyond the path
+  int32_t chord_ = 0;        // looked along now; the one after the last is beyond the path
+  int32_t sample_ = 0;       // of it, already looked at
   float observed_m_ = 0.0f;  // distance to the end of the observed ground
   float max_unseen_m_ = 0.0f;
   float growth_speed_mps_ = 0.0f;
@@ -151,7 +170,11 @@ class SpeedCaps {
   float room2_cells2_ = 0.0f;  // squared distance of a hard cell that leaves little room
   bool narrow_ = false;
   float seen_m_[kTracks] = {};  // for each track, distance to the last observed cell
-  Cell low_;                    // the part of the map to be searched
+  // The same, farther by what of the stretch behind it is hidden.
+  float gap_from_m_[kTracks] = {};
+  Lookouts lookouts_;
+  float hidden_creep_mps_ = 0.0f;
+  Cell low_;  // the part of the map to be searched
   Cell high_;
   int32_t row_ = 0;         // next, up to high_.y
   int32_t column_ = 0;      // next in it

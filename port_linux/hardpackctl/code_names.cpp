@@ -58,9 +58,10 @@ constexpr CodeName kStopReasonNames[] = {
     {"last_waypoint", "the last waypoint cannot be skipped", false},
     {"area_breached", "it is in a keep-out area, or not inside the fence", true},
     {"area_unknown", "not all areas have arrived, or one on earth has no place yet", true},
+    {"ground_drops", "a wheel drops in ground that was not seen", true},
 };
 static_assert(std::size(kStopReasonNames) == kStopReasons);
-static_assert(static_cast<int>(StopReason::kAreaUnknown) + 1 == kStopReasons);
+static_assert(static_cast<int>(StopReason::kGroundDrops) + 1 == kStopReasons);
 
 constexpr CodeName kMotionNames[] = {
     {"off", "", false},        {"hold", "", false}, {"follow", "", false},

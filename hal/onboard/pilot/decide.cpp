@@ -59,6 +59,7 @@ SupervisorInput Pilot::Situation(const DriveFeedback& drives, bool bus_is_active
   if (situation.held_by == StopReason::kNone) situation.held_by = HeldByMission();
   situation.misbehaves = Misbehaves();
   situation.area = area_;
+  situation.ground_drops = ground_drops_;
   situation.wishes = wishes_;
   return situation;
 }
@@ -71,6 +72,7 @@ void Pilot::Decide(std::span<const uint8_t> command, const DriveFeedback& drives
   UpdatePlanner();
   FollowPlan();
   WatchMotion(drives.wheels);
+  WatchGround();
   sweep_advice_ = JudgeSweep();
   area_ = JudgeAreas();
   const SupervisorInput situation = Situation(drives, bus_is_active);
@@ -101,6 +103,7 @@ void Pilot::UpdatePlanner() {
   VehicleState state = PredictedState();
   state.reaction_s = ReactionTime();
   state.turn_quickness = tracker_.model().quickness();
+  if (may_creep_) state.lookouts = lookouts_;
   FillUnseenStart(state);
   is_located_ = IsUsable(replanner_.Update(now_ns_, state, wanted));
   if (!is_located_) ++counters_.refused_states;

@@ -37,6 +37,10 @@ void Pilot::Forget() {
   has_position_ = false;
   breached_area_ = -1;
   area_ = StopReason::kNone;
+  lookouts_.places_odom.Clear();
+  ground_.Reset();
+  ground_drops_ = false;
+  may_creep_ = true;
   tracking_output_ = {};
   permission_ = {};
   hash_ = {};
@@ -165,11 +169,13 @@ void Pilot::Localise(const WheelFeedback& wheels) {
     sweep_.Reset();
     has_start_ = false;
     may_resume_ = false;
+    lookouts_.places_odom.Clear();
   }
   if (!has_start_) {
     has_start_ = true;
     start_odom_ = {pose.position.x_m, pose.position.y_m, pose.yaw_rad};
   }
+  NoteLookout();
   sweep_.Advance({pose.position.x_m, pose.position.y_m});
   corridor_.Advance({pose.position.x_m, pose.position.y_m}, static_cast<uint32_t>(index_));
   LocateInMap(pose);

@@ -19,6 +19,7 @@
 #include "core/odometry/odometry.h"
 #include "core/safety/command_gate.h"
 #include "core/safety/corridor.h"
+#include "core/safety/ground_watch.h"
 #include "core/safety/motion_sweep.h"
 #include "core/safety/motion_watch.h"
 #include "core/safety/reaction_meter.h"
@@ -176,6 +177,7 @@ class Pilot {
   // Inputs (pilot.cpp).
   void NoteIns(const InsSample& sample, uint64_t measured_ns);
   void LocateInMap(const StampedPose& pose);
+  void NoteLookout();
   Status LimitSpeed(const LidarLayout& lidar);
   Status ConfigureMapper();
   void Restart();
@@ -227,6 +229,7 @@ class Pilot {
   float MeasuredYawRate() const;
   MotionSample SampleMotion(const WheelFeedback& wheels) const;
   void WatchMotion(const WheelFeedback& wheels);
+  void WatchGround();
   StopReason Misbehaves() const;
   bool IsPersonNear() const;
   void NoteNoWay();
@@ -309,6 +312,10 @@ class Pilot {
   Pose2 start_odom_;               // ... at this pose
   CommandGate gate_;
   MotionWatch motion_;
+  Lookouts lookouts_;
+  GroundWatch ground_;
+  bool ground_drops_ = false;  // in this tick
+  bool may_creep_ = true;      // no wheel has dropped since it was last in standby
   ReactionMeter reaction_;
   SightWatch sight_;
   MountWatch mount_;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/autonomy/assured_sight.h"
 #include "core/base/footprint.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
@@ -22,9 +23,19 @@ constexpr int kTurnAhead = 3;
 // With the map that it is seen into.
 Status Pilot::ConfigureSight() {
   mount_.Reset();
+  lookouts_.blind_m = BlindRadius_m(beam_model_, config_.perception.mount);
   if (const Status status = ConfigureMapper(); !IsUsable(status)) return status;
   return sight_.Configure(config_.perception.mount, config_.onboard.safety, beam_model_,
                           window_.columns_per_datagram, window_.first, window_.last);
+}
+
+// Where the lidar is now.
+void Pilot::NoteLookout() {
+  const StampedPose& here = odometry_.pose();
+  const LidarMountParams& mount = config_.perception.mount;
+  const SinCosPair body = SinCos(here.yaw_rad);
+  lookouts_.Add({here.position.x_m + body.cos * mount.x_m - body.sin * mount.y_m,
+                 here.position.y_m + body.sin * mount.x_m + body.cos * mount.y_m});
 }
 
 bool Pilot::TurnsNext() const {

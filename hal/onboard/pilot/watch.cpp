@@ -150,6 +150,20 @@ MotionSample Pilot::SampleMotion(const WheelFeedback& wheels) const {
   return sample;
 }
 
+// Only where it creeps over ground that nothing has shown. After a wheel has dropped it does not
+// creep before an operator, who has looked at it, arms anew.
+void Pilot::WatchGround() {
+  ground_drops_ = false;
+  if (permission_.mode == Mode::kStandby) may_creep_ = true;
+  if (permission_.mode != Mode::kDriving || !replanner_.committed().creeps) {
+    ground_.Reset();
+    return;
+  }
+  const StampedPose& here = odometry_.pose();
+  ground_drops_ = ground_.Judge(here.pitch_rad, here.roll_rad, odometry_.driven_m());
+  if (ground_drops_) may_creep_ = false;
+}
+
 StopReason Pilot::Misbehaves() const {
   if (gate_.has_fault()) return StopReason::kBadCommand;
   switch (motion_.fault()) {

@@ -741,6 +741,22 @@ TEST(Supervisor, WhereAnAreaForbidsItToBeItStopsAtOnceAndDoesNotSetOut) {
   }
 }
 
+// SR-SPD07
+TEST(Supervisor, AWheelThatDropsStopsItAtOnceAndForGood) {
+  Vehicle vehicle;
+  vehicle.Drive();
+  vehicle.input.ground_drops = true;
+  EXPECT_EQ(vehicle.Tick().mode, Mode::kSafeStop);
+  EXPECT_EQ(vehicle.permission.reason, StopReason::kGroundDrops);
+  EXPECT_EQ(vehicle.permission.motion, Motion::kZero);
+  vehicle.input.ground_drops = false;
+  EXPECT_EQ(vehicle.Ticks(3).motion, Motion::kZero) << "the path is not followed, not even to rest";
+  vehicle.input.at_rest = true;
+  EXPECT_EQ(vehicle.Tick().mode, Mode::kArmed);
+  EXPECT_FALSE(vehicle.input.has_goal);
+  EXPECT_EQ(vehicle.supervisor.last_stop(), StopReason::kGroundDrops);
+}
+
 // SR-ARE03
 TEST(Supervisor, DoesNotArmWhereAnAreaForbidsItToBe) {
   for (const StopReason reason : {StopReason::kAreaBreached, StopReason::kAreaUnknown}) {

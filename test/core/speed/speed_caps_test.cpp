@@ -120,6 +120,98 @@ TEST(SpeedCaps, GapsUpToTheParameterAreBridgedAndWiderOnesAreNot) {
   }
 }
 
+// A wall beside the path hides what is behind it until the vehicle is past it.
+struct Corner : Ground {
+  Lookouts lookouts;
+
+  // Ground from x0 to x1, from the middle of the path to beyond its left edge.
+  Corner(float x0, float x1) {
+    Hide(x0, x1, 0.0f, 3.0f);
+    for (float y_m = 0.1f; y_m < 8.0f; y_m += 0.2f) At(x0 - 0.1f, y_m) |= Costmap::kHard;
+    lookouts.blind_m = 3.0f;
+    for (float x_m = -7.0f; x_m <= 0.0f; x_m += 1.0f) lookouts.Add({x_m, 0.1f});
+  }
+  void Look() {
+    caps->Begin(map->window, speed, vehicle, path, driven_mps, lookouts);
+    while (caps->Step(*map, speed, vehicle, path, 1) == Progress::kBusy) {
+    }
+  }
+};
+
+// SR-SPD06
+TEST(SpeedCaps, CreepsOverHiddenGroundAndNoFasterBeforeAndBehindIt) {
+  Corner corner(5.0f, 7.0f);
+  corner.Look();
+  EXPECT_EQ(corner.caps->observed_m(), SpeedCaps::kFar_m);
+  const Footprint footprint = FootprintOf(corner.vehicle);
+  const float first_m = 5.0f - footprint.front_m - corner.speed.unseen_margin_m;
+  const float last_m = 7.0f - footprint.rear_m;
+  for (float x_m = 0.275f; x_m < 18.0f; x_m += 0.275f) {
+    if (x_m > first_m && x_m < last_m - 0.2f) {
+      EXPECT_EQ(corner.CapAt(x_m), corner.speed.hidden_creep_mps) << x_m;
+      EXPECT_EQ(corner.CauseAt(x_m), CapCause::kHiddenGround) << x_m;
+    } else if (x_m < first_m - 0.3f || x_m > last_m + 0.3f) {
+      EXPECT_EQ(corner.CapAt(x_m), corner.speed.max_speed_mps) << x_m;
+    }
+  }
+  corner.speed.hidden_creep_mps = 0.0f;
+  corner.Look();
+  EXPECT_NEAR(corner.caps->observed_m(), 5.0f, 0.21f);
+  EXPECT_EQ(corner.CauseAt(5.5f), CapCause::kUnseenGround);
+}
+
+// SR-SPD06
+TEST(SpeedCaps, AGapInViewOfAnyLookoutStopsIt) {
+  Corner corner(5.0f, 7.0f);
+  corner.lookouts.places_odom[2] = {4.0f, 8.1f};
+  corner.At(4.9f, 7.9f) = Costmap::kObserved;
+  for (float y_m = 0.1f; y_m < 8.0f; y_m += 0.2f) corner.At(4.9f, y_m) = Costmap::kObserved;
+  corner.Look();
+  EXPECT_NEAR(corner.caps->observed_m(), 5.0f, 0.21f);
+}
+
+// What was in view is counted together, however shadows lie between it.
+// SR-SPD06
+TEST(SpeedCaps, AGapThatAShadowDividesIsAsLongAsItsParts) {
+  for (const bool is_long : {false, true}) {
+    Corner corner(5.0f, 7.0f);
+    // The part behind the wall that a lookout sees.
+    corner.Hide(7.0f, is_long ? 7.9f : 7.3f, 0.0f, 3.0f);
+    for (float y_m = 0.1f; y_m < 8.0f; y_m += 0.2f) corner.At(6.9f, y_m) |= Costmap::kHard;
+    corner.lookouts.places_odom[0] = {8.1f, 8.1f};
+    corner.Look();
+    EXPECT_EQ(corner.caps->observed_m() < SpeedCaps::kFar_m, is_long) << is_long;
+  }
+}
+
+TEST(SpeedCaps, AShortShadowIsBridgedAsAGapIs) {
+  Corner corner(5.0f, 5.4f);
+  corner.Look();
+  EXPECT_EQ(corner.caps->observed_m(), SpeedCaps::kFar_m);
+  EXPECT_EQ(corner.CapAt(5.5f), corner.speed.max_speed_mps);
+}
+
+// SR-SPD06
+TEST(SpeedCaps, FarAwayHiddenGroundEndsTheObservedGround) {
+  Corner corner(9.0f, 12.0f);
+  corner.Look();
+  EXPECT_NEAR(corner.caps->observed_m(), 9.0f, 0.21f);
+}
+
+TEST(SpeedCaps, HiddenGroundGivesTheSameInAnyPortions) {
+  Corner corner(5.0f, 7.0f);
+  corner.Look();
+  const auto once = corner.caps->cap_mps();
+  const std::vector<float> whole(once.begin(), once.end());
+  corner.caps->Begin(corner.map->window, corner.speed, corner.vehicle, corner.path,
+                     corner.driven_mps, corner.lookouts);
+  while (corner.caps->Step(*corner.map, corner.speed, corner.vehicle, corner.path, 13) ==
+         Progress::kBusy) {
+  }
+  const auto caps = corner.caps->cap_mps();
+  EXPECT_TRUE(std::equal(caps.begin(), caps.end(), whole.begin(), whole.end()));
+}
+
 // A post beside the path: the discs' radius, half a cell's diagonal and the room together are
 // 1.08 m, between cell centres.
 // SR-SPD05

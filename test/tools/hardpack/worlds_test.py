@@ -30,9 +30,11 @@ LIMITS = {
     "crossing": (3, 0),
     "dead_end": (5, 0),
     "ditch": (5, 0),
-    "thicket": (4, 0),
+    "thicket": (5, 0),
     "tight_start": (5, 0),
     "low": (5, 0),
+    "corner": (5, 0),
+    "corner_ditch": (5, 0),
 }
 
 # Who is a person is told by a segmentation computer, and by nobody else.

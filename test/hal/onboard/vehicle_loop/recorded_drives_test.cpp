@@ -216,8 +216,8 @@ Drive DriveOnce(uint32_t seed) {
 class RecordedDrives : public ::testing::TestWithParam<int> {};
 
 constexpr std::array<uint64_t, 8> kDecided = {
-    0x30aa379d9b93b04bu, 0x299eb10c5a9566a9u, 0x33bf342fd3fc8ef6u, 0x8e5618ec76ff7494u,
-    0xff09793218d0267bu, 0x0bf0680ddea76028u, 0x9a571ca66adc182eu, 0x1570c5262f2da9cau};
+    0xc4f26ce7f48bf4a7u, 0xc529ea17e4e501f6u, 0x551b38880cd18789u, 0x6c9a3d3212a4e06fu,
+    0x609cb5c5518bd9d3u, 0x464bf6166f5ba756u, 0x36e93849070dd815u, 0x35e56d74b5a6636fu};
 
 TEST_P(RecordedDrives, DecideAsTheyDid) {
   const Drive drive = DriveOnce(0x5eed0410u + static_cast<uint32_t>(GetParam()));
