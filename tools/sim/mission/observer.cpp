@@ -239,8 +239,9 @@ void Observer::Sample(const Moment& now, double t_s) {
   sample.clearance_m = clearance_m_;
   sample.reaction_median_m = now.reaction_m;
   if (now.pilot != nullptr) SampleInside(*now.pilot, sample);
-  for (const world::Person& person : now.vehicle->world().people()) {
-    sample.people.push_back(person.At(now.time_s));
+  const world::World& world = now.vehicle->world();
+  for (size_t i = 0; i < world.people().size(); ++i) {
+    sample.people.push_back(world.PersonAt(i, now.time_s));
   }
   trace_->footprint = now.vehicle->vehicle().footprint();
   trace_->samples.push_back(std::move(sample));

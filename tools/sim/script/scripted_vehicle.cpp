@@ -7,6 +7,7 @@
 
 #include "nlohmann/json.hpp"
 #include "tools/sim/world/features.h"
+#include "tools/sim/world/walk.h"
 
 namespace hardpack::sim {
 namespace {
@@ -101,6 +102,7 @@ void ScriptedVehicle::Step() {
   SendForeignFrames();
   vehicle_.Advance(now_ns_, pending_.frames);
   max_speed_mps_ = std::max(max_speed_mps_, std::abs(vehicle_.speed_mps()));
+  LetPeopleWalk();
   AdvanceSensors();
   if (vehicle_.controller() != nullptr) {
     TraceController(*vehicle_.controller());
@@ -109,6 +111,17 @@ void ScriptedVehicle::Step() {
   }
   TraceCollision();
   if (sample_ns_ > 0 && now_ns_ >= next_sample_ns_) TraceSample();
+}
+
+void ScriptedVehicle::LetPeopleWalk() {
+  constexpr double kStands_mps = 0.1;
+  constexpr double kStands_radps = 0.1;
+  world::LetPeopleWalk(world_, Since_s(), static_cast<double>(kStep_ns) * 1.0e-9,
+                       {.place = {vehicle_.pose().x_m, vehicle_.pose().y_m},
+                        .yaw_rad = vehicle_.pose().theta_rad,
+                        .stands = std::abs(vehicle_.speed_mps()) < kStands_mps &&
+                                  std::abs(vehicle_.yaw_rate_radps()) < kStands_radps,
+                        .footprint = vehicle_.footprint()});
 }
 
 void ScriptedVehicle::Act(const ScriptEvent& event) {

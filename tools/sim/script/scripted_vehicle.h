@@ -131,6 +131,7 @@ class ScriptedVehicle {
 
   void StepTo(uint64_t now_ns);
   void Step();
+  void LetPeopleWalk();
   void SendForeignFrames();
   void Deliver(Sensor sensor, std::vector<std::vector<uint8_t>>& datagrams);
   void Carry(Sensor sensor, SensorDatagram datagram);

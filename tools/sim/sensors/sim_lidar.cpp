@@ -152,16 +152,8 @@ void SimLidar::CastColumnUnderWay(uint64_t now_ns, const world::BodyPose& pose,
                                   const world::World& world) {
   const uint64_t time_ns = start_ns_ + head_.Since_ns(columns_sent_);
   Stand stand = StandOf(0, now_ns, pose);
-  // The people of these worlds walk through a standing vehicle. Over the middle of the vehicle,
-  // where nobody can be, nobody is seen.
-  constexpr double kOverVehicle_m = 0.75;
-  std::vector<world::Body> people =
+  const std::vector<world::Body> people =
       world.PeopleAt(static_cast<double>(time_ns - first_start_ns_) * 1.0e-9);
-  std::erase_if(people, [&stand](const world::Body& body) {
-    const double dx_m = body.x_m - stand.origin.x_m;
-    const double dy_m = body.y_m - stand.origin.y_m;
-    return dx_m * dx_m + dy_m * dy_m < kOverVehicle_m * kOverVehicle_m;
-  });
   const bool is_tilted = faults_.turned_pitch_rad != 0.0 || faults_.turned_roll_rad != 0.0;
   const world::Rotation tilt =
       world::Rotation::FromAngles(faults_.turned_roll_rad, faults_.turned_pitch_rad, 0.0);

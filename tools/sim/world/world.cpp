@@ -194,10 +194,16 @@ void World::TellDistances(int first_column, int last_column, int first_row, int 
   }
 }
 
+Point2 World::PersonAt(size_t person, double time_s) const {
+  const Point2 place = people_[person].At(time_s);
+  return {place.x_m + detours_[person].x_m, place.y_m + detours_[person].y_m};
+}
+
 std::vector<Body> World::PeopleAt(double time_s) const {
   std::vector<Body> bodies;
-  for (const Person& person : people_) {
-    const Point2 place = person.At(time_s);
+  for (size_t i = 0; i < people_.size(); ++i) {
+    const Person& person = people_[i];
+    const Point2 place = PersonAt(i, time_s);
     const double ground_m = GroundHeight_m(place.x_m, place.y_m);
     bodies.push_back({Shape::kCylinder,
                       place.x_m,

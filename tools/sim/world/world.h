@@ -76,8 +76,8 @@ struct Side {
   double offset_m = 0.0;  // inside: normal . p <= offset
 };
 
-// Where a person is at which time, with uniform speed in between. Before the first and after the
-// last time the person stands, unless the places repeat.
+// Where a person wants to be at which time, with uniform speed in between. Before the first and
+// after the last time the person stands, unless the places repeat.
 struct Person {
   struct Place {
     double time_s = 0.0;
@@ -135,10 +135,17 @@ class World {
                    const Material& material);
   void AddEllipsoid(const Vector& middle, double radius_m, double half_height_m,
                     const Material& material);
-  void AddPerson(const Person& person) { people_.push_back(person); }
+  void AddPerson(const Person& person) {
+    people_.push_back(person);
+    detours_.push_back({});
+  }
+  // How far a person is beside their way from now on (walk.h).
+  void SetDetour(size_t person, Point2 detour) { detours_[person] = detour; }
   // For contact.h: the terrain has it already.
   void AddDitch(const Ditch& ditch) { ditches_.push_back(ditch); }
 
+  // Where a person is: on their way, or beside it by their detour.
+  Point2 PersonAt(size_t person, double time_s) const;
   // The people as bodies at a time, for Cast: many rays share them.
   std::vector<Body> PeopleAt(double time_s) const;
 
@@ -199,6 +206,7 @@ class World {
   std::vector<Body> bodies_;
   std::vector<Side> sides_;
   std::vector<Person> people_;
+  std::vector<Point2> detours_;  // of the people
   std::vector<Ditch> ditches_;
 };
 
