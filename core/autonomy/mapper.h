@@ -132,6 +132,12 @@ class Mapper {
   // use_labels 0, as many columns.
   void Advance(uint64_t now_ns);
 
+  // HeightGrid::NotePerson and ReleasePerson.
+  void NotePerson(Vec2 place_odom, float radius_m) { heights_.NotePerson(place_odom, radius_m); }
+  void ReleasePerson(Vec2 place_odom, float radius_m) {
+    heights_.ReleasePerson(place_odom, radius_m);
+  }
+
   // The end of a recording: classes and folds everything. Not for use on board: it costs the whole
   // ring.
   void Finish();

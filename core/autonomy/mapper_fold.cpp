@@ -97,6 +97,7 @@ Vec3 Mapper::PointOdom(const ScanColumn& column, SinCosPair encoder, int row,
 void Mapper::Advance(uint64_t now_ns) {
   if (!configured_) return;
   fresh_.Clear();
+  heights_.ForgetNotes(now_ns);
   const bool fell_silent = !silent_ && ring_.newest_sequence() >= 0 &&
                            now_ns > newest_time_ns_ + static_cast<uint64_t>(kSilence_ns) &&
                            DirectionsToEnd() <= directions_left_;

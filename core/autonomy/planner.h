@@ -317,7 +317,7 @@ class Planner {
 static_assert(std::is_trivially_copyable_v<Planner>);
 
 // Planning as a whole: heights, costs, search, paths.
-inline constexpr int kPlanningBudget_bytes = 6 * 1024 * 1024;
+inline constexpr int kPlanningBudget_bytes = 25 * 256 * 1024;  // 6.25 MiB
 static_assert(sizeof(Planner) + sizeof(HeightGrid) <= kPlanningBudget_bytes);
 
 // Every parameter in range and mutually consistent as plans need it (config/conflicts.h): kOk or

@@ -46,4 +46,10 @@ constexpr int32_t ClampInt(int32_t value, int32_t low, int32_t high) {
   return value < low ? low : (high < value ? high : value);
 }
 
+// a + b, INT32_MIN or INT32_MAX where that is out of range.
+inline int32_t SaturatedSum(int32_t a, int32_t b) {
+  const int64_t sum = int64_t{a} + b;
+  return sum > INT32_MAX ? INT32_MAX : sum < INT32_MIN ? INT32_MIN : static_cast<int32_t>(sum);
+}
+
 }  // namespace hardpack

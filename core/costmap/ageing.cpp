@@ -204,4 +204,61 @@ void HeightGrid::CutDown(int slot, bool hard, float cut_cm) {
   if (!HasObstacle(slot) && (seen_[slot] & kGroundHeightKnown) == 0) lowest_cm_[slot] = kNone;
 }
 
+void HeightGrid::ClearNotes() {
+  HP_LOOP_BOUND(kMapCells / 32)
+  for (int word = 0; word < kMapCells / 32; ++word) {
+    noted_[0].words[word] = 0;
+    noted_[1].words[word] = 0;
+    began_with_person_.words[word] = 0;
+  }
+}
+
+// This stretch becomes the one before.
+void HeightGrid::ShiftNotes() {
+  HP_LOOP_BOUND(kMapCells / 32)
+  for (int word = 0; word < kMapCells / 32; ++word) {
+    noted_[1].words[word] = noted_[0].words[word];
+    noted_[0].words[word] = 0;
+  }
+}
+
+void HeightGrid::ForgetNotes(uint64_t now_ns) {
+  if (now_ns - noted_since_ns_ < kNoted_ns) return;
+  noted_since_ns_ = now_ns;
+  ShiftNotes();
+}
+
+template <typename Act>
+void HeightGrid::AroundPerson(Vec2 place_odom, float radius_m, Act&& act) {
+  if (!IsFinite(place_odom) || !(radius_m >= 0.0f && radius_m <= kMaxReleased_m)) return;
+  constexpr int kReach_cells = static_cast<int>(kMaxReleased_m * kCellsPerMeter) + 1;
+  const Cell middle = CellAt(place_odom);
+  HP_LOOP_BOUND(2 * kReach_cells + 1)
+  for (int dy = -kReach_cells; dy <= kReach_cells; ++dy) {
+    HP_LOOP_BOUND(2 * kReach_cells + 1)
+    for (int dx = -kReach_cells; dx <= kReach_cells; ++dx) {
+      const Cell cell = {SaturatedSum(middle.x, dx), SaturatedSum(middle.y, dy)};
+      if (!window_.Contains(cell) || !AreWithin(CellCenter(cell), place_odom, radius_m)) continue;
+      act(Slot(cell));
+    }
+  }
+}
+
+// Not inlined, as ReleasePerson: their calls are counted (config/timing.toml).
+[[gnu::noinline]] void HeightGrid::NotePerson(Vec2 place_odom, float radius_m) {
+  AroundPerson(place_odom, radius_m, [this](int slot) { noted_[0].Set(slot, true); });
+}
+
+[[gnu::noinline]] void HeightGrid::ReleasePerson(Vec2 place_odom, float radius_m) {
+  AroundPerson(place_odom, radius_m, [this](int slot) {
+    if (highest_hard_cm_[slot] != kNone && began_with_person_.Has(slot)) ReleaseCell(slot);
+  });
+}
+
+// As if the beams had passed through all of it.
+void HeightGrid::ReleaseCell(int slot) {
+  CutDown(slot, true, static_cast<float>(lowest_hard_cm_[slot]));
+  seen_[slot] = static_cast<uint8_t>(seen_[slot] & ~kMissMask);
+}
+
 }  // namespace hardpack

@@ -21,11 +21,6 @@ void Raise(int16_t& highest_cm, int16_t height_cm) {
   if (highest_cm == HeightGrid::kNone || height_cm > highest_cm) highest_cm = height_cm;
 }
 
-int32_t Offset(int32_t cell, int32_t by) {
-  const int64_t sum = int64_t{cell} + by;
-  return sum > INT32_MAX ? INT32_MAX : sum < INT32_MIN ? INT32_MIN : static_cast<int32_t>(sum);
-}
-
 // Where floats tell cells apart.
 bool IsNearOrigin(Cell cell) {
   constexpr int32_t kFar = 1 << 22;
@@ -59,8 +54,9 @@ void FillCells(T* to, int cells, T value) {
 
 }  // namespace
 
-HeightGrid::HeightGrid() : window_(GridWindow::CenteredAt({})) {
+HeightGrid::HeightGrid() : window_(GridWindow::CenteredAt({})), began_with_person_{} {
   ClearRows(0, kMapSize_cells);
+  ClearNotes();
 }
 
 Status HeightGrid::Reset(Vec2 center_odom) {
@@ -68,6 +64,7 @@ Status HeightGrid::Reset(Vec2 center_odom) {
   window_ = GridWindow::CenteredAt(center_odom);
   datum_cm_ = 0;
   ClearRows(0, kMapSize_cells);
+  ClearNotes();
   return Status::kOk;
 }
 
@@ -183,6 +180,9 @@ void HeightGrid::FileHard(int slot, int16_t height_cm, bool odd, bool person) {
     seen_[slot] |= kPersonMask;
   } else if (fades) {
     seen_[slot] = static_cast<uint8_t>(seen_[slot] - kPersonOne);
+  }
+  if (highest_hard_cm_[slot] == kNone) {
+    began_with_person_.Set(slot, person || noted_[0].Has(slot) || noted_[1].Has(slot));
   }
   Lower(lowest_cm_[slot], height_cm);
   Lower(lowest_hard_cm_[slot], height_cm);
@@ -307,7 +307,8 @@ Status HeightGrid::AssumeAround(const Vec3& center_odom, float radius_m, Vec2 sl
       if (along_x * along_x + along_y * along_y > radius_cells * radius_cells) continue;
       // Saturates rather than wraps at the end of the plane: such a cell is off any window.
       const float rise_m = (along_x * slope.x_m + along_y * slope.y_m) * kCellSize_m;
-      TakeAsGround({Offset(middle.x, dx), Offset(middle.y, dy)}, center_odom.z_m + rise_m);
+      TakeAsGround({SaturatedSum(middle.x, dx), SaturatedSum(middle.y, dy)},
+                   center_odom.z_m + rise_m);
     }
   }
   return Status::kOk;

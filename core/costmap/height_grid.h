@@ -193,6 +193,22 @@ class HeightGrid {
   void BeginTick(int aged_cells) { aged_left_ = aged_cells; }
   Status Age(const SightFan& fan, uint32_t revolution, int ageing_revolutions);
 
+  // A person is at a place now: for the next kNoted_ns to 2 kNoted_ns, what is filed in the cells
+  // whose centre lies within radius_m of it and that hold nothing hard is theirs, whatever it is
+  // told to be: a label may not reach the edge of a body. Not finite, or not 0 to kMaxReleased_m:
+  // no effect. Cost: the cells of the square around it.
+  static constexpr float kMaxReleased_m = 1.0f;
+  static constexpr uint64_t kNoted_ns = 1'000'000'000;
+  void NotePerson(Vec2 place_odom, float radius_m);
+  // Once a tick. Cost: a bit of each cell, once in kNoted_ns.
+  void ForgetNotes(uint64_t now_ns);
+
+  // What a person left behind in the cells whose centre lies within radius_m of a place that they
+  // were seen to walk away from is gone: in each cell whose hard obstacle is theirs by NotePerson,
+  // or because its first return was a person's. What was there before a person came stays. Not
+  // finite, or not 0 to kMaxReleased_m: no effect. Cost: the cells of the square around it.
+  void ReleasePerson(Vec2 place_odom, float radius_m);
+
   // Total of cells walked by BridgeGround, ObserveGround and ForgetGround; it wraps.
   uint32_t crossed_cells() const { return crossed_cells_; }
 
@@ -307,6 +323,20 @@ class HeightGrid {
   bool IsNewlyFiled(int slot, bool odd);
   void FileGround(int slot, int16_t height_cm, bool odd);
   void FileHard(int slot, int16_t height_cm, bool odd, bool person);
+  struct BitPlane {
+    uint32_t words[kMapCells / 32];
+    bool Has(int slot) const { return (words[slot / 32] >> (slot % 32) & 1u) != 0; }
+    void Set(int slot, bool value) {
+      const uint32_t bit = 1u << (slot % 32);
+      uint32_t& word = words[slot / 32];
+      word = value ? word | bit : word & ~bit;
+    }
+  };
+  void ClearNotes();
+  void ShiftNotes();
+  template <typename Act>
+  void AroundPerson(Vec2 place_odom, float radius_m, Act&& act);
+  void ReleaseCell(int slot);
   void FileSoft(int slot, int16_t height_cm, bool odd);
   // The operation on the cells that a line crosses.
   enum class Crossing : uint8_t { kBridge, kObserve, kForget };
@@ -338,9 +368,14 @@ class HeightGrid {
   int16_t highest_soft_cm_[kMapCells];
   uint8_t seen_[kMapCells];
   uint8_t low_[kBlocks * kBlocks];  // by BlockSlot
+  // One bit a cell, by Slot: whether a person was noted there in this stretch of kNoted_ns, and in
+  // the one before.
+  BitPlane noted_[2];
+  uint64_t noted_since_ns_ = 0;  // this stretch
+  BitPlane began_with_person_;   // of a cell with a hard obstacle
 };
 static_assert((kMapSize_cells & (kMapSize_cells - 1)) == 0);
-static_assert(sizeof(HeightGrid) <= 9 * kMapCells + kMapCells / 4 + 64);
+static_assert(sizeof(HeightGrid) <= 9 * kMapCells + kMapCells / 4 + 3 * kMapCells / 8 + 64);
 static_assert(std::is_trivially_copyable_v<HeightGrid>);
 
 }  // namespace hardpack

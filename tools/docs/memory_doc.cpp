@@ -61,7 +61,7 @@ int main() {
   PrintRow("&nbsp; `VehicleConfig`", sizeof(VehicleConfig), "parameters, and the configured areas");
   const size_t planning = sizeof(Replanner) + sizeof(HeightGrid);
   std::printf(
-      "\nPlanning (`Replanner` and `HeightGrid`) takes %zu of its %d bytes (%.2f of 6 MiB).\n",
+      "\nPlanning (`Replanner` and `HeightGrid`) takes %zu of its %d bytes (%.2f of 6.25 MiB).\n",
       planning, kPlanningBudget_bytes, static_cast<double>(planning) / (1024.0 * 1024.0));
   return 0;
 }

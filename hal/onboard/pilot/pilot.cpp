@@ -38,6 +38,7 @@ void Pilot::Forget() {
   breached_area_ = -1;
   area_ = StopReason::kNone;
   lookouts_.places_odom.Clear();
+  people_.Reset();
   ground_.Reset();
   ground_drops_ = false;
   may_creep_ = true;
@@ -141,6 +142,7 @@ void Pilot::LoseColumn() {
 void Pilot::FinishMap() {
   mapper_.Advance(now_ns_);
   TestReturns(true);
+  ReleaseLeftPlace();
   AdvanceMount();
 }
 
@@ -170,6 +172,7 @@ void Pilot::Localise(const WheelFeedback& wheels) {
     has_start_ = false;
     may_resume_ = false;
     lookouts_.places_odom.Clear();
+    people_.Reset();
   }
   if (!has_start_) {
     has_start_ = true;

@@ -17,6 +17,7 @@
 #include "core/measurements/measurements.h"
 #include "core/odometry/map_from_odom.h"
 #include "core/odometry/odometry.h"
+#include "core/people/people_tracks.h"
 #include "core/safety/command_gate.h"
 #include "core/safety/corridor.h"
 #include "core/safety/ground_watch.h"
@@ -224,6 +225,7 @@ class Pilot {
   void TestReturns(bool are_new);
   bool IsBeside(Vec2 point_odom) const;
   void TestColumn(int slot, uint32_t max_range_mm);
+  void ReleaseLeftPlace();
   void FollowPlan();
   WayAhead Ahead() const;
   float MeasuredYawRate() const;
@@ -312,6 +314,7 @@ class Pilot {
   Pose2 start_odom_;               // ... at this pose
   CommandGate gate_;
   MotionWatch motion_;
+  PeopleTracks people_;
   Lookouts lookouts_;
   GroundWatch ground_;
   bool ground_drops_ = false;  // in this tick

@@ -18,6 +18,10 @@ constexpr float kBeyondReach_m = 3.0f;
 constexpr int32_t kPersonNear_cells = 25;
 // Somebody so near to what a turn on the spot sweeps can reach the vehicle.
 constexpr float kBeside_m = 0.5f;
+// Around a return from somebody lie all others from them, and those of the next revolutions.
+constexpr float kBodyReach_m = 0.8f;
+// What somebody leaves behind lies within this of where returns came from them.
+constexpr float kLeftBehind_m = 0.6f;
 // The path is looked along at so many places for the oldest look at it.
 constexpr int kLooks = 5;
 
@@ -75,6 +79,8 @@ bool Pilot::IsBeside(Vec2 point_odom) const {
 // Not inlined: its calls are counted (config/timing.toml).
 [[gnu::noinline]] void Pilot::TestColumn(int slot, uint32_t max_range_mm) {
   const int beams = mapper_.model().beams;
+  bool has_person = false;
+  Vec2 person_odom;
   HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int row = 0; row < beams; ++row) {
     Vec2 point_odom;
@@ -82,9 +88,19 @@ bool Pilot::IsBeside(Vec2 point_odom) const {
     if ((flags & Costmap::kHard) == 0) continue;
     const bool is_person = (flags & Costmap::kPerson) != 0;
     if (is_person && IsBeside(point_odom)) person_beside_ns_ = now_ns_;
+    if (is_person) person_odom = point_odom;
+    has_person = has_person || is_person;
     static_cast<void>(corridor_.File(point_odom, is_person));
     sweep_.File(point_odom);
   }
+  if (!has_person) return;
+  people_.Look(person_odom, now_ns_);
+  mapper_.NotePerson(person_odom, kBodyReach_m);
+}
+
+void Pilot::ReleaseLeftPlace() {
+  Vec2 place_odom;
+  if (people_.TakeLeft(now_ns_, place_odom)) mapper_.ReleasePerson(place_odom, kLeftBehind_m);
 }
 
 // The corridor is of the plan that was checked last, whose map may lack what came while it was

@@ -518,5 +518,69 @@ TEST_F(Ageing, IsTheSameAfterAJumpOfTheHeight) {
   EXPECT_EQ(Highest(), kNone);
 }
 
+// SR-PER11
+TEST_F(Ageing, WhatAPersonLeftBehindIsReleasedAndNothingElse) {
+  File(0.0f, ReturnClass::kGround, 0);
+  File(0.3f, ReturnClass::kPerson, 1);
+  File(0.9f, ReturnClass::kHard, 1);  // of the person, but not told
+  grid_->ReleasePerson({10.6f, 0.1f}, 0.3f);
+  EXPECT_EQ(Highest(), 90) << "too far away";
+  grid_->ReleasePerson({10.3f, 0.2f}, 0.4f);
+  EXPECT_EQ(Highest(), kNone);
+  EXPECT_FALSE(Heights().person);
+  EXPECT_TRUE(Heights().ground);
+  EXPECT_EQ(Heights().lowest_cm, 0);
+}
+
+// SR-PER11
+TEST_F(Ageing, WhatWasThereBeforeAPersonCameStays) {
+  FileBox();
+  File(0.9f, ReturnClass::kPerson, 1);
+  grid_->ReleasePerson({10.1f, 0.1f}, 0.5f);
+  EXPECT_EQ(Highest(), 100);
+  // Once it is seen through, who comes then is the first.
+  LookTimes(3, 2, {{0.03f}});
+  ASSERT_EQ(Highest(), kNone);
+  File(0.9f, ReturnClass::kPerson, 6);
+  grid_->ReleasePerson({10.1f, 0.1f}, 0.5f);
+  EXPECT_EQ(Highest(), kNone);
+  // And the other way round.
+  File(0.9f, ReturnClass::kHard, 7);
+  grid_->ReleasePerson({10.1f, 0.1f}, 0.5f);
+  EXPECT_EQ(Highest(), 90);
+}
+
+// The edge of a body, which the label does not reach.
+// SR-PER11
+TEST_F(Ageing, WhatIsFiledBesideAPersonIsTheirsForASecondOrTwo) {
+  constexpr uint64_t kStretch_ns = HeightGrid::kNoted_ns;
+  for (const uint64_t after_ns : {uint64_t{0}, kStretch_ns / 2, 3 * kStretch_ns}) {
+    ASSERT_EQ(grid_->Reset({}), Status::kOk);
+    uint64_t now_ns = 100 * kStretch_ns;
+    grid_->ForgetNotes(now_ns);
+    grid_->NotePerson({10.5f, 0.3f}, 0.8f);
+    for (uint64_t passed_ns = 0; passed_ns < after_ns; passed_ns += 10'000'000) {
+      now_ns += 10'000'000;
+      grid_->ForgetNotes(now_ns);
+    }
+    File(0.9f, ReturnClass::kHard, 1);
+    grid_->ReleasePerson({10.1f, 0.1f}, 0.5f);
+    EXPECT_EQ(Highest() == kNone, after_ns < kStretch_ns) << after_ns;
+  }
+}
+
+TEST_F(Ageing, ReleasesNothingForWhatIsNoPlace) {
+  File(0.9f, ReturnClass::kPerson, 1);
+  grid_->NotePerson({kNaN, kInfinity}, 0.5f);
+  grid_->NotePerson({3.0e38f, -3.0e38f}, 0.5f);
+  grid_->ReleasePerson({kNaN, 0.0f}, 0.5f);
+  grid_->ReleasePerson({10.1f, 0.1f}, kNaN);
+  grid_->ReleasePerson({10.1f, 0.1f}, -0.1f);
+  grid_->ReleasePerson({10.1f, 0.1f}, HeightGrid::kMaxReleased_m + 0.1f);
+  grid_->ReleasePerson({1.0e9f, -1.0e9f}, 0.5f);
+  grid_->ReleasePerson({3.0e38f, 3.0e38f}, 0.5f);
+  EXPECT_EQ(Highest(), 90);
+}
+
 }  // namespace
 }  // namespace hardpack

@@ -434,10 +434,10 @@ class PeopleLabels {
 
 // An empty world, in which whatever comes to stand is labelled a person.
 struct AmongPeople {
-  ClosedLoop drive{"", world::World()};
+  ClosedLoop drive;
   PeopleLabels people{drive.config()};
 
-  AmongPeople() {
+  explicit AmongPeople(world::World world = world::World()) : drive("", std::move(world)) {
     VehicleConfig config = drive.config();
     config.perception.mapping.use_labels = 1;
     EXPECT_EQ(drive.loop().Configure(config), Status::kOk);
@@ -464,6 +464,36 @@ TEST(VehicleLoopSafety, DoesNotSetOutWhileSomebodyStandsBesideIt) {
   drive.vehicle().world() = world::World();
   EXPECT_FALSE(drive.Until(1.8, [&] { return drive.Speed_mps() > 0.05; })) << "for a while yet";
   EXPECT_TRUE(drive.Until(3.0, [&] { return drive.Speed_mps() > 0.5; }));
+}
+
+//   [>]  |   somebody walks past right before the vehicle, where their legs are below the lowest
+//   beam
+// SR-PER11
+TEST(VehicleLoopSafety, NothingStaysOfSomebodyWhoWalkedPast) {
+  world::World world;
+  world::Person person;
+  person.places = {{12.0, 2.6, -6.0}, {21.0, 2.6, 6.0}};
+  world.AddPerson(person);
+  AmongPeople among(std::move(world));
+  ClosedLoop& drive = among.drive;
+  const auto hard_cells = [&] {
+    int cells = 0;
+    for (float x_m = 1.7f; x_m < 3.6f; x_m += 0.2f) {
+      for (float y_m = -3.0f; y_m < 3.0f; y_m += 0.2f) {
+        const HeightGrid& heights = drive.loop().mapper().heights();
+        if (heights.At(CellAt({x_m, y_m})).highest_hard_cm != HeightGrid::kNone) ++cells;
+      }
+    }
+    return cells;
+  };
+  drive.BringUpAndArm();
+  int most = 0;
+  drive.Until(26.0, [&] {
+    most = std::max(most, hard_cells());
+    return false;
+  });
+  EXPECT_GT(most, 10);
+  EXPECT_EQ(hard_cells(), 0);
 }
 
 //   [>] ------->   P
