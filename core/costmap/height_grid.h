@@ -197,7 +197,7 @@ class HeightGrid {
   // whose centre lies within radius_m of it and that hold nothing hard is theirs, whatever it is
   // told to be: a label may not reach the edge of a body. Not finite, or not 0 to kMaxReleased_m:
   // no effect. Cost: the cells of the square around it.
-  static constexpr float kMaxReleased_m = 1.0f;
+  static constexpr float kMaxReleased_m = 0.8f;
   static constexpr uint64_t kNoted_ns = 1'000'000'000;
   void NotePerson(Vec2 place_odom, float radius_m);
   // Once a tick. Cost: a bit of each cell, once in kNoted_ns.

@@ -80,6 +80,8 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
   FindBends(path);
   chord_ = 0;
   sample_ = 0;
+  track_ = 0;
+  look_ = Look{};
   observed_m_ = kFar_m;
   lookouts_ = lookouts;
   hidden_creep_mps_ = params.hidden_creep_mps;
@@ -170,20 +172,15 @@ void SpeedCaps::Lower(int point, float cap_mps, CapCause cause) {
   cause_[point] = cause;
 }
 
-// At the next place of a chord; behind the last point straight on, as far as the ground has to be
-// observed before the vehicle's front.
+// At the next place of a chord, or what is left of its tracks; behind the last point straight on,
+// as far as the ground has to be observed before the vehicle's front.
 void SpeedCaps::LookAlong(const Costmap& map, const VehicleParams& vehicle, const WorldPath& path) {
   const int point = chord_;
   const Pose2& from = path[point];
   const bool is_last = point + 1 == points_;
   const float length_m = is_last ? ahead_m_ : along_m_[point + 1] - along_m_[point];
-  const int samples = ClampInt(FloorToInt(Min(length_m / kSample_m, 1.0e6f)) + 1, 1, kMaxSamples);
-  const bool ends_before = observed_m_ < kFar_m || !HasLength(length_m);
-  if (++sample_ >= samples || ends_before) {
-    ++chord_;
-    sample_ = 0;
-  }
-  if (ends_before) return;
+  const bool ends_before = track_ == 0 && observed_m_ < kFar_m;
+  if (ends_before || !HasLength(length_m)) return EndChord();
   const SinCosPair heading = SinCos(from.theta_rad);
   Vec2 direction = {heading.cos, heading.sin};
   if (!is_last) {
@@ -191,13 +188,22 @@ void SpeedCaps::LookAlong(const Costmap& map, const VehicleParams& vehicle, cons
                  (path[point + 1].y_m - from.y_m) / length_m};
   }
   const Vec2 aside = {-vehicle.width_m * direction.y_m, vehicle.width_m * direction.x_m};
+  const int samples = ClampInt(FloorToInt(Min(length_m / kSample_m, 1.0e6f)) + 1, 1, kMaxSamples);
   const float step_m = length_m / static_cast<float>(samples);
-  const float on_m = step_m * static_cast<float>(chord_ == point ? sample_ : samples);
+  const float on_m = step_m * static_cast<float>(sample_ + 1);
   const Vec2 place = {from.x_m + on_m * direction.x_m, from.y_m + on_m * direction.y_m};
   const float along_m = along_m_[point] + on_m;
-  const Look look = LookAt(map, place, aside, along_m, step_m);
-  if (look.grows) SlowDownIn(point);
-  if (look.is_hidden) CreepOver(look.hidden_m, along_m);
+  if (!LookAt(map, place, aside, along_m, step_m)) return;
+  if (look_.grows) SlowDownIn(point);
+  if (look_.is_hidden) CreepOver(look_.hidden_m, along_m);
+  look_ = Look{};
+  track_ = 0;
+  if (++sample_ == samples) EndChord();
+}
+
+void SpeedCaps::EndChord() {
+  ++chord_;
+  sample_ = 0;
 }
 
 // From where the front is before such a stretch to where the rear has left it.
@@ -221,30 +227,36 @@ void SpeedCaps::SlowDownIn(int point) {
   }
 }
 
-SpeedCaps::Look SpeedCaps::LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m,
-                                  float step_m) {
-  Look look;
-  HP_LOOP_BOUND(kTracks)
-  for (int track = 0; track < kTracks; ++track) {
+// On its tracks, up to the first that is not observed there: asking why costs as much as all of the
+// rest. False: there are more.
+bool SpeedCaps::LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m, float step_m) {
+  const auto cell_on = [&](int track) {
     const float side = kAside[track];
-    const Cell cell = CellAt({place.x_m + side * aside.x_m, place.y_m + side * aside.y_m});
+    return CellAt({place.x_m + side * aside.x_m, place.y_m + side * aside.y_m});
+  };
+  HP_LOOP_BOUND(kTracks)
+  for (; track_ < kTracks; ++track_) {
+    const Cell cell = cell_on(track_);
     const uint8_t flags =
         map.window.Contains(cell) ? map.flags[map.window.Index(cell)] : uint8_t{0};
-    look.grows = look.grows || (flags & Costmap::kGrowth) != 0;
-    if ((flags & Costmap::kObserved) != 0) {
-      seen_m_[track] = along_m;
-      gap_from_m_[track] = along_m;
-      continue;
-    }
-    if (IsHiddenAt(map, cell, along_m)) gap_from_m_[track] += step_m;
-    if (along_m - gap_from_m_[track] > max_unseen_m_) {
-      observed_m_ = Min(observed_m_, seen_m_[track]);
-    } else if (along_m - seen_m_[track] > max_unseen_m_) {
-      look.is_hidden = true;
-      look.hidden_m = Min(look.hidden_m, seen_m_[track]);
-    }
+    look_.grows = look_.grows || (flags & Costmap::kGrowth) != 0;
+    if ((flags & Costmap::kObserved) == 0) break;
+    seen_m_[track_] = along_m;
+    gap_from_m_[track_] = along_m;
   }
-  return look;
+  if (track_ == kTracks) return true;
+  LookAtUnseen(IsHiddenAt(map, cell_on(track_), along_m), along_m, step_m);
+  return ++track_ == kTracks;
+}
+
+void SpeedCaps::LookAtUnseen(bool is_hidden, float along_m, float step_m) {
+  if (is_hidden) gap_from_m_[track_] += step_m;
+  if (along_m - gap_from_m_[track_] > max_unseen_m_) {
+    observed_m_ = Min(observed_m_, seen_m_[track_]);
+  } else if (along_m - seen_m_[track_] > max_unseen_m_) {
+    look_.is_hidden = true;
+    look_.hidden_m = Min(look_.hidden_m, seen_m_[track_]);
+  }
 }
 
 // Not inlined: the loops of its lines are called from one place.

@@ -75,15 +75,17 @@ class SpeedCaps {
   void Begin(const GridWindow& window, const SpeedParams& params, const VehicleParams& vehicle,
              const WorldPath& path, float speed_mps, const Lookouts& lookouts = {});
 
-  // A unit is one place on a chord looked at for unobserved ground, one row of the map searched for
+  // A unit is one place on a chord looked at for unobserved ground, on its tracks up to the first
+  // where there is some, one row of the map searched for
   // people (each of their cells goes to every point where the path passes it), or kMaxPersonCells
   // of their cells in it, or one point whose nearest person caps the points before it, or one point
   // in one speed zone. At most kMaxUnits units. areas: null: none.
   static constexpr int kMaxPersonCells = 32;
   // Of a chord; on a longer one than 3.2 m they are farther apart than half a cell.
   static constexpr int kMaxSamples = 32;
+  static constexpr int kTracks = 5;
   static constexpr int kMaxUnits = kMapSize_cells * (kMapSize_cells / kMaxPersonCells + 1) +
-                                   (1 + kMaxSamples + kMaxAreas) * kMaxPathPoints;
+                                   (1 + kTracks * kMaxSamples + kMaxAreas) * kMaxPathPoints;
   Progress Step(const Costmap& map, const SpeedParams& params, const VehicleParams& vehicle,
                 const WorldPath& path, int units, const AreaSet* areas = nullptr);
 
@@ -120,8 +122,7 @@ class SpeedCaps {
   static constexpr float kStanding_mps = 0.05f;  // a lower cap means to stand
 
  private:
-  static constexpr float kAside[] = {-0.6f, -0.4f, 0.0f, 0.4f, 0.6f};  // of the width
-  static constexpr int kTracks = sizeof(kAside) / sizeof(kAside[0]);
+  static constexpr float kAside[kTracks] = {-0.6f, -0.4f, 0.0f, 0.4f, 0.6f};  // of the width
 
   // What is at one place of the path, on the tracks.
   struct Look {
@@ -133,7 +134,9 @@ class SpeedCaps {
   void LookAlong(const Costmap& map, const VehicleParams& vehicle, const WorldPath& path);
   void SlowDownIn(int point);
   void CreepOver(float from_m, float to_m);
-  Look LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m, float step_m);
+  void EndChord();
+  bool LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m, float step_m);
+  void LookAtUnseen(bool is_hidden, float along_m, float step_m);
   bool IsHiddenAt(const Costmap& map, Cell cell, float along_m) const;
   void Lower(int point, float cap_mps, CapCause cause);
   void LimitBetween(int first, int last, float most_mps);
@@ -162,7 +165,9 @@ class SpeedCaps {
   float speed_mps_ = 0.0f;
   int32_t points_ = 0;
   int32_t chord_ = 0;        // looked along now; the one after the last is beyond the path
-  int32_t sample_ = 0;       // of it, already looked at
+  int32_t sample_ = 0;       // places of it that were looked at
+  int32_t track_ = 0;        // next, at the one after them
+  Look look_;                // at that one, so far
   float observed_m_ = 0.0f;  // distance to the end of the observed ground
   float max_unseen_m_ = 0.0f;
   float growth_speed_mps_ = 0.0f;

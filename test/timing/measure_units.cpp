@@ -168,6 +168,7 @@ void PrintConstants() {
   print("folds", Mapper::kMaxFolds);
   print("near_cells", PathCheck::kMaxNearCells);
   print("mount_columns", Pilot::kMaxMountColumns);
+  print("person_looks", Pilot::kMaxPersonLooks);
   print("sweep_tests", MotionSweep::kMaxTests);
   print("plan_units", Planner::kMaxUnits);
   print("plan_transitions", Planner::kMaxTransitions);

@@ -79,6 +79,9 @@ class Pilot {
   // Of the lidar's columns, those that the mount's watch looks at, and at most in a tick.
   static constexpr int kMountEvery = 4;
   static constexpr int kMaxMountColumns = 64;
+  // Columns with a person that are followed in a tick: those that are not beside the one before.
+  // What is not followed is not released.
+  static constexpr int kMaxPersonLooks = 64;
 
   const PilotConfig& config() const { return config_; }
   const Permission& permission() const { return permission_; }
@@ -225,6 +228,8 @@ class Pilot {
   void TestReturns(bool are_new);
   bool IsBeside(Vec2 point_odom) const;
   void TestColumn(int slot, uint32_t max_range_mm);
+  bool MayLookAtPerson(Vec2 person_odom) const;
+  void LookAtPerson(Vec2 person_odom);
   void ReleaseLeftPlace();
   void FollowPlan();
   WayAhead Ahead() const;
@@ -315,6 +320,8 @@ class Pilot {
   CommandGate gate_;
   MotionWatch motion_;
   PeopleTracks people_;
+  int32_t person_looks_ = 0;  // in this tick ...
+  Vec2 person_look_odom_;     // ... the last one
   Lookouts lookouts_;
   GroundWatch ground_;
   bool ground_drops_ = false;  // in this tick

@@ -20,6 +20,7 @@ constexpr int32_t kPersonNear_cells = 25;
 constexpr float kBeside_m = 0.5f;
 // Around a return from somebody lie all others from them, and those of the next revolutions.
 constexpr float kBodyReach_m = 0.8f;
+constexpr float kSameLook_m = 0.1f;
 // What somebody leaves behind lies within this of where returns came from them.
 constexpr float kLeftBehind_m = 0.6f;
 // The path is looked along at so many places for the oldest look at it.
@@ -93,12 +94,25 @@ bool Pilot::IsBeside(Vec2 point_odom) const {
     static_cast<void>(corridor_.File(point_odom, is_person));
     sweep_.File(point_odom);
   }
-  if (!has_person) return;
+  if (has_person && MayLookAtPerson(person_odom)) LookAtPerson(person_odom);
+}
+
+bool Pilot::MayLookAtPerson(Vec2 person_odom) const {
+  const bool is_beside =
+      person_looks_ > 0 && AreWithin(person_odom, person_look_odom_, kSameLook_m);
+  return !is_beside && person_looks_ < kMaxPersonLooks;
+}
+
+// Not inlined: its calls are counted (config/timing.toml).
+[[gnu::noinline]] void Pilot::LookAtPerson(Vec2 person_odom) {
+  ++person_looks_;
+  person_look_odom_ = person_odom;
   people_.Look(person_odom, now_ns_);
   mapper_.NotePerson(person_odom, kBodyReach_m);
 }
 
 void Pilot::ReleaseLeftPlace() {
+  person_looks_ = 0;
   Vec2 place_odom;
   if (people_.TakeLeft(now_ns_, place_odom)) mapper_.ReleasePerson(place_odom, kLeftBehind_m);
 }
