@@ -19,7 +19,8 @@
 // A place is left only if one person walked on from it in sight:
 // - from each look to the next no longer than kUnseen_ns, and no farther than the gate, which is
 //   kBody_m plus kFastest_mps times that time. Whoever crouches, lies down or walks behind
-//   something is not followed: their track stays where it was, and its places are never left.
+//   something is not followed: their track stays where it was, until more than kMost others have
+//   come since, and its places are never left.
 // - and nobody else's track, followed or not, was within kBeside_m of theirs before they had left
 //   it, or is within that of the place: of two who meet nobody knows who walks on.
 // - and no return was farther than kAlone_m from the mean of the others of its revolution: of two
@@ -47,12 +48,11 @@ class PeopleTracks {
 
   // A return of a person, seen at now_ns, which must not fall: one of each column with any. Of more
   // than kMost people the longest unseen is forgotten, first of those who are not sure, or, if all
-  // are followed, this one ignored.
-  // Not finite: no effect. Cost: kMost distances.
+  // are followed, this one ignored. Not finite: no effect. Cost: twice kMost distances.
   void Look(Vec2 place_odom, uint64_t now_ns);
 
-  // The next place that its person has left, and forgets it. Looks at one track a call: call it
-  // once a tick. Cost: kMostPlaces times kMost distances.
+  // A place that its person has left, which is forgotten then; false: none. Looks at one track a
+  // call: call it once a tick. Cost: kMostPlaces times kMost distances.
   bool TakeLeft(uint64_t now_ns, Vec2& place_odom);
 
   int size() const { return tracks_.size(); }
