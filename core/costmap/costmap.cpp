@@ -9,8 +9,8 @@ namespace hardpack {
 namespace {
 
 // What a cell holds, as opposed to what its surroundings make of it.
-constexpr uint8_t kCellFlags =
-    Costmap::kHard | Costmap::kSoft | Costmap::kPerson | Costmap::kObserved | Costmap::kGrowth;
+constexpr uint8_t kCellFlags = Costmap::kHard | Costmap::kSoft | Costmap::kPerson |
+                               Costmap::kObserved | Costmap::kGrowth | Costmap::kClosed;
 
 // What of a cell's flags is given, made to agree: a person is hard, a hard cell is not soft, and an
 // obstacle was observed.
@@ -114,7 +114,8 @@ void CostmapBuilder::Start(const GridWindow& window, const CostmapParams& params
 void CostmapBuilder::SetCell(int index, uint8_t flags) {
   HP_ASSERT(index >= 0 && index < kMapCells);
   HP_ASSERT(!from_heights_ && pass_ == Pass::kObstacles && row_ == 0);
-  map_.flags[index] = Consistent(static_cast<uint8_t>(flags & ~Costmap::kGrowth));
+  map_.flags[index] =
+      Consistent(static_cast<uint8_t>(flags & ~(Costmap::kGrowth | Costmap::kClosed)));
 }
 
 void CostmapBuilder::Mark(int index, uint8_t flags) {
@@ -133,8 +134,9 @@ void CostmapBuilder::CloseCells(int row, std::span<const uint32_t, kRowWords> cl
   for (const uint32_t word : closed) {
     HP_LOOP_BOUND(kWordBits)
     for (uint32_t bit = 0; bit < kWordBits; ++bit) {
-      const auto hard = static_cast<uint8_t>(((word >> bit) & 1u) * Costmap::kHard);
-      flags[bit] = Consistent(flags[bit] | hard);
+      constexpr uint8_t kMarks = Costmap::kHard | Costmap::kClosed;
+      const auto marks = static_cast<uint8_t>(((word >> bit) & 1u) * kMarks);
+      flags[bit] = Consistent(flags[bit] | marks);
     }
     flags += kWordBits;
   }

@@ -67,6 +67,7 @@ struct Costmap {
     kLethal = 16,      // inside the dilated hard region: never driven through
     kSoftRegion = 32,  // inside the dilated soft region
     kGrowth = 64,      // low growth, not hard: lower objects may hide in it
+    kClosed = 128,     // hard because an area closes it, whatever stands in it
   };
 
   GridWindow window;

@@ -15,6 +15,7 @@ constexpr float kSample_m = 0.5f / kCellsPerMeter;
 constexpr float kLeastTurn_rad = 1.0e-3f;
 constexpr float kTurnSample_m = 0.25f / kCellsPerMeter;
 constexpr float kDeeper_cells = PathCheck::kDeeperTolerance_m * kCellsPerMeter;
+constexpr float kFar_cells = 1.0e6f;
 constexpr float kAcross_cells = PathCheck::kAcross_m * kCellsPerMeter;
 constexpr float kReach_cells = kClearanceReach_m * kCellsPerMeter;
 // A little above the square root of two: a cell's diagonal.
@@ -256,7 +257,9 @@ void PathCheck::NoteClearance(float clearance_cells) {
   }
   near_left_ = kMaxNearCells;
   const float asked_cells = margin_cells_ + between_cells_;
+  asked_cells_ = asked_cells;
   least_cells_ = asked_cells;
+  least_across_cells_ = MayLieAcross() ? -kAcross_cells : kFar_cells;
   const auto on_map = [](float cells) {
     return ClampInt(FloorToInt(cells), 0, kMapSize_cells - 1);
   };
@@ -278,7 +281,7 @@ void PathCheck::NoteClearance(float clearance_cells) {
     HP_LOOP_BOUND(Outline::kMaxNearSpan_cells)
     for (int32_t x = first; x <= last && near_left_ > 0; ++x) {
       const bool is_near = Abs(ahead) <= most_ahead && Abs(left) <= most_left;
-      if (is_near && (flags[x] & Costmap::kHard) != 0) LeaveCell(outline, x, y);
+      if (is_near && (flags[x] & Costmap::kHard) != 0) LeaveCell(outline, x, y, flags[x]);
       ahead += outline.cos;
       left -= outline.sin;
     }
@@ -293,10 +296,11 @@ void PathCheck::NoteClearance(float clearance_cells) {
   if (result_.collision_point < 0) result_.overlap_points = point_ + 2;
 }
 
-[[gnu::noinline]] void PathCheck::LeaveCell(const Outline& outline, int32_t x, int32_t y) {
+[[gnu::noinline]] void PathCheck::LeaveCell(const Outline& outline, int32_t x, int32_t y,
+                                            uint32_t flags) {
   --near_left_;
   const CellApart now = ApartFrom(outline, x, y);
-  if (now.least_cells >= margin_cells_ + between_cells_) return;
+  if (now.least_cells >= asked_cells_) return;
   least_cells_ = Min(least_cells_, now.least_cells);
   if (!has_start_) {
     if (now.least_cells > 0.0f) {
@@ -306,13 +310,16 @@ void PathCheck::NoteClearance(float clearance_cells) {
     }
     return;
   }
-  if (now.least_cells < LeastLeft(now, ApartFrom(start_, x, y))) Collide();
+  if (now.least_cells < LeastLeft(now, ApartFrom(start_, x, y), flags)) Collide();
 }
 
 // How near to a cell the outline may be, or how deep in it, while it leaves its start.
-float PathCheck::LeastLeft(const CellApart& now, const CellApart& at_start) const {
-  if (MayLieAcross() && now.aside_cells >= -kAcross_cells) return -kAcross_cells;
-  if (at_start.least_cells <= 0.0f) return at_start.least_cells - kDeeper_cells;
+float PathCheck::LeastLeft(const CellApart& now, const CellApart& at_start, uint32_t flags) const {
+  const bool is_closed = (flags & Costmap::kClosed) != 0;
+  if (!is_closed && now.aside_cells >= least_across_cells_) return -kAcross_cells;
+  if (at_start.least_cells <= 0.0f) {
+    return at_start.least_cells - (is_closed ? kRounding_cells : kDeeper_cells);
+  }
   const bool is_beside = now.aside_cells >= 0.0f;
   const float from_cells =
       is_beside ? Min(start_least_cells_, at_start.least_cells) : at_start.least_cells;

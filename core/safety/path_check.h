@@ -32,7 +32,8 @@
 //
 // On the first chords a cell may overlap the line of a flank, by kAcross_m at most: the whole cell
 // is hard here, but the motion sweep (core/safety/motion_sweep.h) knows where in it the object
-// stands, and stops for that.
+// stands, and stops for that. Not so a cell that an area closes: it is closed as a whole, and such
+// a cell may not be overlapped deeper than at the start either.
 
 namespace hardpack {
 
@@ -115,8 +116,8 @@ class PathCheck {
   void JudgeClear(const Costmap& map, const Pose2& pose, const Outline& outline);
   void JudgeMiddle(const Costmap& map, const Pose2& pose);
   void LeaveStart(const Costmap& map, const Outline& outline);
-  void LeaveCell(const Outline& outline, int32_t x, int32_t y);
-  float LeastLeft(const CellApart& now, const CellApart& at_start) const;
+  void LeaveCell(const Outline& outline, int32_t x, int32_t y, uint32_t flags);
+  float LeastLeft(const CellApart& now, const CellApart& at_start, uint32_t flags) const;
   void NoteClearance(float clearance_cells);
   void Collide();
   void Finish(const WorldPath& path);
@@ -143,7 +144,9 @@ class PathCheck {
   float start_least_cells_ = 0.0f;  // to the nearest that it does not overlap
   // For the pose being tested while it leaves its start.
   int32_t near_left_ = 0;
-  float least_cells_ = 0.0f;  // to the nearest of all
+  float least_cells_ = 0.0f;         // to the nearest of all
+  float asked_cells_ = 0.0f;         // from what it is clear of
+  float least_across_cells_ = 0.0f;  // what is no less aside may overlap the line of a flank
 };
 static_assert(std::is_trivially_copyable_v<PathCheck>);
 

@@ -204,13 +204,15 @@ TEST(PlannerAreas, RandomPlansKeepToTheirAreas) {
   const Footprint footprint = FootprintOf(VehicleParams{});
   int planned = 0;
   for (int run = 0; run < 60; ++run) {
-    Scene scene = SceneTo({static_cast<float>(at(random)), static_cast<float>(at(random))},
-                          {static_cast<float>(at(random)), static_cast<float>(at(random)),
-                           static_cast<float>(at(random))});
+    // Braces are evaluated in order, arguments in any.
+    const Vec2 goal = {static_cast<float>(at(random)), static_cast<float>(at(random))};
+    const Pose2 start = {static_cast<float>(at(random)), static_cast<float>(at(random)),
+                         static_cast<float>(at(random))};
+    Scene scene = SceneTo(goal, start);
     std::vector<Area> list;
     for (int i = 0; i < 12; ++i) {
-      const Area star =
-          testing::RandomStar(random, AreaKind::kKeepOut, {at(random), at(random)}, size(random));
+      const testing::Place middle = {at(random), at(random)};
+      const Area star = testing::RandomStar(random, AreaKind::kKeepOut, middle, size(random));
       if (CheckArea(star) == Status::kOk) list.push_back(star);
     }
     const Area fence = testing::RandomStar(random, AreaKind::kFence, {0, 0}, 150.0);
