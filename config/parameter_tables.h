@@ -163,6 +163,11 @@ inline constexpr std::array kPathTable = {
     HP_PATH(lead_out_m, 0.0f, 12.0f,
             "Where there is no room to turn, the path begins along the present heading, for at "
             "most this distance; 0: never (ours)."),
+    HP_PATH(
+        reverse_out_m, 0.0f, 24.0f,
+        "Where there is no way out along the heading either, the path begins in reverse, for "
+        "at most this distance; 0: never. Onboard never with mount.self_min_x_m more than 0.3 m "
+        "behind the rear, which hides what is there (ours)."),
     HP_PATH(unseen_start_m, 0.0f, 12.0f,
             "The surroundings of the place where the map begins have not been seen: the vehicle "
             "drives this far along its heading, if that is free, before it turns; 0: it may turn "
@@ -232,6 +237,7 @@ inline constexpr std::array kSpeedTable = {
              "what the drives reach while they turn (ours)."),
     HP_SPEED(obstacle_start_speed_mps, 0.05f, 5.0f,
              "Speed limit while leaving a hard obstacle at the start (ours)."),
+    HP_SPEED(max_reverse_mps, 0.05f, 1.0f, "Speed limit in reverse (ours)."),
     HP_SPEED(reaction_time_s, 0.0f, 5.0f,
              "From a return's stamp to the first command that accounts for it (ours)."),
     HP_SPEED(stopping_dead_time_s, 0.0f, 5.0f, "Dead time of the drives when stopping (ours)."),

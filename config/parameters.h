@@ -72,6 +72,7 @@ struct PathParams {
   float margin_m = 0.1f;                 // from the outline to hard cells, on a new plan ...
   float kept_margin_m = 0.05f;           // ... and on the one being driven: for tracking errors
   float lead_out_m = 10.0f;     // longest lead-out along the heading where there is no room to turn
+  float reverse_out_m = 24.0f;  // longest lead-out in reverse, where there is none ahead; 0: never
   float unseen_start_m = 2.4f;  // distance from the map's first pose before a turn; 0: none
 };
 
@@ -113,10 +114,11 @@ struct SpeedParams {
   float max_wheel_speed_share = 0.9f;
   float max_curvature_rate_per_s2 = 0.7f;  // v^2 * |dkappa/ds| is at most this
   float obstacle_start_speed_mps = 0.5f;   // while leaving a hard obstacle at the start
-  float reaction_time_s = 0.3f;            // from a return's stamp to the first command
-  float stopping_dead_time_s = 0.15f;      // of the drives
-  float stopping_lag_s = 0.55f;            // first-order lag of the drives plus the body
-  float person_speed_mps = 2.0f;           // assumed walking speed of a person, also into the path
+  float max_reverse_mps = 0.5f;
+  float reaction_time_s = 0.3f;        // from a return's stamp to the first command
+  float stopping_dead_time_s = 0.15f;  // of the drives
+  float stopping_lag_s = 0.55f;        // first-order lag of the drives plus the body
+  float person_speed_mps = 2.0f;       // assumed walking speed of a person, also into the path
   float person_margin_m = 0.5f;
   float person_creep_mps = 0.2f;  // up to and past a person close by; 0: none
   float max_unseen_m = 0.6f;      // longest unobserved stretch of ground along the path
@@ -159,7 +161,7 @@ struct LidarMountParams {
   float pitch_rad = 0.0f;
   float yaw_rad = 0.0f;  // 0: the sensor frame's x points forward; pi: backward
   // Self filter: returns inside this box of the body frame are the vehicle itself.
-  float self_min_x_m = -2.7f;
+  float self_min_x_m = -0.86f;
   float self_max_x_m = 0.95f;
   float self_max_abs_y_m = 0.85f;
   float self_max_z_m = 2.2f;

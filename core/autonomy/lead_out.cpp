@@ -9,7 +9,7 @@
 namespace hardpack {
 
 void LeadOut::Begin(const VehicleParams& vehicle, const PathParams& params, const Pose2& start,
-                    Vec2 goal_odom, float least_m, float longest_m, int first_bend, int end_bend) {
+                    Vec2 goal_odom, const Ways& ways) {
   *this = LeadOut{};
   footprint_ = FootprintOf(vehicle);
   vehicle_ = vehicle;
@@ -18,12 +18,15 @@ void LeadOut::Begin(const VehicleParams& vehicle, const PathParams& params, cons
   goal_odom_ = goal_odom;
   can_pivot_ = CanPivot(vehicle);
   most_curvature_per_m_ = kPlannedCurvatureShare * MostCurvature(vehicle);
-  step_m_ = can_pivot_ ? kStep_m : kTurningStep_m;
-  least_m_ = least_m;
-  longest_m_ = can_pivot_ ? Min(longest_m, kMaxLength_m) : kMaxTurningLength_m;
-  first_bend_ = first_bend;
-  bend_ = first_bend;
-  bends_ = end_bend;
+  reverse_ = ways.reverse;
+  const bool is_long = reverse_ || !can_pivot_;
+  step_m_ = is_long ? kLongStep_m : kStep_m;
+  least_m_ = ways.least_m;
+  longest_m_ = Min(ways.longest_m, is_long ? kMaxLongLength_m : kMaxLength_m);
+  if (!reverse_ && !can_pivot_) longest_m_ = kMaxLongLength_m;
+  first_bend_ = ways.first_bend;
+  bend_ = ways.first_bend;
+  bends_ = ways.end_bend;
   const float reach_m = footprint_.pivot_radius_m + kCellDiagonal_m;
   reach_cells_ = FloorToInt(Min(reach_m * kCellsPerMeter, 1.0e6f)) + 1;
   if (2 * reach_cells_ >= kMaxSide_cells) bends_ = 0;  // further than it looks
@@ -47,8 +50,9 @@ bool LeadOut::IsOut(const Costmap& map, const Pose2& pose) const {
 
 // The bend begins in the middle of the first chord, where the path begins to turn.
 Pose2 LeadOut::PoseAt(int bend, float along_m) const {
-  const float straight_m = Min(along_m, 0.5f * kFirstChord_m);
-  const float arc_m = along_m - straight_m;
+  const float direction = reverse_ ? -1.0f : 1.0f;
+  const float straight_m = direction * Min(along_m, 0.5f * kFirstChord_m);
+  const float arc_m = direction * along_m - straight_m;
   const float turn_rad = Bend(bend) * arc_m;
   const float half_rad = 0.5f * turn_rad;
   const float shortened = Abs(half_rad) < 1.0e-3f ? 1.0f : Sin(half_rad) / half_rad;
@@ -139,6 +143,7 @@ void LeadOut::Poses(WorldPath& path) const {
   path.Clear();
   if (!found()) return;
   constexpr int kMaxChords = kMaxPoses / kStepsPerPoint + 1;
+  const float direction = reverse_ ? -1.0f : 1.0f;
   const float most_m = static_cast<float>(kStepsPerPoint) * step_m_;
   const float first_m = Min(kFirstChord_m, 0.5f * best_m_);
   const int chords = ClampInt(FloorToInt((best_m_ - first_m) / most_m) + 1, 1, kMaxChords);
@@ -151,8 +156,10 @@ void LeadOut::Poses(WorldPath& path) const {
     path.back() = pose;
     const SinCosPair heading = SinCos(pose.theta_rad);
     const float next_m = k < chords ? chord_m : 0.0f;
-    pose = {pose.x_m + way_m * heading.cos, pose.y_m + way_m * heading.sin,
-            WrapAngle(pose.theta_rad + 0.5f * (way_m + next_m) * Bend(best_bend_))};
+    const float driven_m = direction * way_m;
+    const float turn_rad = direction * 0.5f * (way_m + next_m) * Bend(best_bend_);
+    pose = {pose.x_m + driven_m * heading.cos, pose.y_m + driven_m * heading.sin,
+            WrapAngle(pose.theta_rad + turn_rad)};
     way_m = next_m;
   }
   path.Resize(path.size() + 1);

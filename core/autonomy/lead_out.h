@@ -24,6 +24,9 @@
 // A vehicle that cannot turn on the spot (core/kinematics) turns while driving instead: along a
 // feasible arc, of kBendShares of its largest curvature, until the goal is roughly ahead.
 //
+// All of these in reverse too, if asked for: the rear goes first, and a bend of the same sign turns
+// the vehicle the other way.
+//
 // The check is coarse: a hard cell counts by its centre, which must not lie deeper in the outline
 // than at the start plus kCellTolerance_m. Whether a lead-out may be driven is decided by the check
 // (core/safety/path_check.h), as for any other path; if not, RefuseFound looks for the next one.
@@ -35,9 +38,10 @@ class LeadOut {
   static constexpr float kStep_m = 0.1f;
   static constexpr int kStepsPerPoint = 3;  // between two points of the result
   static constexpr float kMaxLength_m = 12.0f;
-  // The same for a vehicle that cannot turn on the spot: more than half a circle of 7 m.
-  static constexpr float kTurningStep_m = 0.2f;
-  static constexpr float kMaxTurningLength_m = 24.0f;
+  // The same in reverse, and for a vehicle that cannot turn on the spot: more than half a circle of
+  // 7 m.
+  static constexpr float kLongStep_m = 0.2f;
+  static constexpr float kMaxLongLength_m = 24.0f;
   static constexpr float kFirstChord_m = 0.1f;  // of the result, at most
   static constexpr int kMaxPoses = 121;
   static constexpr float kBends_per_m[] = {0.0f, 0.08f, -0.08f, 0.2f, -0.2f, 0.4f, -0.4f};
@@ -50,11 +54,19 @@ class LeadOut {
   static constexpr float kCellTolerance_m = 0.06f;
   static constexpr int kMaxSide_cells = 64;
 
-  // A lead-out of least_m to longest_m, by bends first_bend .. end_bend - 1 of kBends. A vehicle
-  // that can turn on the spot ignores goal_odom, one that cannot ignores longest_m. Preconditions:
-  // finite, 0 <= first_bend <= end_bend <= kBends.
+  // The ways to be looked at.
+  struct Ways {
+    bool reverse = false;
+    float least_m = 0.0f;       // their length ...
+    float longest_m = 0.0f;     // ... forward, a vehicle that cannot turn on the spot ignores this
+    int32_t first_bend = 0;     // those of kBends from this ...
+    int32_t end_bend = kBends;  // ... to before this one
+  };
+
+  // A vehicle that can turn on the spot ignores goal_odom. Preconditions: finite, 0 <= first_bend
+  // <= end_bend <= kBends.
   void Begin(const VehicleParams& vehicle, const PathParams& params, const Pose2& start,
-             Vec2 goal_odom, float least_m, float longest_m, int first_bend, int end_bend);
+             Vec2 goal_odom, const Ways& ways);
 
   // A unit is one pose of one lead-out. At most kMaxUnits.
   Progress Step(const Costmap& map, int units);
@@ -65,8 +77,9 @@ class LeadOut {
   // Once done: whether there is one. It is the shortest, including the cost of bends; its first
   // point is the start, its last where the vehicle may turn. Its headings are those of its chords.
   bool found() const { return best_bend_ >= 0; }
-  // Of the lead-out found.
-  float curvature_per_m() const { return found() ? Bend(best_bend_) : 0.0f; }
+  // Of the lead-out found, where what follows it begins: in reverse the vehicle stands there, and
+  // may steer before it drives on.
+  float curvature_per_m() const { return found() && !reverse_ ? Bend(best_bend_) : 0.0f; }
   void Poses(WorldPath& path) const;
 
  private:
@@ -84,6 +97,7 @@ class LeadOut {
   Pose2 start_;
   Vec2 goal_odom_;
   bool can_pivot_ = true;
+  bool reverse_ = false;
   float most_curvature_per_m_ = 0.0f;
   float step_m_ = kStep_m;
   float least_m_ = 0.0f;

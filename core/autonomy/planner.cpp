@@ -101,6 +101,7 @@ Status Planner::Prepare(const PlannerParams& params, const PlanRequest& request)
   lead_.Clear();
   own_start_ = request_.start;
   led_out_ = false;
+  looks_back_ = false;
   lead_failure_ = Status::kNotStarted;
   area_ = 0;
   area_row_ = 0;
@@ -253,7 +254,7 @@ void Planner::StepSearch(int units) {
     if (!IsUsable(found.status) || !IsUsable(BeginSample())) EndLegs();
     return;
   }
-  plan_.search = found;
+  KeepSearch();
   plan_.starts_in_obstacle = plan_.search.start_in_obstacle;
   plan_.base_status = plan_.search.status;
   if (!IsUsable(plan_.base_status)) {
@@ -263,6 +264,23 @@ void Planner::StepSearch(int units) {
   }
   plan_.base_status = BeginSample();
   if (!IsUsable(plan_.base_status)) return Fail(plan_.base_status);
+}
+
+// Field by field: a compiler may copy the whole in a loop, which has no record.
+void Planner::KeepSearch() {
+  const AstarResult& found = search_.result();
+  AstarResult& kept = plan_.search;
+  kept.status = found.status;
+  kept.goal_outside_map = found.goal_outside_map;
+  kept.goal_moved = found.goal_moved;
+  kept.start_in_obstacle = found.start_in_obstacle;
+  kept.partial = found.partial;
+  kept.start = found.start;
+  kept.goal = found.goal;
+  kept.end = found.end;
+  kept.path_cells = found.path_cells;
+  kept.cost = found.cost;
+  kept.expansions = found.expansions;
 }
 
 Status Planner::BeginSample() {
@@ -457,6 +475,7 @@ void Planner::Finish() {
 
 // A path that was free but swept what nobody has seen is better than none.
 void Planner::Fail(Status status) {
+  if (!lead_.empty() && LookBack()) return;
   if (lead_.empty() || lead_failure_ != Status::kOk) return End(status);
   lead_.Clear();
   request_.start = own_start_;

@@ -55,6 +55,7 @@
 // - There is no room to turn on the spot where the vehicle stands, or no way out of the lethal
 //   region: it leads out along its heading (lead_out.h), and the rest is planned from there. The
 //   check covers both, from the vehicle's position; the lead-out is driven slowly.
+// - There is no such way, or no path from its end: the same in reverse, for reverse_out_m at most.
 // - The path sweeps the unseen area beside the place where the map began: the same, unseen_start_m
 //   from that place, if that is free; otherwise the path is taken as it is.
 //
@@ -68,6 +69,8 @@ namespace hardpack {
 // Up to this position a cell's centre is exact in float32: 2^22 cells, 838 km.
 inline constexpr float kMaxRequestPosition_m = 4194304.0f * kCellSize_m;
 
+inline constexpr int kLeadOuts = 2 * LeadOut::kBends;
+
 struct PlanRequest {
   PathStart start;
   Vec2 goal_odom;
@@ -77,8 +80,8 @@ struct PlanRequest {
   bool has_unseen_start = false;
   Pose2 unseen_start = {};
   // The last plans from here began with a motion that would have touched: the path leads out, for
-  // at least kLeastLead_m, by LeadOut's way with this number, counted from 1, if that is free. 0:
-  // no preference.
+  // at least kLeastLead_m, by LeadOut's way with this number, if that is free: from 1 those ahead,
+  // from LeadOut::kBends + 1 to kLeadOuts those in reverse. 0: no preference.
   int32_t lead_out = 0;
   Route route = {};  // the way to the goal; the goal's heading is used only if the path reaches it
 };
@@ -192,13 +195,16 @@ class Planner {
   static constexpr int kMaxPathUnits = kMaxTransitions + PathSmoother::kMaxPasses +
                                        3 * Optimizer::kMaxUnits + 14 * PathCheck::kMaxUnits;
   static constexpr int kMaxRouteUnits = (kMaxVias + 1) * kMaxLegUnits + 3 * kMaxPathUnits;
-  // From the vehicle, from the end of a lead-out, and again from the vehicle.
+  // From the vehicle, from the end of a lead-out, and again from the vehicle or from the end of one
+  // in reverse.
   static constexpr int kMaxRoutes = 3;
+  // Looks for a lead-out: straight, bent, across cells; in reverse bent and across.
+  static constexpr int kLeadLooks = 5;
   static constexpr int kAreaUnits = kMaxAreas * kMapSize_cells;
   static constexpr int kMaxUnits =
       CostmapBuilder::kUnits + ScanRing::kMaxColumns + kAreaUnits + kMaxRoutes * kMaxRouteUnits +
-      4 * (LeadOut::kBends + 1) * (LeadOut::kMaxUnits + 1) +
-      4 * LeadOut::kBends * PathCheck::kMaxUnits + SpeedCaps::kMaxUnits;
+      kLeadLooks * (LeadOut::kBends + 1) * (LeadOut::kMaxUnits + 1) +
+      kLeadLooks * LeadOut::kBends * PathCheck::kMaxUnits + SpeedCaps::kMaxUnits;
 
  private:
   // The source of the cells: heights and, if there is one, the mapper with pending columns.
@@ -219,6 +225,7 @@ class Planner {
   void StepCostmap(const Source& source, int units);
   void CloseAreas(const AreaSet& areas, int units);
   void StepSearch(int units);
+  void KeepSearch();
   Status BeginSample();
   void StepSample(int units);
   void StepSampler(int units);
@@ -244,7 +251,11 @@ class Planner {
   void Stay();
   [[nodiscard]] bool MayPivot() const;
   [[nodiscard]] bool BeginLeadOut(Status failure);
+  [[nodiscard]] bool LookBack();
   void LookForLeadOut();
+  void LookForForward();
+  void LookForReverse();
+  bool EndsReverse() const;
   bool SweepsUnseen() const;
   void StepLeadCheck(int units);
   void RefuseLead();
@@ -282,6 +293,7 @@ class Planner {
   LeadOut lead_out_;
   bool led_out_ = false;                       // a lead-out was searched
   bool looks_bent_ = false;                    // the lead-out may be bent
+  bool looks_back_ = false;                    // in reverse
   bool looks_across_ = false;                  // and cells may overlap its flanks
   Status lead_failure_ = Status::kNotStarted;  // status without one; kOk: continues
   CostmapBuilder builder_;

@@ -20,6 +20,8 @@ constexpr float kTailLever_m = 0.6f;
 constexpr float kBehindRear_m = 1.0f;
 constexpr float kAheadOfFront_m = 0.7f;
 constexpr float kGoalBehind_m = 1.0f;
+// The shortest way out in reverse.
+constexpr float kLeastReverse_m = 0.2f;
 
 float AlongHeading(const Pose2& from, const Pose2& to) {
   const SinCosPair heading = SinCos(from.theta_rad);
@@ -41,13 +43,56 @@ bool Planner::BeginLeadOut(Status failure) {
   lead_failure_ = failure;
   looks_bent_ = !request_.has_unseen_start || !CanPivot(params_.vehicle);
   looks_across_ = false;
+  looks_back_ = request_.lead_out > LeadOut::kBends;
   LookForLeadOut();
   stage_ = PlanStage::kLeadOut;
   return true;
 }
 
-// For what was not seen no further than it takes; for what is in the way as far as there is one.
+// Where there is none ahead, or none that leads on. False: there is none to be looked for.
+bool Planner::LookBack() {
+  const bool may = !looks_back_ && lead_failure_ != Status::kOk && request_.lead_out == 0 &&
+                   params_.path.reverse_out_m > 0.0f;
+  if (!may) return false;
+  looks_back_ = true;
+  looks_bent_ = true;
+  looks_across_ = false;
+  lead_.Clear();
+  request_.start = own_start_;
+  LookForLeadOut();
+  stage_ = PlanStage::kLeadOut;
+  return true;
+}
+
 void Planner::LookForLeadOut() {
+  if (looks_back_) {
+    LookForReverse();
+  } else {
+    LookForForward();
+  }
+}
+
+// Of what was not seen beside the map's first place as far back as ahead, if there is such a way.
+void Planner::LookForReverse() {
+  LeadOut::Ways ways;
+  ways.reverse = true;
+  ways.longest_m = params_.path.reverse_out_m;
+  ways.least_m = kLeastReverse_m;
+  if (request_.has_unseen_start && !looks_across_) {
+    const float ahead_m = AlongHeading(request_.unseen_start, request_.start.pose);
+    ways.least_m = Max(params_.path.unseen_start_m + ahead_m, kLeastReverse_m);
+  }
+  const bool is_tried = request_.lead_out > 0;
+  if (is_tried) {
+    ways.least_m = kLeastLead_m;
+    ways.first_bend = ClampInt(request_.lead_out - LeadOut::kBends - 1, 0, LeadOut::kBends - 1);
+    ways.end_bend = ways.first_bend + 1;
+  }
+  lead_out_.Begin(params_.vehicle, params_.path, request_.start.pose, PlaceAt(first_leg_), ways);
+}
+
+// For what was not seen no further than it takes; for what is in the way as far as there is one.
+void Planner::LookForForward() {
   float least_m = 0.0f;
   if (request_.has_unseen_start) {
     least_m =
@@ -65,8 +110,9 @@ void Planner::LookForLeadOut() {
   const float longest_m = is_beside ? 0.0f : Max(params_.path.lead_out_m, least_m);
   const int first = is_tried ? ClampInt(request_.lead_out - 1, 0, LeadOut::kBends - 1) : 0;
   const int end = is_tried ? first + 1 : (looks_bent_ ? LeadOut::kBends : 1);
-  lead_out_.Begin(params_.vehicle, params_.path, request_.start.pose, place, least_m, longest_m,
-                  first, end);
+  lead_out_.Begin(
+      params_.vehicle, params_.path, request_.start.pose, place,
+      {.least_m = least_m, .longest_m = longest_m, .first_bend = first, .end_bend = end});
 }
 
 void Planner::StepLeadOut(int units) {
@@ -87,9 +133,10 @@ void Planner::StepLeadOut(int units) {
   }
   if (!looks_across_ && lead_failure_ != Status::kOk) {
     looks_across_ = true;
-    looks_bent_ = !request_.has_unseen_start;
+    looks_bent_ = looks_back_ || !request_.has_unseen_start;
     return LookForLeadOut();
   }
+  if (LookBack()) return;
   // Looked for before anything else, or behind a path that is free.
   if (plan_.path.empty() && lead_failure_ == Status::kOk) return BeginSearch();
   if (lead_failure_ == Status::kOk) return BeginSpeed();

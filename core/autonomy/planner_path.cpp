@@ -17,6 +17,10 @@ void Planner::BeginPath() {
   for (int k = 0; k < plan_.lead_points; ++k) plan_.path[k] = lead_[k];
 }
 
+bool Planner::EndsReverse() const {
+  return !lead_.empty() && looks_back_;
+}
+
 // `driven` with the way out of the start before it, and the turns on the spot before and behind.
 // What does not fit is cut at the end.
 void Planner::MakePath(const WorldPath& driven) {
@@ -24,7 +28,8 @@ void Planner::MakePath(const WorldPath& driven) {
   BeginPath();
   plan_.ends_short = false;
   plan_.base_status = Graver(plan_.search.status, sample_status_);
-  if (plan_.pivots_first) {
+  // Behind a way out in reverse the vehicle has to stand, if only to drive on forward.
+  if (plan_.pivots_first || EndsReverse()) {
     path.Resize(path.size() + 1);
     path.back() = {driven[0].x_m, driven[0].y_m, request_.start.pose.theta_rad};
   }

@@ -246,6 +246,7 @@ void Replanner::ChooseAnchor() {
   anchored_ = false;
   anchor_ = 0;
   left_path_ = off_path_;
+  backed_up_ = BacksUp();
   const float speed_mps = Stands() ? 0.0f : state_.speed_mps;
   passed_ = 0;
   request_ = RequestFrom({state_.pose, state_.curvature_per_m, speed_mps}, passed_);
@@ -279,6 +280,7 @@ int Replanner::PointBehindStretch(int standing) const {
   float next_along_m = WayTo(path, place_.point);
   float time_s = 0.0f;
   float speed_mps = state_.speed_mps;
+  if (IsReversed(path, place_.point)) return standing;
   HP_LOOP_BOUND(kMaxPathPoints)
   for (int point = place_.point + 1; point < standing; ++point) {
     next_along_m += committed_.actuator.steps[point - 1].dr_m;

@@ -68,6 +68,9 @@
 // one. The new plan and an extension lead by those vias only that the committed path does not pass
 // before they begin. Speeds keep the limits of the legs.
 //
+// A stretch in reverse is driven to its end: a new plan starts there, and none that starts from a
+// vehicle in reverse is used.
+//
 // A new plan that arrives after the vehicle has passed its anchor is not used (counted as late),
 // and the next anchor is farther ahead. A plan that could not come to rest within its length from
 // the present speed is not used either.
@@ -78,10 +81,10 @@ namespace hardpack {
 struct VehicleState {
   Pose2 pose;  // odom
   float curvature_per_m = 0.0f;
-  // Forward. With lagging drives, the speed commanded by then: a plan that starts from the lagging
-  // speed would never let it accelerate.
+  // A magnitude. With lagging drives, the speed commanded by then: a plan that starts from the
+  // lagging speed would never let it accelerate.
   float speed_mps = 0.0f;
-  float driven_mps = 0.0f;  // actual speed, including lag
+  float driven_mps = 0.0f;  // actual speed, including lag; in reverse: negative
   // Age that the knowledge of the ground ahead will have when a plan made now is driven. If it
   // exceeds SpeedParams::reaction_time_s, speeds are computed for it.
   float reaction_s = 0.0f;
@@ -240,6 +243,7 @@ class Replanner {
   Progress Run(StepPlanner&& step_planner, int units, const AreaSet* areas);
   // core/autonomy/replanner.cpp: the phases of a round.
   bool Stands() const { return state_.speed_mps <= kStanding_mps; }
+  bool BacksUp() const { return !Stands() && state_.driven_mps < 0.0f; }
   bool IsAt(int point) const;  // of the committed path, or beyond it
   bool MayBegin();
   void ChooseAnchor();
@@ -311,7 +315,8 @@ class Replanner {
   uint64_t begun_ns_ = 0;
   PlanGoal round_goal_;
   bool anchored_ = false;
-  bool left_path_ = false;  // the vehicle was off the path when it began
+  bool left_path_ = false;  // the vehicle was off the path when it began ...
+  bool backed_up_ = false;  // ... or drove in reverse
   bool late_ = false;
   PlanRequest request_;
   int32_t passed_ = 0;                   // vias of the round before the new plan's start ...

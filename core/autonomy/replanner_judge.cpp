@@ -100,7 +100,7 @@ int Replanner::ExtensionPoint() {
   HP_LOOP_BOUND(kMaxPathPoints)
   for (int k = 0; k < rest_.size() && along_m <= last_m; ++k) {
     // A turn on the spot is left out of it: a path ends before one or leads on behind it.
-    if (k > anchor && !TurnsOnTheSpotAt(rest_, k)) point = k;
+    if (k > anchor && !TurnsOnTheSpotAt(rest_, k) && !IsReversed(rest_, k)) point = k;
     if (k + 1 < rest_.size()) along_m += Distance(PlaceOf(rest_[k]), PlaceOf(rest_[k + 1]));
   }
   return point;
@@ -112,7 +112,7 @@ bool Replanner::ExtensionIsUsable() const {
 
 bool Replanner::FreshIsUsable() const {
   if (!IsUsable(fresh_.status)) return false;
-  if (!anchored_) return true;
+  if (!anchored_) return !backed_up_;
   return !late_ && free_until_ >= AnchorOfRest();
 }
 
@@ -197,7 +197,7 @@ void Replanner::Decide() {
   caps_params_.reaction_time_s =
       Clamp(state_.reaction_s, params_.speed.reaction_time_s, kMaxReaction_s);
   caps_.Begin(planner_.costmap().window, caps_params_, params_.vehicle, candidate_.path,
-              state_.driven_mps, state_.lookouts);
+              Abs(state_.driven_mps), state_.lookouts);
   phase_ = Phase::kSpeed;
 }
 
@@ -276,8 +276,8 @@ void Replanner::TakeFresh() {
 // The last point that leaves room for a turn on the spot before what blocks the rest, so that it
 // can be left; the last free one where there is none.
 int Replanner::LastRoomyPoint() const {
-  const float needed_m =
-      PivotRadiusOf(params_.vehicle) + params_.path.pivot_margin_m - FrontOf(params_.vehicle);
+  const float needed_m = PivotRadiusOf(params_.vehicle) + params_.path.pivot_margin_m -
+                         LeadingEdgeOf(params_.vehicle, IsReversed(rest_, 0));
   if (RestIsFree() || free_until_ < 1) return free_until_;
   const float most_m = WayTo(rest_, free_until_) - needed_m;
   int point = 0;

@@ -130,12 +130,13 @@ Status Replanner::TimeFrom(const PathPlace& place) {
   SpeedRequest request;
   request.start_curvature_per_m = CurvatureAt(plan.path, behind, plan.start_curvature_per_m);
   plan.start_along_m = WayTo(plan.path, behind);
-  const float chord_m = timed_.steps[0].dr_m;
+  const float driven_m = timed_.steps[0].dr_m;
+  const float chord_m = Abs(driven_m);
   if (HasLength(chord_m)) {
     plan.start_along_m += place.share * chord_m;
     const float left_m = Max((1.0f - place.share) * chord_m, 2.0f * kLeastChord_m);
-    const float next_m = timed_.steps.size() > 1 ? timed_.steps[1].dr_m : chord_m;
-    timed_.steps[0].dr_m = left_m;
+    const float next_m = timed_.steps.size() > 1 ? Abs(timed_.steps[1].dr_m) : chord_m;
+    timed_.steps[0].dr_m = driven_m < 0.0f ? -left_m : left_m;
     timed_.steps[0].phi_rad *= MeanChord(left_m, next_m) / MeanChord(chord_m, next_m);
     const float next = CurvatureAt(plan.path, behind + 1, 0.0f);
     request.start_curvature_per_m += place.share * (next - request.start_curvature_per_m);

@@ -58,6 +58,13 @@ constexpr float FrontOf(const VehicleParams& vehicle) {
 constexpr float RearOf(const VehicleParams& vehicle) {
   return -0.5f * vehicle.length_m - vehicle.axle_offset_m;
 }
+// The edge that goes first, as a distance from the axle: positive in reverse too.
+constexpr float LeadingEdgeOf(const VehicleParams& vehicle, bool reverse) {
+  return reverse ? -RearOf(vehicle) : FrontOf(vehicle);
+}
+constexpr float TrailingEdgeOf(const VehicleParams& vehicle, bool reverse) {
+  return LeadingEdgeOf(vehicle, !reverse);
+}
 float PivotRadiusOf(const VehicleParams& vehicle);
 
 // vehicle: all parameters in range. Cost: at most kMaxDiscs square roots.

@@ -7,6 +7,9 @@
 namespace hardpack {
 namespace {
 
+// A turn on the spot by less is none: the direction of driving changes there.
+constexpr float kNoTurn_rad = 1.0e-3f;
+
 Vec2 ChordBehind(const WorldPath& path, int point) {
   return {path[point + 1].x_m - path[point].x_m, path[point + 1].y_m - path[point].y_m};
 }
@@ -103,7 +106,9 @@ float CurvatureAt(const WorldPath& path, int point, float at_start_per_m) {
 
 PathPlace Project(const WorldPath& path, const Pose2& pose, bool stands, float search_m) {
   const auto turned = [&](int point) {
-    return Abs(WrapAngle(pose.theta_rad - path[point + 1].theta_rad)) <= kTurnDone_rad;
+    const float next_rad = path[point + 1].theta_rad;
+    return Abs(WrapAngle(pose.theta_rad - next_rad)) <= kTurnDone_rad ||
+           Abs(WrapAngle(path[point].theta_rad - next_rad)) <= kNoTurn_rad;
   };
   const Vec2 position = {pose.x_m, pose.y_m};
   // A turn at the very end stays: nothing is behind it.
@@ -145,12 +150,15 @@ PathState StateAt(const CommittedPlan& plan, float along_m) {
   const float turn_rad = TurnAt(path, point, plan.start_turn_rad);
   const float next_turn_rad = TurnAt(path, point + 1, 0.0f);
   const float bend_rad = share < 0.5f ? -(0.5f - share) * turn_rad : (share - 0.5f) * next_turn_rad;
-  const float heading_rad = has_length ? HeadingOf(chord) : path[point].theta_rad;
+  const float chord_rad = has_length ? HeadingOf(chord) : path[point].theta_rad;
+  state.reverse = Abs(WrapAngle(path[point].theta_rad - chord_rad)) > 0.5f * kPi;
+  const float heading_rad = state.reverse ? chord_rad + kPi : chord_rad;
   state.pose = {path[point].x_m + share * chord.x_m, path[point].y_m + share * chord.y_m,
                 WrapAngle(heading_rad + bend_rad)};
   const float curvature = CurvatureAt(path, point, plan.start_curvature_per_m);
   const float next_curvature = CurvatureAt(path, point + 1, 0.0f);
-  state.curvature_per_m = curvature + share * (next_curvature - curvature);
+  const float bend_per_m = curvature + share * (next_curvature - curvature);
+  state.curvature_per_m = state.reverse ? -bend_per_m : bend_per_m;
 
   // The first speed holds where the vehicle was, not at the first point.
   const float from =
@@ -170,6 +178,8 @@ void CurvaturesFrom(const CommittedPlan& plan, float along_m, float step_m,
   float before_m = 0.0f;
   float length_m = last >= 0 ? Length(ChordBehind(path, 0)) : 0.0f;
   float wanted_m = along_m;
+  bool is_reversed = false;
+  bool has_begun = false;
   HP_LOOP_BOUND(kMaxPathPoints)
   for (float& curvature : curvature_per_m) curvature = 0.0f;
   HP_LOOP_BOUND_INNER(kMaxPathPoints, kMaxPathPoints)
@@ -184,7 +194,10 @@ void CurvaturesFrom(const CommittedPlan& plan, float along_m, float step_m,
     if (last >= 0 && HasLength(length_m) && wanted_m <= before_m + length_m) {
       const float share = Clamp((wanted_m - before_m) / length_m, 0.0f, 1.0f);
       const float from = CurvatureAt(path, point, plan.start_curvature_per_m);
-      curvature = from + share * (CurvatureAt(path, point + 1, 0.0f) - from);
+      const float bend_per_m = from + share * (CurvatureAt(path, point + 1, 0.0f) - from);
+      if (!has_begun) is_reversed = IsReversed(path, point);
+      has_begun = true;
+      curvature = is_reversed ? -bend_per_m : bend_per_m;
     }
     wanted_m += step_m;
   }

@@ -51,13 +51,16 @@ struct PathPlace {
 
 // The state that a path specifies at one place.
 struct PathState {
-  Pose2 pose;  // odom
+  Pose2 pose;  // odom; the heading is the vehicle's, in reverse too
+  // Of the heading over the distance in its own direction: a path has the same in reverse.
   float curvature_per_m = 0.0f;
-  float speed_mps = 0.0f;
+  float speed_mps = 0.0f;  // a magnitude
+  bool reverse = false;    // driven in reverse
 };
 
 // It begins at most two chords behind the vehicle's position at publication, and ends at rest
-// within checked ground. Forward steps, and turns on the spot.
+// within checked ground. Steps forward or in reverse, and turns on the spot. Where the direction of
+// driving changes there is one, if only of 0 rad: the vehicle has to stand there.
 struct CommittedPlan {
   uint32_t number = 0;  // of the path, incremented for a new one; 0: there is no plan
   Status status = Status::kNotStarted;  // of its planning: usable, with any restriction
@@ -109,8 +112,9 @@ float CurvatureAt(const WorldPath& path, int point, float at_start_per_m);
 
 // The nearest place of the path within search_m along it from its first point, and not beyond a
 // turn on the spot that is still to be made. Such a turn counts as made if the vehicle stands at
-// its place and has the heading that follows it (to kTurnDone_rad). A path that begins with a turn
-// not made yet gives its first point. Precondition: at least two points. Cost: one pass.
+// its place and has the heading that follows it (to kTurnDone_rad), or if it is one of 0 rad. A
+// path that begins with a turn not made yet gives its first point. Precondition: at least two
+// points. Cost: one pass.
 inline constexpr float kTurnDone_rad = 0.1f;
 inline constexpr float kAtPoint_m = 0.3f;
 PathPlace Project(const WorldPath& path, const Pose2& pose, bool stands, float search_m);
@@ -121,8 +125,9 @@ PathPlace Project(const WorldPath& path, const Pose2& pose, bool stands, float s
 // following chord applies. along_m is clamped to the path. All zero without a plan. Cost: one pass.
 PathState StateAt(const CommittedPlan& plan, float along_m);
 
-// Curvature along the path from along_m on, every step_m: 0 beyond its end, at a turn on the spot
-// and without a plan. Precondition: step_m > 0. Cost: one pass over the path and the results.
+// Curvature along the path from along_m on, every step_m, as in PathState: 0 from the first place
+// on where the vehicle stands, and without a plan. Precondition: step_m > 0. Cost: one pass over
+// the path and the results.
 void CurvaturesFrom(const CommittedPlan& plan, float along_m, float step_m,
                     std::span<float> curvature_per_m);
 

@@ -15,13 +15,6 @@ constexpr float kSpan_s = 0.1f;
 // it may look anywhere.
 constexpr float kBeforeStanding_m = 0.001f;
 
-// Whether the pose at a point looks against the chord behind it.
-bool IsReversed(const WorldPath& path, int point) {
-  const Vec2 chord = {path[point + 1].x_m - path[point].x_m, path[point + 1].y_m - path[point].y_m};
-  const SinCosPair heading = SinCos(path[point].theta_rad);
-  return heading.cos * chord.x_m + heading.sin * chord.y_m < 0.0f;
-}
-
 // The first point behind `point` where the direction of driving changes or the vehicle has to stand
 // for another reason.
 int EndOfDirection(const WorldPath& path, int point, bool reverse) {
@@ -30,15 +23,6 @@ int EndOfDirection(const WorldPath& path, int point, bool reverse) {
   HP_LOOP_BOUND(kMaxPathPoints)
   while (end < standing && IsReversed(path, end) == reverse) ++end;
   return end;
-}
-
-// A place on the path as a vehicle is to be there.
-PathState StateFor(const CommittedPlan& plan, float along_m, bool reverse) {
-  PathState state = StateAt(plan, along_m);
-  if (!reverse) return state;
-  state.pose.theta_rad = WrapAngle(state.pose.theta_rad + kPi);
-  state.curvature_per_m = -state.curvature_per_m;
-  return state;
 }
 
 float Reach(const PathFollower& follower, const TrackingParams& params) {
@@ -91,7 +75,7 @@ Status PathTarget(const CommittedPlan& plan, const PathFollower& follower,
   }
   const float last_m = Max(standing_m - kBeforeStanding_m, 0.0f);
   const auto state_at = [&](float ahead_m) {
-    return StateFor(plan, Min(along_m + Min(ahead_m, target.left_m), last_m), reverse);
+    return StateAt(plan, Min(along_m + Min(ahead_m, target.left_m), last_m));
   };
   const PathState here = state_at(0.0f);
   const PathState start = state_at(kStartWay_m);

@@ -24,6 +24,12 @@ float CurvatureBetween(float turn_rad, float chord_before_m, float chord_after_m
   return ClampCurvature(turn_rad / MeanChord(chord_before_m, chord_after_m));
 }
 
+bool IsReversed(const WorldPath& path, int point) {
+  if (point + 1 >= path.size()) return false;
+  const float driven_m = PlanarModel::Inverse(path[point], path[point + 1]).dr_m;
+  return driven_m < 0.0f && HasLength(driven_m);
+}
+
 Pose2 PlanarModel::Forward(const Pose2& from, const ActuatorStep& step) {
   const SinCosPair heading = SinCos(from.theta_rad);
   return {from.x_m + heading.cos * step.dr_m, from.y_m + heading.sin * step.dr_m,

@@ -26,6 +26,10 @@ inline constexpr int kMaxPathPoints = 256;
 // step is forward, the opposite when it is in reverse; the last heading is repeated.
 using WorldPath = FixedVector<Pose2, kMaxPathPoints>;
 
+// Whether the chord after a point is driven in reverse: against the point's heading. False for the
+// last point and for a turn on the spot.
+bool IsReversed(const WorldPath& path, int point);
+
 // One step: drive dr_m along the present heading (negative: in reverse), then turn by phi_rad.
 // dr_m = 0 with phi_rad != 0 is a turn on the spot.
 struct ActuatorStep {

@@ -326,9 +326,9 @@ void Corridor::TestRecent(uint32_t since) {
 }
 
 WayAhead Corridor::Ahead(const SpeedParams& speed, const VehicleParams& vehicle, float along_m,
-                         float speed_mps, float commanded_mps) const {
+                         float speed_mps, float commanded_mps, bool reverse) const {
   if (!has_obstacle_) return WayAhead::kClear;
-  const float gap_m = obstacle_along_m_ - along_m - FrontOf(vehicle);
+  const float gap_m = obstacle_along_m_ - along_m - LeadingEdgeOf(vehicle, reverse);
   const float real_mps = Max(speed_mps, 0.0f);
   const float told_mps = Max(commanded_mps, 0.0f);
   if (!IsFinite(gap_m) || !IsFinite(speed_mps) || !IsFinite(commanded_mps)) {

@@ -85,12 +85,13 @@ class Corridor {
   bool File(Vec2 point_odom, bool is_person);
 
   // For a vehicle at along_m of the path that drives at speed_mps and was commanded to drive at
-  // commanded_mps. gap: from its front to the first return in the corridor;
+  // commanded_mps, both magnitudes in the direction of the path there; reverse: against its
+  // heading. gap: from the edge that goes first to the first return in the corridor;
   //   clear     if gap > StoppingDistance (core/speed/speed.h) of the greater of the two,
   //   too near  if gap < v t_lag + v_c t_dead + v_c^2 / (2 a), the distance of a stop begun now.
   // A number that is not finite: kTooNear, if there is a return. Constant cost.
   WayAhead Ahead(const SpeedParams& speed, const VehicleParams& vehicle, float along_m,
-                 float speed_mps, float commanded_mps) const;
+                 float speed_mps, float commanded_mps, bool reverse = false) const;
 
   bool has_obstacle() const { return has_obstacle_; }
   bool is_person() const { return has_obstacle_ && is_person_; }

@@ -260,8 +260,8 @@ float PassingTime(const SpeedParams& params, float way_m, float speed_mps) {
 }
 
 float PersonSpeedCap(const SpeedParams& params, const VehicleParams& vehicle, float along_m,
-                     float lateral_m, float speed_mps) {
-  const float way_by_m = along_m - RearOf(vehicle);
+                     float lateral_m, float speed_mps, bool reverse) {
+  const float way_by_m = along_m + TrailingEdgeOf(vehicle, reverse);
   if (way_by_m <= 0.0f) return params.max_speed_mps;
   const float aside_m = lateral_m - params.person_margin_m;
   if (aside_m > params.person_speed_mps * PassingTime(params, way_by_m, speed_mps)) {
@@ -270,7 +270,7 @@ float PersonSpeedCap(const SpeedParams& params, const VehicleParams& vehicle, fl
   // s(v) + v_person T(v) = v (t + v_person / a) + v^2 / (2 a) + v_person t.
   const float delay_s = StoppingDelay(params);
   const float brakes_mps2 = params.max_deceleration_mps2;
-  const float free_m = along_m - FrontOf(vehicle) - params.person_margin_m;
+  const float free_m = along_m - LeadingEdgeOf(vehicle, reverse) - params.person_margin_m;
   const float walk_mps = params.person_speed_mps;
   const float before_mps =
       SpeedWithin(params, delay_s + walk_mps / brakes_mps2, free_m - walk_mps * delay_s);

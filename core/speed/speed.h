@@ -69,9 +69,10 @@ float PassingTime(const SpeedParams& params, float way_m, float speed_mps);
 //   lateral > v_p (t_r + max(v, v_creep) / a),
 // the cap is at least person_creep_mps: otherwise a person standing beside the path would block it
 // forever. Once a vehicle has begun to pass, the answer does not turn against it beside the person.
+// reverse: the path is driven in reverse there, so the rear goes first.
 // Source: docs/algorithm.md section 6 (ours).
 float PersonSpeedCap(const SpeedParams& params, const VehicleParams& vehicle, float along_m,
-                     float lateral_m, float speed_mps);
+                     float lateral_m, float speed_mps, bool reverse = false);
 
 struct SpeedRequest {
   float start_speed_mps = 0.0f;        // magnitude, along the first step

@@ -21,7 +21,7 @@ float WalkWhileStopping(const SpeedParams& params) {
 // they come (PersonSpeedCap's rule).
 float ReachAhead(const SpeedParams& params, const VehicleParams& vehicle) {
   return StoppingDistance(params, params.max_speed_mps) + WalkWhileStopping(params) +
-         params.person_margin_m + FrontOf(vehicle);
+         params.person_margin_m + Max(LeadingEdgeOf(vehicle, false), LeadingEdgeOf(vehicle, true));
 }
 
 // And how far aside.
@@ -64,8 +64,9 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
   person2_m2_[0] = Squared(kFar_m);
   HP_LOOP_BOUND(kMaxPathPoints - 1)
   for (int k = 1; k < points_; ++k) {
-    const float step_m = Abs(PlanarModel::Inverse(path[k - 1], path[k]).dr_m);
-    along_m_[k] = along_m_[k - 1] + step_m;
+    const float driven_m = PlanarModel::Inverse(path[k - 1], path[k]).dr_m;
+    along_m_[k] = along_m_[k - 1] + Abs(driven_m);
+    reversed_[k - 1] = driven_m < 0.0f && HasLength(driven_m);
     person2_m2_[k] = Squared(kFar_m);
     low = {Min(low.x_m, path[k].x_m), Min(low.y_m, path[k].y_m)};
     high = {Max(high.x_m, path[k].x_m), Max(high.y_m, path[k].y_m)};
@@ -77,6 +78,7 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
     cap_mps_[k] = ReactionSpeedCap(params, along_m_[points_ - 1] - along_m_[k]);
     cause_[k] = CapCause::kPathEnd;
   }
+  reversed_[points_ - 1] = points_ > 1 && reversed_[points_ - 2];
   FindBends(path);
   chord_ = 0;
   sample_ = 0;
@@ -87,7 +89,8 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
   hidden_creep_mps_ = params.hidden_creep_mps;
   max_unseen_m_ = params.max_unseen_m;
   growth_speed_mps_ = params.growth_speed_mps;
-  ahead_m_ = footprint_.front_m + params.unseen_margin_m;
+  unseen_margin_m_ = params.unseen_margin_m;
+  max_reverse_mps_ = params.max_reverse_mps;
   const float room_m = footprint_.disc_radius_m + kHalfCellDiagonal_m + params.narrow_room_m;
   room2_cells2_ = Squared(room_m * kCellsPerMeter);
   narrow_ = false;
@@ -119,7 +122,7 @@ Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
     } else if (SkipToZone(areas)) {
       CapInZone(*areas, params, path);
     } else {
-      const float free_m = observed_m_ - ahead_m_ - along_m_[point_];
+      const float free_m = observed_m_ - AheadOf_m(point_) - along_m_[point_];
       Lower(point_, ReactionSpeedCap(params, free_m), CapCause::kUnseenGround);
       const int hard2_cells2 = NearestHard2(map, path[point_]);
       if (hard2_cells2 < kMaxDistance2_cells2 &&
@@ -129,6 +132,7 @@ Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
       }
       room_m_[point_] = RoomFor(hard2_cells2);
       Lower(point_, RoomSpeedCap(params, room_m_[point_], BendAt(point_)), CapCause::kLittleRoom);
+      if (reversed_[point_]) Lower(point_, max_reverse_mps_, CapCause::kReverse);
       CapForPersonAt(point_, params, vehicle);
       ++point_;
     }
@@ -172,18 +176,21 @@ void SpeedCaps::Lower(int point, float cap_mps, CapCause cause) {
   cause_[point] = cause;
 }
 
-// At the next place of a chord, or what is left of its tracks; behind the last point straight on,
-// as far as the ground has to be observed before the vehicle's front.
+// At the next place of a chord, or what is left of its tracks; behind the last point, and where a
+// stretch in reverse ends, straight on, as far as the ground has to be observed before the edge of
+// the vehicle that goes first.
 void SpeedCaps::LookAlong(const Costmap& map, const VehicleParams& vehicle, const WorldPath& path) {
   const int point = chord_;
   const Pose2& from = path[point];
-  const bool is_last = point + 1 == points_;
-  const float length_m = is_last ? ahead_m_ : along_m_[point + 1] - along_m_[point];
+  const bool is_beyond = point + 1 == points_ || HasOverhang(point);
+  const int behind = point > 0 ? point - 1 : 0;  // whose chord leads there
+  const float length_m = is_beyond ? AheadOf_m(behind) : along_m_[point + 1] - along_m_[point];
   const bool ends_before = track_ == 0 && observed_m_ < kFar_m;
   if (ends_before || !HasLength(length_m)) return EndChord();
   const SinCosPair heading = SinCos(from.theta_rad);
-  Vec2 direction = {heading.cos, heading.sin};
-  if (!is_last) {
+  const float direction_of = reversed_[behind] ? -1.0f : 1.0f;
+  Vec2 direction = {direction_of * heading.cos, direction_of * heading.sin};
+  if (!is_beyond) {
     direction = {(path[point + 1].x_m - from.x_m) / length_m,
                  (path[point + 1].y_m - from.y_m) / length_m};
   }
@@ -198,7 +205,26 @@ void SpeedCaps::LookAlong(const Costmap& map, const VehicleParams& vehicle, cons
   if (look_.is_hidden) CreepOver(look_.hidden_m, along_m);
   look_ = Look{};
   track_ = 0;
-  if (++sample_ == samples) EndChord();
+  if (++sample_ < samples) return;
+  if (HasOverhang(point)) EndOverhang();
+  EndChord();
+}
+
+// Whether a stretch in reverse ends at this point.
+bool SpeedCaps::HasOverhang(int chord) const {
+  const bool stands =
+      chord > 0 && chord + 1 < points_ && !HasLength(along_m_[chord + 1] - along_m_[chord]);
+  return stands && reversed_[chord - 1];
+}
+
+// The path leads on from where the vehicle turned back, not from beyond.
+void SpeedCaps::EndOverhang() {
+  const float along_m = along_m_[chord_];
+  HP_LOOP_BOUND(kTracks)
+  for (int track = 0; track < kTracks; ++track) {
+    seen_m_[track] = Min(seen_m_[track], along_m);
+    gap_from_m_[track] = Min(gap_from_m_[track], along_m);
+  }
 }
 
 void SpeedCaps::EndChord() {
@@ -211,7 +237,7 @@ void SpeedCaps::CreepOver(float from_m, float to_m) {
   HP_LOOP_BOUND(kMaxPathPoints)
   for (int k = 0; k < points_; ++k) {
     const bool is_over =
-        along_m_[k] + ahead_m_ >= from_m && along_m_[k] + footprint_.rear_m <= to_m;
+        along_m_[k] + AheadOf_m(k) >= from_m && along_m_[k] - TrailingEdge_m(k) <= to_m;
     if (is_over) Lower(k, hidden_creep_mps_, CapCause::kHiddenGround);
   }
 }
@@ -222,7 +248,7 @@ void SpeedCaps::SlowDownIn(int point) {
   Lower(point, growth_speed_mps_, CapCause::kGrowth);
   Lower(next, growth_speed_mps_, CapCause::kGrowth);
   HP_LOOP_BOUND(kMaxPathPoints)
-  for (int k = point - 1; k >= 0 && along_m_[point] - along_m_[k] < footprint_.front_m; --k) {
+  for (int k = point - 1; k >= 0 && along_m_[point] - along_m_[k] < LeadingEdge_m(k); --k) {
     Lower(k, growth_speed_mps_, CapCause::kGrowth);
   }
 }
@@ -378,8 +404,9 @@ void SpeedCaps::CapForPersonAt(int point, const SpeedParams& params, const Vehic
   for (int k = 0; k < points_; ++k) {
     const float to_person_m = along_m_[point] - along_m_[k];
     if (to_person_m > ahead_m) continue;
-    Lower(k, PersonSpeedCap(params, vehicle, to_person_m, lateral_m, speed_mps_),
-          CapCause::kPerson);
+    const float cap_mps =
+        PersonSpeedCap(params, vehicle, to_person_m, lateral_m, speed_mps_, reversed_[k]);
+    Lower(k, cap_mps, CapCause::kPerson);
   }
 }
 

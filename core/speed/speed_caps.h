@@ -31,6 +31,9 @@
 // search extends beyond the path's end by what is kept free before it: the length ahead of the axle
 // plus unseen_margin_m. A path begins at the vehicle, so its first point counts as observed.
 //
+// In reverse the rear goes first, max_reverse_mps is the most, and what lies behind the place where
+// the direction changes is looked at as far as behind a path's end.
+//
 // Ground that is hidden (core/speed/hidden_ground.h) does not end it within the next kCreepAhead_m:
 // of such a stretch only the part that is not hidden counts. Where the vehicle's front is over a
 // longer one than max_unseen_m, or unseen_margin_m before it, hidden_creep_mps is the most. With 0,
@@ -66,6 +69,7 @@ enum class CapCause : uint8_t {
   kLegLimit,  // the operator's limit for this leg of the mission
   kSpeedZone,
   kHiddenGround,  // no place has shown it: the vehicle creeps
+  kReverse,
 };
 
 class SpeedCaps {
@@ -135,6 +139,15 @@ class SpeedCaps {
   void SlowDownIn(int point);
   void CreepOver(float from_m, float to_m);
   void EndChord();
+  void EndOverhang();
+  bool HasOverhang(int chord) const;
+  float LeadingEdge_m(int point) const {
+    return reversed_[point] ? -footprint_.rear_m : footprint_.front_m;
+  }
+  float TrailingEdge_m(int point) const {
+    return reversed_[point] ? footprint_.front_m : -footprint_.rear_m;
+  }
+  float AheadOf_m(int point) const { return LeadingEdge_m(point) + unseen_margin_m_; }
   bool LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m, float step_m);
   void LookAtUnseen(bool is_hidden, float along_m, float step_m);
   bool IsHiddenAt(const Costmap& map, Cell cell, float along_m) const;
@@ -162,16 +175,19 @@ class SpeedCaps {
   float bend_per_m_[kMaxPathPoints] = {};  // magnitude of the curvature
   float room_m_[kMaxPathPoints] = {};
   CapCause cause_[kMaxPathPoints] = {};
+  bool reversed_[kMaxPathPoints] = {};  // the chord after a point, or the last one before it
   float speed_mps_ = 0.0f;
   int32_t points_ = 0;
-  int32_t chord_ = 0;        // looked along now; the one after the last is beyond the path
+  int32_t chord_ = 0;        // looked along now; the one after the last is beyond the path, as is
+                             // one without length behind a stretch in reverse
   int32_t sample_ = 0;       // places of it that were looked at
   int32_t track_ = 0;        // next, at the one after them
   Look look_;                // at that one, so far
   float observed_m_ = 0.0f;  // distance to the end of the observed ground
   float max_unseen_m_ = 0.0f;
   float growth_speed_mps_ = 0.0f;
-  float ahead_m_ = 0.0f;       // ahead of the vehicle's centre, must be observed
+  float unseen_margin_m_ = 0.0f;
+  float max_reverse_mps_ = 0.0f;
   float room2_cells2_ = 0.0f;  // squared distance of a hard cell that leaves little room
   bool narrow_ = false;
   float seen_m_[kTracks] = {};  // for each track, distance to the last observed cell

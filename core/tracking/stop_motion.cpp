@@ -31,7 +31,7 @@ bool IsAtRest(const DriveState& state) {
 // What a stop may take, roughly: for the spacing alone.
 float ExpectedWay(const DriveModel& model, const DriveState& state, const StopWay& way) {
   const DynamicsParams& drives = model.params();
-  const float speed_mps = Max(Abs(state.speed_mps), way.reference_mps);
+  const float speed_mps = Max(Abs(state.speed_mps), Abs(way.reference_mps));
   const float lags_s = drives.dead_time_s + drives.common_lag_s + drives.speed_lag_s;
   const float brake_mps2 = Max(way.deceleration_mps2, 0.1f);
   return speed_mps * lags_s + speed_mps * speed_mps / (2.0f * brake_mps2) +
@@ -53,14 +53,15 @@ WheelParts BrakeCommand(const DriveModel& model, const StopWay& way, float brake
                         const DriveState& state) {
   const DynamicsParams& drives = model.params();
   const float led_s = braked_s + drives.common_lag_s + drives.speed_lag_s;
-  const float told_mps = way.reference_mps - way.deceleration_mps2 * led_s;
+  const float left_mps = Max(Abs(way.reference_mps) - way.deceleration_mps2 * led_s, 0.0f);
+  const float told_mps = way.reference_mps < 0.0f ? -left_mps : left_mps;
   const float turn_radps = state.speed_mps * CurvatureAt(way, along_m) * model.PerTurn();
   const float at_radps = state.wheels.differential_radps;
   const float slew_radps2 = model.DifferentialSlew_radps2();
   const float change = Clamp(kTurnGain_per_s * (turn_radps - at_radps), -slew_radps2, slew_radps2);
   const float reachable_radps = at_radps + ScrubOf(drives, at_radps) - state.integral_radps +
                                 model.DifferentialLag_s() * change;
-  return {.common_radps = Max(told_mps, 0.0f) / model.RimWay_m() - model.common_bias_radps(),
+  return {.common_radps = told_mps / model.RimWay_m() - model.common_bias_radps(),
           .differential_radps =
               DifferentialCommand(drives, reachable_radps, state.wheels.common_radps)};
 }

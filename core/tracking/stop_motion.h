@@ -31,7 +31,7 @@ enum class StopKind : uint8_t {
 struct StopWay {
   static constexpr int kCurvatures = 32;
   static constexpr float kStep_m = 0.4f;
-  float reference_mps = 0.0f;               // commanded by now
+  float reference_mps = 0.0f;               // commanded by now; in reverse: negative
   float deceleration_mps2 = 0.0f;           // of the reference; positive
   float curvature_per_m[kCurvatures] = {};  // from the vehicle's place on, every kStep_m
   float held_curvature_per_m = 0.0f;        // of steered wheels: the largest; 0: skid-steered

@@ -83,6 +83,7 @@ Status Tracker::StopAlong(const TrackingInput& input, float dt_s, TrackingOutput
 
 void Tracker::Zero(TrackingOutput& output) {
   speed_mps_ = 0.0f;
+  reverse_ = false;
   curvature_per_m_ = 0.0f;
   integral_radps_ = 0.0f;
   give_way_ = 1.0f;
@@ -129,6 +130,14 @@ Status Tracker::Drive(const TrackingInput& input, bool stops, float dt_s, Tracki
     }
     return Status::kOk;
   }
+  const bool turns_back = input.reverse != reverse_ && speed_mps_ > 0.0f;
+  if (!turns_back) reverse_ = input.reverse;
+  return DriveAlong(input, stops || turns_back, dt_s, output);
+}
+
+// In the direction of the reference.
+Status Tracker::DriveAlong(const TrackingInput& input, bool stops, float dt_s,
+                           TrackingOutput& output) {
   if (params_.method == TrackingParams::kPurePursuit) {
     PursueAim(input, stops, dt_s, output);
     return Status::kOk;
@@ -150,7 +159,7 @@ float Tracker::CurvatureTo(const TrackingInput& input) const {
   const float ahead_m = heading.cos * dx_m + heading.sin * dy_m;
   const float left_m = heading.cos * dy_m - heading.sin * dx_m;
   const float distance2_m2 = ahead_m * ahead_m + left_m * left_m;
-  const bool is_ahead = input.reverse ? ahead_m <= -kMinAim_m : ahead_m >= kMinAim_m;
+  const bool is_ahead = reverse_ ? ahead_m <= -kMinAim_m : ahead_m >= kMinAim_m;
   if (!is_ahead) return 0.0f;  // at the end of the path, or past it
   return 2.0f * left_m / distance2_m2;
 }
@@ -163,7 +172,7 @@ void Tracker::PursueAim(const TrackingInput& input, bool stops, float dt_s,
   speed_mps_ = Clamp(limit_mps, speed_mps_ - limits_.max_deceleration_mps2 * dt_s,
                      speed_mps_ + limits_.max_acceleration_mps2 * dt_s);
   curvature_per_m_ = CurvatureTo(input);
-  output.speed_mps = input.reverse ? -speed_mps_ : speed_mps_;
+  output.speed_mps = reverse_ ? -speed_mps_ : speed_mps_;
   output.yaw_rate_radps = Limited(output.speed_mps * curvature_per_m_, limits_.max_yaw_rate_radps);
   output.curvature_per_m = curvature_per_m_;
   Mix({output.speed_mps / model_.RimWay_m(), output.yaw_rate_radps * model_.PerTurn()}, output);
@@ -185,7 +194,7 @@ float Tracker::Reference(const TrackingInput& input, float off_m, bool stops, fl
   change_mps2 = Clamp(change_mps2 + kRampGain_per_s * (wanted_mps - speed_mps_), -brake_mps2,
                       limits_.max_acceleration_mps2);
   if (stops || wanted_mps < kEndSpeed_mps) change_mps2 = -brake_mps2;
-  const float driven_mps = input.reverse ? -predicted_.speed_mps : predicted_.speed_mps;
+  const float driven_mps = reverse_ ? -predicted_.speed_mps : predicted_.speed_mps;
   if (speed_mps_ > Max(driven_mps, 0.0f) + kMaxLead_mps) change_mps2 = Min(change_mps2, 0.0f);
   const float before_mps = speed_mps_;
   speed_mps_ = Max(speed_mps_ + change_mps2 * dt_s, 0.0f);
@@ -233,7 +242,7 @@ Tracker::Turn Tracker::TurnFor(const TrackingInput& input, const Errors& errors,
     back_rad =
         Limited(gains.place_per_s4 / gains.heading_per_s3 * off_m / towards_mps, kMaxReturn_rad);
   }
-  if (input.reverse) back_rad = -back_rad;
+  if (reverse_) back_rad = -back_rad;
   const float feedback_radps = gains.heading_per_s3 / gains.rate_per_s2 * (heading_rad + back_rad);
   // The faster it becomes, the further ahead of its middle it turns: so it has to turn in.
   const float turn_in = model_.TurningPointChange_s(speed_mps) * change_mps2;
@@ -272,7 +281,7 @@ float Tracker::MostTurn_radps() const {
 
 void Tracker::FollowPath(const TrackingInput& input, bool stops, float dt_s,
                          TrackingOutput& output) {
-  const float direction = input.reverse ? -1.0f : 1.0f;
+  const float direction = reverse_ ? -1.0f : 1.0f;
   const SinCosPair heading = SinCos(input.path.theta_rad);
   const Errors errors = {.cross_track_m = heading.cos * (input.pose.y_m - input.path.y_m) -
                                           heading.sin * (input.pose.x_m - input.path.x_m),

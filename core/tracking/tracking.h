@@ -82,7 +82,8 @@ class Tracker {
   // plan's acceleration and deceleration limits. kOffPath: farther from the path than
   // max_cross_track_m: it steers back while it comes to rest. kNeedsManoeuvre: a turn on the spot,
   // for a vehicle that cannot make one; zero is commanded. kNotFinite: a number; zero is commanded.
-  // kNotStarted. Constant cost.
+  // kNotStarted. An input of the other direction than that of the reference is driven only once the
+  // reference is 0: until then it falls as for a stop. Constant cost.
   Status Follow(const TrackingInput& input, float dt_s, TrackingOutput& output);
 
   // The same, with the speed going to 0 by the deceleration limit along the path. A turn on the
@@ -92,8 +93,9 @@ class Tracker {
   // Zero at once.
   void Zero(TrackingOutput& output);
 
-  // The reference: the speed commanded by now. Never negative.
+  // The reference: the speed commanded by now, a magnitude, and whether it is one in reverse.
   float speed_mps() const { return speed_mps_; }
+  bool reverse() const { return reverse_; }
   float curvature_per_m() const { return curvature_per_m_; }
   const DriveModel& model() const { return model_; }
   const MotionError& prediction_error() const { return error_.lately(); }
@@ -134,6 +136,7 @@ class Tracker {
   float MostTurn_radps() const;
   bool IsAtLimit(float command_radps) const;
   Status Drive(const TrackingInput& input, bool stops, float dt_s, TrackingOutput& output);
+  Status DriveAlong(const TrackingInput& input, bool stops, float dt_s, TrackingOutput& output);
   void PursueAim(const TrackingInput& input, bool stops, float dt_s, TrackingOutput& output);
   void FollowPath(const TrackingInput& input, bool stops, float dt_s, TrackingOutput& output);
   void TurnOnTheSpot(const TrackingInput& input, float dt_s, TrackingOutput& output);
@@ -156,6 +159,7 @@ class Tracker {
   bool configured_ = false;
   bool saturated_ = false;  // the previous command was clipped
   float speed_mps_ = 0.0f;  // reference
+  bool reverse_ = false;    // of the reference
   float curvature_per_m_ = 0.0f;
   float integral_radps_ = 0.0f;
   float give_way_ = 1.0f;  // share of the path's speed, where turns need more than the drives have

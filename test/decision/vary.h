@@ -24,10 +24,11 @@ double NearBy(Random& random, const ParameterEntry<Group>& entry, const Group& g
 }
 
 // Parameters of other vehicles than the one that these decisions are about, of waypoints that are
-// passed, or of ground that is hidden. They draw no numbers, so that the decisions of before are
-// the same.
+// passed, of ground that is hidden, or of driving in reverse. They draw no numbers, so that the
+// decisions of before are the same.
 inline bool StaysAsItIs(std::string_view full_name) {
   return full_name == "replan.pass_radius_m" || full_name == "speed.hidden_creep_mps" ||
+         full_name == "path.reverse_out_m" || full_name == "speed.max_reverse_mps" ||
          full_name == "vehicle.kinematics" || full_name == "vehicle.wheelbase_m" ||
          full_name == "vehicle.max_steering_rad" || full_name.starts_with("twist_drive.");
 }

@@ -81,10 +81,12 @@ BenchScene MakeRellis(const RellisFiles& files) {
   BenchScene scene = {.name = kRellisScene};
   const auto mapper = std::make_shared<Mapper>();
   capture::LidarScanReport report;
+  PerceptionParams perception;
+  perception.mount.self_min_x_m = -2.7f;  // what the recorded vehicle carries reaches so far back
   Require(capture::LoadLidarScan({.capture_path = files.capture.string(),
                                   .metadata_path = files.metadata.string(),
                                   .labels_path = files.labels.string(),
-                                  .perception = {},
+                                  .perception = perception,
                                   .costmap = {},
                                   .pose = {}},
                                  *mapper, report));

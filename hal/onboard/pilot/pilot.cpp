@@ -2,6 +2,7 @@
 #include "hal/onboard/pilot/pilot.h"
 
 #include "core/autonomy/assured_sight.h"
+#include "core/base/footprint.h"
 #include "core/base/math.h"
 #include "core/base/units.h"
 #include "core/base/validate.h"
@@ -69,11 +70,13 @@ Status Pilot::Configure(const PilotConfig& config, const LidarLayout& lidar) {
   return status;
 }
 
-// No faster than it sees what is low.
+// No faster than it sees what is low, and not backwards where it sees nothing.
 Status Pilot::LimitSpeed(const LidarLayout& lidar) {
   if (FirstInvalidParameter(config_.planner) != nullptr) return Status::kParameterOutOfRange;
   const Status status = MakeBeamModel(lidar, beam_model_);
   if (!IsUsable(status)) return status;
+  const float hidden_m = RearOf(config_.planner.vehicle) - config_.perception.mount.self_min_x_m;
+  if (hidden_m > kMaxHiddenBehind_m) config_.planner.path.reverse_out_m = 0.0f;
   return LimitToAssuredSight(beam_model_, config_.perception, config_.planner.vehicle,
                              config_.planner.speed);
 }

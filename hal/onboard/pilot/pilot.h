@@ -76,6 +76,8 @@ class Pilot {
   static constexpr float kStandsSpeed_mps = 0.1f;
   // The time of the ramps that a late tick may make up for.
   static constexpr float kLongestTick_s = 0.1f;
+  // With more than this hidden behind the rear by the self filter it does not reverse.
+  static constexpr float kMaxHiddenBehind_m = 0.3f;
   // Of the lidar's columns, those that the mount's watch looks at, and at most in a tick.
   static constexpr int kMountEvery = 4;
   static constexpr int kMaxMountColumns = 64;
@@ -252,7 +254,7 @@ class Pilot {
   bool MayWatchMount(int slot) const;
   void WatchMount(int slot);
   void AdvanceMount();
-  void LookAt(const Pose2& place, SightLook& oldest) const;
+  void LookAt(const PathState& state, SightLook& oldest) const;
   StopReason BlindBy(const SightLook& look) const;
 
   // The vehicle's motion until rest (sweep.cpp).

@@ -48,8 +48,8 @@ bool Pilot::TurnsNext() const {
   return false;
 }
 
-// Of the directions in which the vehicle's front moves until it stands, all around where it turns
-// on the spot. Without a path of any direction.
+// Of the directions in which the edge that goes first moves until it stands, all around where it
+// turns on the spot. Without a path of any direction.
 SightLook Pilot::OldestLook() const {
   SightLook oldest;
   sight_.LookAtFaults(oldest);
@@ -72,23 +72,24 @@ SightLook Pilot::OldestLook() const {
   HP_LOOP_BOUND(kPlaces)
   for (int i = 0; i < kPlaces; ++i) {
     const float ahead_m = reach_m * static_cast<float>(i) / static_cast<float>(kPlaces - 1);
-    LookAt(StateAt(plan, replanner_.place().along_m + ahead_m).pose, oldest);
+    LookAt(StateAt(plan, replanner_.place().along_m + ahead_m), oldest);
   }
   return oldest;
 }
 
-// The vehicle's front at one place of the path, as it lies in the body frame.
-void Pilot::LookAt(const Pose2& place, SightLook& oldest) const {
+// The vehicle's front at one place of the path, in reverse its rear, as it lies in the body frame.
+void Pilot::LookAt(const PathState& state, SightLook& oldest) const {
   const VehicleParams& vehicle = config_.planner.vehicle;
-  const float front_m = FrontOf(vehicle);
+  const Pose2& place = state.pose;
+  const float edge_m = state.reverse ? RearOf(vehicle) : FrontOf(vehicle);
   const float side_m = SizeOfCorridor().half_width_m;
   const StampedPose& here = odometry_.pose();
   const SinCosPair body = SinCos(here.yaw_rad);
   const SinCosPair ahead = SinCos(place.theta_rad - here.yaw_rad);
   const float dx_m = place.x_m - here.position.x_m;
   const float dy_m = place.y_m - here.position.y_m;
-  const Vec2 middle = {body.cos * dx_m + body.sin * dy_m + front_m * ahead.cos,
-                       body.cos * dy_m - body.sin * dx_m + front_m * ahead.sin};
+  const Vec2 middle = {body.cos * dx_m + body.sin * dy_m + edge_m * ahead.cos,
+                       body.cos * dy_m - body.sin * dx_m + edge_m * ahead.sin};
   const Vec2 aside = {-side_m * ahead.sin, side_m * ahead.cos};
   sight_.LookBetween({middle.x_m - aside.x_m, middle.y_m - aside.y_m},
                      {middle.x_m + aside.x_m, middle.y_m + aside.y_m}, now_ns_, oldest);

@@ -73,7 +73,7 @@ WayAhead Pilot::JudgeStop() {
   const SweepResult zero = sweep_.Try({swept_.begin(), static_cast<size_t>(swept_.size())});
   if (zero.clear) return WayAhead::kClear;
   if (replanner_.committed().number == 0) return WayAhead::kTooNear;
-  way.reference_mps = tracker_.speed_mps();
+  way.reference_mps = tracker_.reverse() ? -tracker_.speed_mps() : tracker_.speed_mps();
   way.deceleration_mps2 = config_.planner.speed.max_deceleration_mps2;
   CurvaturesFrom(replanner_.committed(), replanner_.place().along_m, StopWay::kStep_m,
                  way.curvature_per_m);
@@ -106,7 +106,7 @@ WayAhead Pilot::JudgeSettingOut() {
   if (SecondsBetween(held_since_ns_, now_ns_) > kHeld_s) {
     replanner_.Forget();
     held_since_ns_ = 0;
-    lead_out_ = (lead_out_ + 1) % (LeadOut::kBends + 1);  // one of them may not touch
+    lead_out_ = (lead_out_ + 1) % (kLeadOuts + 1);  // one of them may not touch
   }
   return WayAhead::kObstacle;
 }

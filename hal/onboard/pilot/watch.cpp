@@ -135,8 +135,11 @@ void Pilot::FollowPlan() {
 
 WayAhead Pilot::Ahead() const {
   if (replanner_.committed().number == 0) return WayAhead::kClear;
-  return corridor_.Ahead(config_.planner.speed, config_.planner.vehicle, replanner_.place().along_m,
-                         odometry_.speed_mps(), tracker_.speed_mps());
+  const PathPlace& place = replanner_.place();
+  const bool reverse = IsReversed(replanner_.committed().path, place.point);
+  const float driven_mps = odometry_.speed_mps();
+  return corridor_.Ahead(config_.planner.speed, config_.planner.vehicle, place.along_m,
+                         reverse ? -driven_mps : driven_mps, tracker_.speed_mps(), reverse);
 }
 
 // The yaw rate about the body's z axis, of the INS's own (whose z points down).

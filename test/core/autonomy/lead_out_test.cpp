@@ -98,6 +98,7 @@ TEST(LeadOut, CellsLieAcrossAFlankWhereNoOtherWayIsLeft) {
     EXPECT_LE(plan.speed[k], scene.params.speed.obstacle_start_speed_mps + 1e-4f);
   }
   scene.Add(15, 3, 15, 3);
+  scene.params.path.reverse_out_m = 0.0f;
   EXPECT_FALSE(IsUsable(PlanIn(scene).status));
 }
 
@@ -117,6 +118,7 @@ TEST(LeadOut, StaysWhereTheWayAheadIsClosedToo) {
   Scene scene = WallBeside();
   scene.Add(9, -20, 10, 4);  // 1 m ahead of the nose
   scene.Add(-5, -5, 8, -4);
+  scene.params.path.reverse_out_m = 0.0f;
   EXPECT_FALSE(IsUsable(PlanIn(scene).status));
 }
 

@@ -164,6 +164,7 @@ TEST(Planner, SaysWhenTheTurnOnTheSpotHasNoRoom) {
   Scene scene = SceneTo({-15.1f, 0.1f});
   scene.Add(-5, 5, 5, 5);    // 0.9 m to the left
   scene.Add(8, -10, 9, 10);  // and no way ahead
+  scene.params.path.reverse_out_m = 0.0f;
   EXPECT_EQ(PlanIn(scene).status, Status::kPivotBlocked);
 }
 

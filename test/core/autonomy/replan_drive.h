@@ -84,6 +84,7 @@ struct Drive {
                   truth.theta_rad + Noise(jitter_rad)};
     state.curvature_per_m = here.curvature_per_m;
     state.speed_mps = speed_mps;
+    if (here.reverse) state.driven_mps = -speed_mps;
     ASSERT_EQ(replanner().Update(now_ns, state, goal), Status::kOk);
     if (!replanner().busy()) {
       const GridWindow window = GridWindow::CenteredAt({state.pose.x_m, state.pose.y_m});
@@ -142,7 +143,7 @@ struct Drive {
     const float limit = 1.001f * world.params.speed.max_acceleration_mps2;
     for (int k = 0; k + 1 < plan.path.size(); ++k) {
       const float behind_m = std::max(0.0f, plan.start_along_m - WayTo(plan.path, k));
-      const float way_m = std::max(0.0f, plan.actuator.steps[k].dr_m - behind_m);
+      const float way_m = std::max(0.0f, std::abs(plan.actuator.steps[k].dr_m) - behind_m);
       const float gain = plan.speed[k + 1] * plan.speed[k + 1] - plan.speed[k] * plan.speed[k];
       EXPECT_LE(std::abs(gain), 2.0f * limit * way_m + 0.003f) << "round " << rounds << ", " << k;
     }

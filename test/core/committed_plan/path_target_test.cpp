@@ -71,6 +71,51 @@ TEST(PathTarget, GivesAHeadingAndACurvatureThatAreTheVehiclesInReverse) {
             -0.5f);
 }
 
+//   <----------[>]   and from there forward: the vehicle has to stand before it changes direction
+WorldPath BackAndForth() {
+  WorldPath path;
+  for (int i = 0; i <= 20; ++i) {
+    EXPECT_EQ(path.PushBack({-0.2f * static_cast<float>(i), 0.0f, 0.0f}), Status::kOk);
+  }
+  for (int i = 0; i <= 20; ++i) {
+    EXPECT_EQ(path.PushBack({-4.0f + 0.2f * static_cast<float>(i), 0.0f, 0.0f}), Status::kOk);
+  }
+  return path;
+}
+
+// SR-STA06
+TEST(PathTarget, DrivesForwardOnlyOnceItStandsWhereTheDirectionChanges) {
+  const CommittedPlan plan = PlanOf(BackAndForth());
+  const TrackingInput there = TargetAt(plan, {-3.0f, 0.02f, 0.0f});
+  EXPECT_TRUE(there.reverse);
+  EXPECT_NEAR(there.left_m, 1.0f, 1e-3f);
+  EXPECT_NEAR(there.path.theta_rad, 0.0f, 1e-3f);
+  const TrackingInput rolls = TargetAt(plan, {-3.9f, 0.0f, 0.0f}, false);
+  EXPECT_TRUE(rolls.reverse);
+  EXPECT_NEAR(rolls.left_m, 0.1f, 1e-3f);
+  // Also with a heading that is not quite the path's: there is nothing to turn for.
+  for (const float heading_rad : {0.0f, 0.3f}) {
+    const TrackingInput back = TargetAt(plan, {-3.9f, 0.0f, heading_rad}, true);
+    EXPECT_FALSE(back.reverse);
+    EXPECT_FALSE(back.turn);
+    EXPECT_GT(back.speed_limit_mps, 0.1f);
+    EXPECT_NEAR(back.left_m, 4.0f, 1e-3f);
+  }
+}
+
+TEST(PathTarget, SaysOfEachPlaceWhereTheVehicleLooks) {
+  const CommittedPlan plan = PlanOf(BackAndForth());
+  EXPECT_TRUE(StateAt(plan, 2.0f).reverse);
+  EXPECT_NEAR(StateAt(plan, 2.0f).pose.theta_rad, 0.0f, 1e-4f);
+  EXPECT_FALSE(StateAt(plan, 6.0f).reverse);
+  EXPECT_NEAR(StateAt(plan, 6.0f).pose.theta_rad, 0.0f, 1e-4f);
+  const CommittedPlan arc = PlanOf(Arc(true));
+  EXPECT_NEAR(StateAt(arc, 10.0f).curvature_per_m, -1.0f / 8.0f, 1e-3f);
+  float bends[8];
+  CurvaturesFrom(arc, 1.0f, 0.5f, bends);
+  for (const float bend_per_m : bends) EXPECT_NEAR(bend_per_m, -1.0f / 8.0f, 1e-3f);
+}
+
 //   [>]----------0=====0-----------   the plan stands there; what comes behind does not count
 TEST(PathTarget, EndsWhereThePlanHasTheVehicleStand) {
   CommittedPlan plan = PlanOf(Arc(false));

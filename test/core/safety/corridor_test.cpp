@@ -415,6 +415,27 @@ TEST(Corridor, SaysWhenToBrakeAndWhenLimitsDoNotDo) {
   }
 }
 
+// In reverse the gap begins at the rear.
+// SR-STA05
+TEST(Corridor, InReverseTheRearGoesFirst) {
+  const SpeedParams speed;
+  VehicleParams vehicle;
+  vehicle.axle_offset_m = 0.4f;
+  Rig test(Straight(11.8f));
+  ASSERT_TRUE(test.Holds(5.0f, 0.0f));
+  const float half_m = 0.5f * vehicle.length_m;
+  const auto nearest = [&](bool reverse) {
+    float along_m = 0.0f;
+    while (test.corridor->Ahead(speed, vehicle, along_m, 0.0f, 0.0f, reverse) !=
+           WayAhead::kTooNear) {
+      along_m += 0.01f;
+    }
+    return along_m;
+  };
+  EXPECT_NEAR(nearest(false), 5.0f - (half_m - 0.4f), 0.02f);
+  EXPECT_NEAR(nearest(true), 5.0f - (half_m + 0.4f), 0.02f);
+}
+
 // A vehicle that brakes along the path when it is told to, with dead time and lag, is not told in
 // the middle of it that this does not do; and it stands before the return.
 // SR-COR01

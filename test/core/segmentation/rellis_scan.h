@@ -117,7 +117,8 @@ class RellisScan {
     item.height_m = static_cast<float>(field[2]) + kFrameHeight_m;
     item.range_m = static_cast<float>(field[5] * 1e-3);
     item.label = static_cast<int>(field[9]);
-    const LidarMountParams mount;
+    LidarMountParams mount;
+    mount.self_min_x_m = -2.7f;  // what the recorded vehicle carries reaches so far behind it
     const bool self = item.x_m >= mount.self_min_x_m && item.x_m <= mount.self_max_x_m &&
                       std::abs(item.y_m) <= mount.self_max_abs_y_m &&
                       item.height_m <= mount.self_max_z_m;

@@ -84,6 +84,70 @@ TEST(SpeedCaps, GrowthIsDrivenSlowlyFromWhereTheFrontIsInIt) {
   }
 }
 
+// A path in reverse along x, by a vehicle whose axle is nearer to its front, then forward again.
+struct BackwardGround : Ground {
+  static constexpr int kBack = 60;  // points
+  BackwardGround() {
+    vehicle.axle_offset_m = 0.4f;
+    path.Clear();
+    for (int k = 0; k <= kBack; ++k) Put(k);
+    for (int k = kBack; k >= 20; --k) Put(k);
+  }
+  void Put(int k) {
+    EXPECT_EQ(path.PushBack({0.275f * static_cast<float>(k), 0.0f, kPi}), Status::kOk);
+  }
+};
+
+// SR-STA04
+TEST(SpeedCaps, InReverseItIsSlow) {
+  BackwardGround ground;
+  ground.Caps();
+  for (int k = 0; k < BackwardGround::kBack; ++k) {
+    EXPECT_EQ(ground.caps->cap_mps()[static_cast<size_t>(k)], ground.speed.max_reverse_mps) << k;
+    EXPECT_EQ(ground.caps->cause(k), CapCause::kReverse) << k;
+  }
+  EXPECT_GT(ground.caps->cap_mps()[BackwardGround::kBack + 5], 2.0f);
+}
+
+// SR-STA05
+TEST(SpeedCaps, InReverseTheRearIsWhatStopsBeforeUnobservedGround) {
+  BackwardGround ground;
+  ground.Hide(12.0f, 40.0f);
+  EXPECT_NEAR(ground.Caps().observed_m(), 12.0f, 0.11f);
+  const float rear_m = 0.5f * ground.vehicle.length_m + 0.4f + ground.speed.unseen_margin_m;
+  for (int k = 1; k < BackwardGround::kBack; ++k) {
+    const float free_m = std::max(0.0f, 12.0f - rear_m - 0.275f * static_cast<float>(k));
+    const float cap_mps = ground.caps->cap_mps()[static_cast<size_t>(k)];
+    EXPECT_LE(StoppingDistance(ground.speed, cap_mps), free_m + 0.11f) << k;
+    if (free_m > 1.0f) {
+      EXPECT_EQ(cap_mps, ground.speed.max_reverse_mps) << k;
+    }
+  }
+}
+
+//  =====>|  ?????      the end of the stretch in reverse is observed, but not what is behind the
+//  rear
+// SR-STA05
+TEST(SpeedCaps, BehindTheEndOfAStretchInReverseTheGroundIsObservedToo) {
+  BackwardGround ground;
+  const float end_m = 0.275f * BackwardGround::kBack;
+  ground.Hide(end_m + 0.3f, end_m + 6.0f);
+  EXPECT_LT(ground.Caps().observed_m(), end_m + 0.5f);
+  EXPECT_EQ(ground.caps->cap_mps()[BackwardGround::kBack - 1], 0.0f);
+  // What lies farther behind than the rear reaches does not matter.
+  BackwardGround clear;
+  clear.Hide(end_m + 2.2f, end_m + 8.0f);
+  EXPECT_EQ(clear.Caps().observed_m(), SpeedCaps::kFar_m);
+  // Nor does it make up for what is not observed where the vehicle drives next, to the left.
+  BackwardGround left;
+  left.path.Resize(BackwardGround::kBack + 1);
+  for (int k = 0; k <= 20; ++k) {
+    ASSERT_EQ(left.path.PushBack({end_m, 0.275f * static_cast<float>(k), 0.5f * kPi}), Status::kOk);
+  }
+  left.Hide(end_m - 0.95f, end_m - 0.45f, 0.0f, 4.0f);
+  EXPECT_LT(left.Caps().observed_m(), end_m + 0.3f);
+}
+
 //  [>]=============?????????
 // SR-SPD02
 TEST(SpeedCaps, StopsBeforeTheEndOfTheObservedGround) {

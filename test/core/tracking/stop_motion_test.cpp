@@ -69,6 +69,26 @@ TEST(StopMotion, ZeroEndsWhereTheModelComesToRest) {
   }
 }
 
+// A stop along a path in reverse is the mirror image of one ahead.
+// SR-MOV02
+TEST(StopMotion, AlongAPathInReverseItIsTheMirrorImage) {
+  StopWay way;
+  way.deceleration_mps2 = 2.0f;
+  for (float& bend_per_m : way.curvature_per_m) bend_per_m = 0.2f;
+  const auto stop = [&](float direction) {
+    Bench bench;
+    bench.Drive({direction * 6.0f, direction * 1.0f});
+    way.reference_mps = direction * 1.7f;
+    return bench.Stop(StopKind::kAlong, way);
+  };
+  const SweptMotion ahead = stop(1.0f);
+  const SweptMotion back = stop(-1.0f);
+  EXPECT_NEAR(Way(ahead), Way(back), 0.02f);
+  EXPECT_GT(Way(ahead), 1.0f);
+  EXPECT_NEAR(ahead.back().pose.theta_rad - 0.5f, -(back.back().pose.theta_rad - 0.5f), 0.02f);
+  EXPECT_LT(std::fabs(back.back().speed_mps), 0.05f);
+}
+
 // SR-MOV02
 TEST(StopMotion, SteeredWheelsHoldTheirCurve) {
   for (const float turn_radps : {1.5f, -1.5f}) {

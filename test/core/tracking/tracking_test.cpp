@@ -77,6 +77,41 @@ TEST(PurePursuit, ComesBackToALineFromBesideIt) {
   EXPECT_NEAR(pose.theta_rad, 0.0f, 0.02f);
 }
 
+// By either method.
+// SR-STA06
+TEST(Tracker, DrivesTheOtherWayOnlyOnceItsReferenceIsZero) {
+  for (const auto method : {TrackingParams::kPurePursuit, TrackingParams{}.method}) {
+    for (const bool reverse : {false, true}) {
+      Tracker tracker;
+      ASSERT_EQ(tracker.Configure({}, {}, {}, {}, {.method = method}), Status::kOk);
+      const float sign = reverse ? -1.0f : 1.0f;
+      TrackingInput input = Aim(sign * 5.0f, 0.0f, 2.0f);
+      input.left_m = 10.0f;
+      input.reverse = reverse;
+      TrackingOutput output;
+      for (int i = 0; i < 40; ++i) ASSERT_EQ(tracker.Follow(input, kTick_s, output), Status::kOk);
+      ASSERT_GT(sign * output.speed_mps, 0.3f);
+      EXPECT_EQ(tracker.reverse(), reverse);
+      input = Aim(-sign * 5.0f, 0.0f, 2.0f);
+      input.left_m = 10.0f;
+      input.reverse = !reverse;
+      float before_mps = output.speed_mps;
+      bool was_zero = false;
+      for (int i = 0; i < 200; ++i) {
+        ASSERT_EQ(tracker.Follow(input, kTick_s, output), Status::kOk);
+        EXPECT_LE(std::fabs(output.speed_mps - before_mps), 2.0f * kTick_s + 1e-4f) << i;
+        was_zero |= output.speed_mps == 0.0f;
+        if (!was_zero) {
+          EXPECT_GE(sign * output.speed_mps, 0.0f) << i;
+        }
+        before_mps = output.speed_mps;
+      }
+      EXPECT_TRUE(was_zero);
+      EXPECT_LT(sign * output.speed_mps, -0.1f);
+    }
+  }
+}
+
 TEST(PurePursuit, KeepsTheTurnAndGivesUpSpeedWhenAWheelWouldBeTooFast) {
   VehicleParams slow;
   slow.max_wheel_speed_radps = 4.0f;

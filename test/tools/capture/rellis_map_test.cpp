@@ -50,6 +50,7 @@ constexpr float kDistances_m[] = {5.0f, 12.0f, 20.0f, 30.0f};
 
 std::unique_ptr<CostmapBuilder> BuildMap(const Variant& variant) {
   LidarScanRequest request;
+  request.perception.mount.self_min_x_m = -2.7f;  // the recorded vehicle carries things behind it
   request.capture_path = SensorFile(".pcap");
   request.metadata_path = SensorFile(".json");
   if (variant.labels) request.labels_path = LabelFile();

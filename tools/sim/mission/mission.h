@@ -63,7 +63,7 @@ struct MissionTrace {
     double x_m = 0.0;
     double y_m = 0.0;
     double yaw_rad = 0.0;
-    double speed_mps = 0.0;
+    double speed_mps = 0.0;      // in reverse: negative, as the next two
     double commanded_mps = 0.0;  // the tracker's current reference
     double planned_mps = 0.0;    // by the committed plan at that place; 0 without one
     double yaw_rate_radps = 0.0;

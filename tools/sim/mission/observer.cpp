@@ -35,7 +35,9 @@ double PlannedSpeed_mps(const Replanner& replanner) {
   const PathPlace& place = replanner.place();
   if (plan.number == 0 || place.point + 1 >= plan.speed.size()) return 0.0;
   const double from_mps = double{plan.speed[place.point]};
-  return from_mps + double{place.share} * (double{plan.speed[place.point + 1]} - from_mps);
+  const double speed_mps =
+      from_mps + double{place.share} * (double{plan.speed[place.point + 1]} - from_mps);
+  return IsReversed(plan.path, place.point) ? -speed_mps : speed_mps;
 }
 
 std::string ReasonName(StopReason reason) {

@@ -158,7 +158,7 @@ World DemoWorld() {
   world.cylinders.push_back(
       {6.0, 9.0, 0.22, person_ground_m - 0.1, person_ground_m + 1.55, kPerson});
   world.spheres.push_back({{6.0, 9.0, person_ground_m + 1.66}, 0.13, kPerson});
-  world.boxes.push_back({{-1.25, -0.25, 0.9}, {-1.05, 0.25, 1.75}, kVoid});  // the vehicle's mast
+  world.boxes.push_back({{-0.75, -0.25, 0.9}, {-0.55, 0.25, 1.75}, kVoid});  // the vehicle's mast
   return world;
 }
 

@@ -79,7 +79,8 @@ function factsAt(i) {
   const event = lastBy(events, at('t_s'));
   return [
     ['mode', event < 0 ? '' : events[event].text],
-    ['speed', number(at('speed_mps'), 2, 'm/s')],
+    ['speed', number(at('speed_mps'), 2, 'm/s') +
+      (at('commanded_mps') < 0 ? ', in reverse' : '')],
     ['of the plan', number(at('planned_mps'), 2, 'm/s')],
     ['yaw rate', number(at('yaw_rate_radps'), 2, 'rad/s')],
     ['cross-track error', number(at('cross_track_m'), 3, 'm')],
