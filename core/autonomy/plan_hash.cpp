@@ -103,6 +103,7 @@ void AddToHash(const Plan& plan, DecisionHash& hash) {
   AddCheck(plan.check, hash);
   AddSearch(plan.search, hash);
   if (plan.target > 0) hash.AddI32(plan.target);
+  if (plan.refusals > 0) hash.AddI32(plan.refusals);
 }
 
 }  // namespace hardpack

@@ -440,7 +440,7 @@ void Planner::TryAgain() {
     return BeginCheck();
   }
   if (plan_.pivots_first || !MayPivot()) {
-    if (Shorten(first_leg_) || BeginLeadOut(failure)) return;
+    if (Shorten(first_leg_) || BeginLeadOut(failure) || LookElsewhere()) return;
     return Fail(failure);
   }
   plan_.pivots_first = true;

@@ -58,6 +58,10 @@
 // - There is no such way, or no path from its end: the same in reverse, for reverse_out_m at most.
 // - The path sweeps the unseen area beside the place where the map began: the same, unseen_start_m
 //   from that place, if that is free; otherwise the path is taken as it is.
+// - The path touches something farther than kNearRefusal_m from where it starts and from where it
+//   leads: the search has taken something for a way that is none. Its cells there are closed
+//   (CostmapBuilder::Refuse), and it looks again, kMaxRefusals times at most. The next plan begins
+//   on a new map, which has them open again.
 //
 // Areas (core/areas) close cells of the map as hard obstacles do, so that the search, the
 // optimizer, the check and the speeds all see the same; speed zones limit the speeds. Their shapes
@@ -116,6 +120,7 @@ struct Plan {
   PathCheckResult check;
   int32_t slow_points = 0;  // first points of path, driven slowly out of an obstacle
   int32_t lead_points = 0;  // the first of these, which belong to a lead-out
+  int32_t refusals = 0;     // places that the search took for a way and the check refused
   // Of all legs together: status is the gravest, cost and expansions are sums, start_in_obstacle is
   // of the first and the rest of the last leg.
   AstarResult search;
@@ -195,9 +200,11 @@ class Planner {
   static constexpr int kMaxPathUnits = kMaxTransitions + PathSmoother::kMaxPasses +
                                        3 * Optimizer::kMaxUnits + 14 * PathCheck::kMaxUnits;
   static constexpr int kMaxRouteUnits = (kMaxVias + 1) * kMaxLegUnits + 3 * kMaxPathUnits;
+  static constexpr int kMaxRefusals = 4;
+  static constexpr float kNearRefusal_m = 1.5f;
   // From the vehicle, from the end of a lead-out, and again from the vehicle or from the end of one
-  // in reverse.
-  static constexpr int kMaxRoutes = 3;
+  // in reverse; and once more for each refusal.
+  static constexpr int kMaxRoutes = 3 + kMaxRefusals;
   // Looks for a lead-out: straight, bent, across cells; in reverse bent and across.
   static constexpr int kLeadLooks = 5;
   static constexpr int kAreaUnits = kMaxAreas * kMapSize_cells;
@@ -252,6 +259,7 @@ class Planner {
   [[nodiscard]] bool MayPivot() const;
   [[nodiscard]] bool BeginLeadOut(Status failure);
   [[nodiscard]] bool LookBack();
+  [[nodiscard]] bool LookElsewhere();
   void LookForLeadOut();
   void LookForForward();
   void LookForReverse();

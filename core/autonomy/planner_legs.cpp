@@ -13,6 +13,9 @@ constexpr float kTightShare = 0.5f;
 // From a start that is nearer to the first via than this, the leg's direction is the vehicle's own.
 constexpr float kLeastFirstLeg_m = 3.0f;
 
+// What is closed around a refused place, and one more for each that was refused before.
+constexpr int kRefused_cells = 1;
+
 }  // namespace
 
 // Not inlined: within NextLeg's loop the choice becomes a second way into it, and such a loop has
@@ -186,6 +189,22 @@ PassingPlaces Planner::Places() const {
     static_cast<void>(places.place_odom.PushBack(PlaceOf(plan_.base[legs_[i].end_point])));
   }
   return places;
+}
+
+// By the place of the last attempt, which is the base path itself. A larger one each time: what
+// holds a path may be wider than where it touches. False: it may not be looked for, and nothing has
+// changed.
+bool Planner::LookElsewhere() {
+  const int point = plan_.check.collision_point;
+  if (plan_.refusals == kMaxRefusals || point < 0 || plan_.check.leaves_map) return false;
+  const Vec2 place = PlaceOf(plan_.path[point]);
+  const bool is_near = AreWithin(place, PlaceOf(request_.start.pose), kNearRefusal_m) ||
+                       AreWithin(place, PlaceAt(plan_.target), kNearRefusal_m);
+  if (is_near) return false;
+  ++plan_.refusals;
+  builder_.Refuse(CellAt(place), kRefused_cells + plan_.refusals);
+  BeginSearch();
+  return true;
 }
 
 }  // namespace hardpack

@@ -142,6 +142,24 @@ void CostmapBuilder::CloseCells(int row, std::span<const uint32_t, kRowWords> cl
   }
 }
 
+// As deep as can be: the way out of where the vehicle starts does not lead through them either.
+void CostmapBuilder::Refuse(Cell middle, int radius_cells) {
+  HP_ASSERT(pass_ == Pass::kDone && radius_cells >= 0 && radius_cells <= kMaxRefused_cells);
+  constexpr uint8_t kDeepest2_cells2 = 255;
+  const int radius2_cells2 = radius_cells * radius_cells;
+  HP_LOOP_BOUND(2 * kMaxRefused_cells + 1)
+  for (int dy = -radius_cells; dy <= radius_cells; ++dy) {
+    HP_LOOP_BOUND(2 * kMaxRefused_cells + 1)
+    for (int dx = -radius_cells; dx <= radius_cells; ++dx) {
+      const Cell cell = {middle.x + dx, middle.y + dy};
+      if (dx * dx + dy * dy > radius2_cells2 || !map_.window.Contains(cell)) continue;
+      const int index = map_.window.Index(cell);
+      map_.flags[index] = static_cast<uint8_t>(map_.flags[index] | Costmap::kLethal);
+      map_.hard_depth2[index] = kDeepest2_cells2;
+    }
+  }
+}
+
 Progress CostmapBuilder::Step(const HeightGrid& heights, int units) {
   HP_LOOP_BOUND(kUnits)
   for (int left = units; left > 0 && pass_ != Pass::kDone; --left) {

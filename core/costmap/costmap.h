@@ -153,6 +153,12 @@ class CostmapBuilder {
   // As Step. Precondition: the build was begun by BeginCells, or StepHeights is done.
   Progress StepCells(int units);
 
+  // Makes all cells within radius_cells of one lethal, although nothing stands in them: for a place
+  // where no path can be driven as the search found it. Precondition: Step has returned kDone, 0 <=
+  // radius_cells <= kMaxRefused_cells. Cost: constant.
+  static constexpr int kMaxRefused_cells = 8;
+  void Refuse(Cell middle, int radius_cells);
+
   // Valid once Step has returned kDone and until the next Begin.
   const Costmap& result() const { return map_; }
 
