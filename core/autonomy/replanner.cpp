@@ -117,9 +117,10 @@ void Replanner::Locate(float since_s) {
   const float search_m = place_.along_m + state_.speed_mps * since_s + kSearchAhead_m;
   place_ = Project(path, state_.pose, Stands(), search_m);
   const float heading_rad = StateAt(committed_, place_.along_m).pose.theta_rad;
-  const bool looks_away =
-      Abs(WrapAngle(state_.pose.theta_rad - heading_rad)) > params_.path.max_join_heading_rad;
   const bool stands_off = Stands() && !IsAt(StandingPoint(path, place_.point));
+  const float most_rad = stands_off ? Min(kMaxStandingTurn_rad, params_.path.max_join_heading_rad)
+                                    : params_.path.max_join_heading_rad;
+  const bool looks_away = Abs(WrapAngle(state_.pose.theta_rad - heading_rad)) > most_rad;
   const float most_m = stands_off ? kMaxStandingOff_m : MostCrossTrack();
   off_path_ =
       place_.cross_track_m > most_m || (looks_away && !TurnsOnTheSpotAt(path, place_.point));

@@ -29,9 +29,9 @@
 //    the owner's time, so the same in replay), and no closer to the place where the map began than
 //    unseen_start_m. The result is kept stretch + new plan. It starts from the predicted pose
 //    itself if there is no committed plan, if the vehicle is farther beside it than there is room
-//    there (max_cross_track_m at most, least_cross_track_m at least), or kMaxStandingOff_m at rest
-//    (or turned away from it by more than max_join_heading_rad), or if it stands at the path's end
-//    or at a turn on the spot.
+//    there (max_cross_track_m at most, least_cross_track_m at least), or turned away from it by
+//    more than max_join_heading_rad (at rest kMaxStandingOff_m and kMaxStandingTurn_rad), or if it
+//    stands at the path's end or at a turn on the spot.
 // 2. The new plan, on the present map.
 // 3. The rest of the committed path, from the vehicle's projection on, is checked on that map, with
 //    path.kept_margin_m around the outline: the allowance for tracking error. It is less than a new
@@ -197,6 +197,7 @@ class Replanner {
   // Off the path at rest, for example after an immediate stop: joining it from there would turn
   // through unchecked space.
   static constexpr float kMaxStandingOff_m = 0.15f;
+  static constexpr float kMaxStandingTurn_rad = 0.3f;
   static constexpr float kSameEnd_m = 0.3f;  // a cell's diagonal
   static constexpr float kTail_m = 5.0f;
   static constexpr float kFarBlock_m = 10.0f;

@@ -130,9 +130,19 @@ Status Tracker::Drive(const TrackingInput& input, bool stops, float dt_s, Tracki
     }
     return Status::kOk;
   }
+  if (StillTurns()) {
+    output = TrackingOutput{};
+    Command(WheelParts{}, dt_s, output);
+    return Status::kOk;
+  }
   const bool turns_back = input.reverse != reverse_ && speed_mps_ > 0.0f;
   if (!turns_back) reverse_ = input.reverse;
   return DriveAlong(input, stops || turns_back, dt_s, output);
+}
+
+bool Tracker::StillTurns() const {
+  return speed_mps_ <= 0.0f && Abs(predicted_.speed_mps) < kEndSpeed_mps &&
+         Abs(predicted_.yaw_rate_radps) > kStillTurns_radps;
 }
 
 // In the direction of the reference.

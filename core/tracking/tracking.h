@@ -61,9 +61,10 @@ class Tracker {
   static constexpr float kMaxIntegral_radps = 0.4f;
   static constexpr float kMaxLead_mps = 0.5f;               // of the reference before the vehicle
   static constexpr float kMaxCommandChange_radps2 = 60.0f;  // so a command ramps over several ticks
-  static constexpr float kEndLags = 2.2f;         // time constant of the last stretch, in lags
-  static constexpr float kEndBrakeShare = 0.85f;  // of the deceleration; the rest corrects
-  static constexpr float kEndSpeed_mps = 0.03f;   // slower is standing
+  static constexpr float kEndLags = 2.2f;            // time constant of the last stretch, in lags
+  static constexpr float kEndBrakeShare = 0.85f;     // of the deceleration; the rest corrects
+  static constexpr float kEndSpeed_mps = 0.03f;      // slower is standing
+  static constexpr float kStillTurns_radps = 0.35f;  // at rest: no path is set out on before
 
   // At rest. kParameterOutOfRange: odometry, dynamics or tracking; the others were checked before.
   Status Configure(const VehicleParams& vehicle, const SpeedParams& speed,
@@ -82,8 +83,10 @@ class Tracker {
   // plan's acceleration and deceleration limits. kOffPath: farther from the path than
   // max_cross_track_m: it steers back while it comes to rest. kNeedsManoeuvre: a turn on the spot,
   // for a vehicle that cannot make one; zero is commanded. kNotFinite: a number; zero is commanded.
-  // kNotStarted. An input of the other direction than that of the reference is driven only once the
-  // reference is 0: until then it falls as for a stop. Constant cost.
+  // kNotStarted. A standing vehicle that still turns faster than kStillTurns_radps, from a turn on
+  // the spot that was given up, gets zero first. An input of the other direction than that of the
+  // reference is driven only once the reference is 0: until then it falls as for a stop. Constant
+  // cost.
   Status Follow(const TrackingInput& input, float dt_s, TrackingOutput& output);
 
   // The same, with the speed going to 0 by the deceleration limit along the path. A turn on the
@@ -136,6 +139,7 @@ class Tracker {
   float MostTurn_radps() const;
   bool IsAtLimit(float command_radps) const;
   Status Drive(const TrackingInput& input, bool stops, float dt_s, TrackingOutput& output);
+  bool StillTurns() const;
   Status DriveAlong(const TrackingInput& input, bool stops, float dt_s, TrackingOutput& output);
   void PursueAim(const TrackingInput& input, bool stops, float dt_s, TrackingOutput& output);
   void FollowPath(const TrackingInput& input, bool stops, float dt_s, TrackingOutput& output);

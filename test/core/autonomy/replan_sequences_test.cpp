@@ -357,6 +357,25 @@ TEST(ReplanSequence, StartsFromThePoseWhenItIsFarOffItsPath) {
   }
 }
 
+// A turn on the spot that was given up goes on a little: the path is planned from where that ends.
+// SR-STA06
+TEST(ReplanSequence, StartsFromThePoseWhenItStandsTurnedOffItsPath) {
+  for (const float off_rad : {0.2f, 0.5f, -0.5f}) {
+    SCOPED_TRACE(off_rad);
+    Drive drive({40.1f, 0.1f});
+    drive.follows = false;
+    drive.units = 1 << 20;
+    drive.Start();
+    while (drive.rounds < 2) drive.Tick();
+    drive.truth.theta_rad += off_rad;
+    drive.Tick();
+    const bool is_far = std::abs(off_rad) > Replanner::kMaxStandingTurn_rad;
+    EXPECT_EQ(drive.outcome().reason == ReplanReason::kOffPath, is_far);
+    if (!is_far) continue;
+    EXPECT_NEAR(drive.committed().path[0].theta_rad, off_rad, 1e-3f);
+  }
+}
+
 //          ~~~~~~~~~~
 //   o ____/~~~[#]~~~~\___ x       the side that was taken turns out to be bushes, the other one is
 //                                 free: clearly cheaper

@@ -112,6 +112,36 @@ TEST(Tracker, DrivesTheOtherWayOnlyOnceItsReferenceIsZero) {
   }
 }
 
+// A turn on the spot that is given up dies out before the vehicle drives off.
+// SR-STA06
+TEST(Tracker, DoesNotSetOutWhileItStillTurns) {
+  Tracker tracker;
+  ASSERT_EQ(tracker.Configure({}, {}, {}, {}, {}), Status::kOk);
+  TrackingOutput output;
+  uint64_t now_ns = 1'000'000'000;
+  const auto tick = [&](const TrackingInput& input) {
+    now_ns += 10'000'000;
+    static_cast<void>(tracker.Predict(now_ns, {}, {}, {}));
+    ASSERT_EQ(tracker.Follow(input, kTick_s, output), Status::kOk);
+  };
+  TrackingInput turn;
+  turn.turn = true;
+  turn.aim.pose.theta_rad = 3.0f;
+  for (int i = 0; i < 150; ++i) tick(turn);
+  ASSERT_GT(tracker.predicted().yaw_rate_radps, 0.5f);
+  TrackingInput straight = Aim(5.0f, 0.0f, 2.0f);
+  straight.left_m = 10.0f;
+  int waited = 0;
+  for (; waited < 200; ++waited) {
+    tick(straight);
+    if (output.speed_mps > 0.0f) break;
+    EXPECT_EQ(output.yaw_rate_radps, 0.0f);
+  }
+  EXPECT_GT(waited, 10);
+  EXPECT_LT(waited, 150);
+  EXPECT_LE(tracker.predicted().yaw_rate_radps, Tracker::kStillTurns_radps);
+}
+
 TEST(PurePursuit, KeepsTheTurnAndGivesUpSpeedWhenAWheelWouldBeTooFast) {
   VehicleParams slow;
   slow.max_wheel_speed_radps = 4.0f;
