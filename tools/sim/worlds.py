@@ -50,7 +50,8 @@ class World:
 
 WORLDS = (
     World("thicket", 300), World("gap", 100), World("forest", 100), World("low", 100),
-    World("low_bare", 100), World("tight_start", 100), World("hill", 20), World("rock_pile", 20),
+    World("low_bare", 100), World("tight_start", 100), World("back_out", 40),
+    World("hill", 20), World("rock_pile", 20),
     World("open", 20), World("corridor", 20), World("dead_end", 20), World("ditch", 24),
     World("corner", 40), World("corner_ditch", 40),
     # Who is a person is told by a segmentation computer, and by nobody else.

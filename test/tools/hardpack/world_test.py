@@ -7,7 +7,7 @@ import unittest
 from command_line import CommandTest
 
 NAMES = ("gap", "rock_pile", "hill", "forest", "corridor", "crossing", "dead_end", "ditch", "open",
-         "thicket", "tight_start", "low", "low_bare", "corner",
+         "thicket", "tight_start", "back_out", "low", "low_bare", "corner",
          "corner_ditch")
 
 

@@ -32,6 +32,7 @@ LIMITS = {
     "ditch": (5, 0),
     "thicket": (5, 0),
     "tight_start": (5, 0),
+    "back_out": (5, 0),
     "low": (5, 0),
     "corner": (5, 0),
     "corner_ditch": (5, 0),

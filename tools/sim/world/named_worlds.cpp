@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "tools/sim/world/back_out.h"
 #include "tools/sim/world/blind.h"
 #include "tools/sim/world/corner.h"
 #include "tools/sim/world/features.h"
@@ -281,6 +282,7 @@ constexpr Maker kMakers[] = {
     {"tight_start", MakeTightStart},
     {"low", MakeLow},
     {"low_bare", MakeLowBare},
+    {"back_out", MakeBackOut},
     {"corner", MakeCorner},
     {"corner_ditch", MakeCornerDitch},
 };

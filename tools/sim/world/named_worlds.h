@@ -43,7 +43,7 @@ struct Scenario {
 };
 
 // gap, rock_pile, hill, forest, corridor, crossing, dead_end, ditch, open, thicket, tight_start,
-// low, low_bare, corner, corner_ditch.
+// back_out, low, low_bare, corner, corner_ditch.
 const std::vector<std::string>& WorldNames();
 
 // kInvalidArgument: no such world; the message lists them.
