@@ -14,17 +14,6 @@
 namespace hardpack {
 namespace {
 
-// 2.0 x 1.2 m, rear axle 0.6 m behind the middle, least turning radius 3.1 m.
-void MakeAckermann(Scene& scene) {
-  VehicleParams& vehicle = scene.params.vehicle;
-  vehicle.kinematics = VehicleParams::kAckermann;
-  vehicle.length_m = 2.0f;
-  vehicle.width_m = 1.2f;
-  vehicle.axle_offset_m = -0.6f;
-  vehicle.wheelbase_m = 1.5f;
-  vehicle.max_steering_rad = 0.45f;
-}
-
 double LargestCurvature(const WorldPath& path) {
   double largest = 0.0;
   for (int k = 1; k + 1 < path.size(); ++k) {

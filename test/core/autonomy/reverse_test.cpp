@@ -163,19 +163,13 @@ TEST(ReverseLeadOut, DrivesABendAgainstTheHeadingsThatItSays) {
 // SR-PLN05, SR-PLN06
 TEST(ReverseLeadOut, TurnsSteeredWheelsWhereItStands) {
   Scene scene = SceneTo({-15.0f, 0.1f});
-  VehicleParams& vehicle = scene.params.vehicle;
-  vehicle.kinematics = VehicleParams::kAckermann;
-  vehicle.length_m = 2.0f;
-  vehicle.width_m = 1.2f;
-  vehicle.axle_offset_m = -0.6f;
-  vehicle.wheelbase_m = 1.5f;
-  vehicle.max_steering_rad = 0.45f;
+  MakeAckermann(scene);
   scene.Add(8, -60, 9, 60);  // and a wall 1.6 m from the axle
   const Plan& plan = PlanIn(scene);
   ExpectBacksOut(scene, plan);
   const int stands = plan.lead_points;
   EXPECT_NEAR(plan.path[stands].theta_rad, plan.path[stands + 1].theta_rad, 1e-4f);
-  const float most_per_m = MostCurvature(vehicle) * 1.011f;
+  const float most_per_m = MostCurvature(scene.params.vehicle) * 1.011f;
   for (int k = 1; k + 1 < plan.path.size(); ++k) {
     if (TurnsOnTheSpotAt(plan.path, k) || TurnsOnTheSpotAt(plan.path, k - 1)) continue;
     const float bend_per_m =

@@ -50,6 +50,17 @@ inline Scene SceneTo(Vec2 goal, Pose2 start = {0.1f, 0.1f, 0.0f}) {
   return scene;
 }
 
+// 2.0 x 1.2 m, rear axle 0.6 m behind the middle, least turning radius 3.1 m.
+inline void MakeAckermann(Scene& scene) {
+  VehicleParams& vehicle = scene.params.vehicle;
+  vehicle.kinematics = VehicleParams::kAckermann;
+  vehicle.length_m = 2.0f;
+  vehicle.width_m = 1.2f;
+  vehicle.axle_offset_m = -0.6f;
+  vehicle.wheelbase_m = 1.5f;
+  vehicle.max_steering_rad = 0.45f;
+}
+
 // The one planner of these tests: 3.7 MiB, and every plan begins it anew.
 inline Planner& ThePlanner() {
   static const std::unique_ptr<Planner> planner = std::make_unique<Planner>();
