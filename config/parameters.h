@@ -52,7 +52,7 @@ struct CostmapParams {
   int32_t ground_window_cells = 15;  // side of the neighbourhood whose lowest return is the ground
   float planning_radius_m = 0.94f;   // least dilation (PlanningRadius in core/path/path.h)
   float halo_m = 2.1f;               // width of the repulsive halo around the dilated region
-  float hard_edge_cost = 7.0f;       // hard layer: cost at the region's edge ...
+  float hard_edge_cost = 2.0f;       // hard layer: cost at the region's edge ...
   float hard_slope_per_m = 12.0f;    // ... and its growth with the depth inside
   float soft_edge_cost = 1.5f;       // soft layer: the same
   float soft_slope_per_m = 3.0f;
@@ -83,10 +83,10 @@ struct OptimizerParams {
   int32_t method = kLateralNewton;
   float max_curvature_per_m = 0.5f;
   float max_curvature_rate_per_m2 = 0.5f;
-  // Tried first: at this rate speed.max_curvature_rate_per_s2 allows speed.min_speed_mps.
-  float preferred_curvature_rate_per_m2 = 0.175f;
+  // Tried first: at this rate speed.max_curvature_rate_per_s2 allows 3.4 m/s.
+  float preferred_curvature_rate_per_m2 = 0.06f;
   // Its out-of-bounds weight.
-  float preferred_curvature_rate_beta = 6.0f;
+  float preferred_curvature_rate_beta = 8.0f;
 
   float curvature_alpha = 1.0f;        // in-bounds weight of |curvature|
   float curvature_beta = 40.0f;        // out-of-bounds weight

@@ -101,6 +101,7 @@ Status Planner::Prepare(const PlannerParams& params, const PlanRequest& request)
   lead_.Clear();
   own_start_ = request_.start;
   led_out_ = false;
+  is_to_seed_ = false;
   looks_back_ = false;
   lead_failure_ = Status::kNotStarted;
   area_ = 0;
@@ -319,6 +320,7 @@ bool Planner::MayPivot() const {
 // is: a corner cut may lead closer to an obstacle. One of them may be too far off the start's
 // heading to be joined to it.
 void Planner::BeginSeed() {
+  is_to_seed_ = false;
   const bool base_joins = MakeSeed(plan_.base);
   plan_.cost_before = SeedCost();
   const bool smooth_joins = MakeSeed(smoother_.result());
@@ -363,11 +365,18 @@ bool Planner::MakeSeed(const WorldPath& base) {
 }
 
 void Planner::StepOptimize(int units) {
+  if (is_to_seed_) return BeginSeed();
   if (optimizer_.Step(costmap(), units) == Progress::kBusy) return;
   plan_.optimizer_status = optimizer_.result().status;
   plan_.cost_after = optimizer_.result().after;
   plan_.is_seed = false;
   MakePath(optimizer_.path());
+  // Gentle bends may be too wide for a place that the path shall pass.
+  if (FirstMissed() >= 0 && is_gentle_) {
+    is_gentle_ = false;
+    is_to_seed_ = true;  // by the next portion: one of both has enough to do
+    return;
+  }
   if (FirstMissed() >= 0) {
     plan_.is_seed = true;
     plan_.cost_after = SeedCost();

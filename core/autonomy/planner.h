@@ -329,7 +329,8 @@ class Planner {
   bool shortened_ = false;
   PathSmoother smoother_;
   bool seed_is_smooth_ = false;
-  bool is_gentle_ = false;  // optimized for the preferred curvature rate
+  bool is_gentle_ = false;   // optimized for the preferred curvature rate
+  bool is_to_seed_ = false;  // BeginSeed is due
   Optimizer optimizer_;
   PathCheck check_;
   SpeedCaps caps_;

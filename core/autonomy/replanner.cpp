@@ -258,7 +258,7 @@ void Replanner::ChooseAnchor() {
   }
   const WorldPath& path = committed_.path;
   const int standing = StandingPoint(path, place_.point);
-  if (Stands() && IsAt(standing)) return;
+  if (Stands() && (committed_.is_stop || IsAt(standing))) return;
   anchored_ = true;
   anchor_ = PointBehindStretch(standing);
   PathStart start{path[anchor_], 0.0f, 0.0f};

@@ -31,7 +31,7 @@
 //    itself if there is no committed plan, if the vehicle is farther beside it than there is room
 //    there (max_cross_track_m at most, least_cross_track_m at least), or turned away from it by
 //    more than max_join_heading_rad (at rest kMaxStandingOff_m and kMaxStandingTurn_rad), or if it
-//    stands at the path's end or at a turn on the spot.
+//    stands at the path's end, at a turn on the spot or on a path that was cut to a stop.
 // 2. The new plan, on the present map.
 // 3. The rest of the committed path, from the vehicle's projection on, is checked on that map, with
 //    path.kept_margin_m around the outline: the allowance for tracking error. It is less than a new
@@ -53,6 +53,10 @@
 //    whole way to the search's end: length + F_map of the committed stretch + cost of the search
 //    from B, against the cost of the new plan's search. If there is no common end at all, it is not
 //    cheaper.
+//    The shares are there to keep the vehicle on the side on which it passes an obstacle. A new
+//    plan that ends at the same place and is nowhere farther away than the vehicle is wide has no
+//    obstacle between: kSameWayShare and kSameWayFloor are enough for it. So what was planned with
+//    less in view does not stay.
 //      no committed plan, or the vehicle is off it, or the goal has changed, or the committed plan
 //      was a stop, or its rest is blocked or too short and cannot be extended, or the new plan is
 //      clearly cheaper                               the new plan replaces it
@@ -199,9 +203,11 @@ class Replanner {
   static constexpr float kMaxStandingOff_m = 0.15f;
   static constexpr float kMaxStandingTurn_rad = 0.3f;
   static constexpr float kSameEnd_m = 0.3f;  // a cell's diagonal
-  static constexpr float kTail_m = 5.0f;
+  static constexpr float kTail_m = 9.0f;
   static constexpr float kFarBlock_m = 10.0f;
   static constexpr float kNearerEnd_m = 0.5f;  // in the last kTail_m
+  static constexpr float kSameWayShare = 0.1f;
+  static constexpr float kSameWayFloor = 0.5f;
   // Effect of a slow turn: full up to this room, none from this room on, in the next so many
   // metres.
   static constexpr float kNoRoomToTurnLate_m = 1.2f;
@@ -271,6 +277,7 @@ class Replanner {
   int ExtensionPoint();
   bool EndCouldBeNearer(int anchor) const;
   void Decide();
+  bool IsSameWay() const;
   void CompareCosts();
   bool ExtensionIsUsable() const;
   bool FreshIsUsable() const;

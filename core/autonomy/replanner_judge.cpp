@@ -116,6 +116,28 @@ bool Replanner::FreshIsUsable() const {
   return !late_ && free_until_ >= AnchorOfRest();
 }
 
+// Whether the new plan is nowhere farther from the candidate than the vehicle is wide: both are
+// free of obstacles over that width, so no obstacle is between them.
+bool Replanner::IsSameWay() const {
+  const WorldPath& path = candidate_.path;
+  const WorldPath& fresh = fresh_.path;
+  float largest_m = 0.0f;
+  int nearest = 0;
+  int point = 0;
+  // Each time one of the two goes on.
+  HP_LOOP_BOUND(2 * kMaxPathPoints)
+  while (point < fresh.size()) {
+    const Vec2 place = PlaceOf(fresh[point]);
+    const float off_m = Distance(place, PlaceOf(path[nearest]));
+    const int next = nearest + 1 < path.size() ? nearest + 1 : nearest;
+    const bool is_nearer = next > nearest && Distance(place, PlaceOf(path[next])) <= off_m;
+    if (!is_nearer) largest_m = Max(largest_m, off_m);
+    nearest = is_nearer ? next : nearest;
+    point = is_nearer ? point : point + 1;
+  }
+  return largest_m < params_.vehicle.width_m;
+}
+
 // Both from the anchor on; see the header, 5.
 void Replanner::CompareCosts() {
   is_cheaper_ = false;
@@ -130,13 +152,15 @@ void Replanner::CompareCosts() {
   const OptimizerParams costs = AtPreferredRate(params_.optimizer);
   const float kappa = request_.start.curvature_per_m;
   Join(anchor, last, ExtensionIsUsable() ? &extension.path : nullptr);
-  if (AreSame(PlaceOf(candidate_.path.back()), PlaceOf(fresh_.path.back()))) {
+  const bool common_end = AreSame(PlaceOf(candidate_.path.back()), PlaceOf(fresh_.path.back()));
+  if (common_end) {
     round_.committed_cost = CostOf(map, costs, candidate_.path, kappa).total();
     round_.new_cost = CostOf(map, costs, fresh_.path, kappa).total();
   } else {
-    const bool common_end = ExtensionIsUsable() ? extension.search.end == fresh_.search_end
-                                                : AreSame(PlaceOf(rest_.back()), fresh_.end_odom);
-    if (!common_end) return;
+    const bool common_search = ExtensionIsUsable()
+                                   ? extension.search.end == fresh_.search_end
+                                   : AreSame(PlaceOf(rest_.back()), fresh_.end_odom);
+    if (!common_search) return;
     Join(anchor, last, nullptr);
     round_.committed_cost =
         LengthOf(candidate_.path) + CostOf(map, costs, candidate_.path, kappa).map;
@@ -146,8 +170,13 @@ void Replanner::CompareCosts() {
     }
     round_.new_cost = fresh_.way_cost;
   }
-  const float least =
-      Max(params_.replan.cheaper_share * round_.committed_cost, params_.replan.cheaper_floor);
+  float share = params_.replan.cheaper_share;
+  float floor = params_.replan.cheaper_floor;
+  if (common_end && RestIsFree() && IsSameWay()) {
+    share = Min(share, kSameWayShare);
+    floor = Min(floor, kSameWayFloor);
+  }
+  const float least = Max(share * round_.committed_cost, floor);
   is_cheaper_ = round_.committed_cost - round_.new_cost > least;
 }
 

@@ -10,6 +10,8 @@ namespace {
 // Over this way, and over this time at speed, the changes of curvature and speed are taken.
 constexpr float kSpan_m = 0.15f;
 constexpr float kSpan_s = 0.1f;
+// Braking begins as gently as the mean over so much time to come allows.
+constexpr float kEase_s = 0.25f;
 
 // So far before a place where the vehicle has to stand the path is still what leads there: behind
 // it may look anywhere.
@@ -34,6 +36,16 @@ Pose2 Ahead(Pose2 pose, float way_m) {
   pose.x_m += way_m * heading.cos;
   pose.y_m += way_m * heading.sin;
   return pose;
+}
+
+// What the path's speed changes by, in the direction of driving, from from_mps on.
+template <typename StateAhead>
+float AccelerationAhead(const StateAhead& state_at, float from_mps, float speed_mps) {
+  const auto over = [&](float way_m) {
+    const float to_mps = state_at(kStartWay_m + way_m).speed_mps;
+    return (to_mps * to_mps - from_mps * from_mps) / (2.0f * way_m);
+  };
+  return Min(over(kSpan_m), over(Max(kSpan_m, kEase_s * Abs(speed_mps))));
 }
 
 // At a turn on the spot that has to wait until the vehicle stands: straight on to rest, whatever
@@ -93,9 +105,7 @@ Status PathTarget(const CommittedPlan& plan, const PathFollower& follower,
     target.curvature_rate_per_m2 = (reverse ? -bend_per_m : bend_per_m) / ahead_m;
   }
   if (Min(span_m, target.left_m) > kStartWay_m) {
-    const PathState next = state_at(kStartWay_m + kSpan_m);
-    target.acceleration_mps2 =
-        (next.speed_mps * next.speed_mps - start.speed_mps * start.speed_mps) / (2.0f * kSpan_m);
+    target.acceleration_mps2 = AccelerationAhead(state_at, start.speed_mps, follower.speed_mps);
   }
 
   // Beyond the end the path goes on straight, or the last stretch would be aimed at a point beside

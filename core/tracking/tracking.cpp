@@ -24,9 +24,10 @@ constexpr float kPivotBrake_radps2 = 0.8f;
 // Of what the wheels can change by, the body is asked for no more: the rest corrects.
 constexpr float kMaxAskedShare = 0.9f;
 constexpr float kLeastTurn_radps = 0.3f;
-// So far off the path the speed begins to be lowered, and is half as high.
-constexpr float kSlowFrom_m = 0.15f;
-constexpr float kSlowHalf_m = 0.6f;
+// So far off the path the speed begins to be lowered, and is half as high. What is farther off has
+// drives that reach less in turns than the model says.
+constexpr float kSlowFrom_m = 0.12f;
+constexpr float kSlowHalf_m = 0.3f;
 constexpr float kLeastShare = 0.3f;
 // A turn that is more than the drives have costs the speed this much in a second, and it comes back
 // more slowly.

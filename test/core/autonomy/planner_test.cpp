@@ -385,7 +385,10 @@ TEST(Planner, OptimizesForThePreferredRateWhereThatIsFree) {
   int given_up = 0;
   for (uint32_t seed = 0; seed < 60; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    const Scene scene = TwoGaps(seed);
+    Scene scene = TwoGaps(seed);
+    // The gaps are apart by what a path at this rate needs.
+    scene.params.optimizer.preferred_curvature_rate_per_m2 = 0.175f;
+    scene.params.optimizer.preferred_curvature_rate_beta = 6.0f;
     Scene without = scene;
     OptimizerParams& optimizer = without.params.optimizer;
     optimizer.preferred_curvature_rate_per_m2 = optimizer.max_curvature_rate_per_m2;

@@ -62,7 +62,8 @@ ReplanDecision EndRoundLate(Drive& drive, int ticks) {
 }
 
 //   o ->  - - - - -[#]- - x       the new plan joins the path behind the stretch that planning
-//                                 takes, or not long before a block that is far away
+//                                 takes, or not long before a block that is far away: so far that
+//                                 what is half way to it can be bent gently
 // Where the vehicle has passed the joint by the time that the plan is ready, it stops, rather than
 // joins behind itself.
 TEST(ReplanLate, StopsWhereItHasPassedTheJointWhenThePlanIsReady) {
@@ -75,8 +76,8 @@ TEST(ReplanLate, StopsWhereItHasPassedTheJointWhenThePlanIsReady) {
   for (const Case& c : {Case{100, 1, ReplanDecision::kReplaced, false},
                         Case{100, 30, ReplanDecision::kReplaced, true},
                         Case{100, 150, ReplanDecision::kReplaced, true},
-                        Case{120, 100, ReplanDecision::kExtended, false},
-                        Case{120, 200, ReplanDecision::kExtended, true}}) {
+                        Case{140, 100, ReplanDecision::kExtended, false},
+                        Case{140, 200, ReplanDecision::kExtended, true}}) {
     SCOPED_TRACE(c.block * 1000 + c.ticks);
     Drive drive({60.1f, 0.1f});
     drive.Start();

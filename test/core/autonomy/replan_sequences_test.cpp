@@ -235,6 +235,27 @@ TEST(ReplanSequence, SaysStopWhereItIsTooLateToStop) {
   EXPECT_LT(LengthOf(plan.path), 2.5f);
 }
 
+//   x   <-   o - -|    Braked harder than planned, it stands short of the end of its stop, and has
+// to turn on the spot to get away. From ahead, at the speed that the stop has there, it could not.
+// SR-PLN02
+TEST(ReplanSequence, PlansFromWhereItStandsShortOfTheEndOfAStop) {
+  Drive drive({37.1f, 0.1f});
+  drive.Start();
+  while (drive.truth.x_m < 8.0f) drive.Tick();
+  drive.units = 1 << 20;
+  drive.goal.position_odom = {-20.1f, 0.1f};
+  for (int tick = 0; tick < 3; ++tick) drive.Tick();
+  ASSERT_TRUE(drive.committed().is_stop);
+  drive.follows = false;
+  drive.speed_mps = 0.0f;
+  ASSERT_GT(WayTo(drive.committed().path, drive.committed().path.size() - 1) -
+                drive.replanner().place().along_m,
+            2.0f * kAtPoint_m);
+  for (int tick = 0; tick < 5; ++tick) drive.Tick();
+  EXPECT_TRUE(IsUsable(drive.outcome().status));
+  EXPECT_FALSE(drive.committed().is_stop);
+}
+
 // The same with a way around it: a plan that first turns where the stop ends is none for a vehicle
 // that cannot stop by then, and must not make it take the stop for a path that is kept.
 //            _#_
@@ -376,6 +397,30 @@ TEST(ReplanSequence, StartsFromThePoseWhenItStandsTurnedOffItsPath) {
   }
 }
 
+//               #
+//   o --_    _--  | _-- x   what was planned around is gone: the path is made straight, although it
+//        | --_-   | -       is cheaper by less than one on another side would have to be
+//        #        #
+TEST(ReplanSequence, StraightensItsPathOnTheSameWay) {
+  Drive drive({40.1f, 0.1f});
+  drive.world.Add(60, -30, 64, -9);
+  drive.world.Add(110, 10, 114, 30);
+  drive.Start();
+  while (drive.truth.x_m < 3.0f) drive.Tick();
+  const uint32_t number = drive.committed().number;
+  float gain = 0.0f;
+  drive.on_round = [&] {
+    if (drive.outcome().reason != ReplanReason::kCheaper) return;
+    gain = std::max(gain, drive.outcome().committed_cost - drive.outcome().new_cost);
+  };
+  drive.world.blocks.clear();
+  const int rounds = drive.rounds;
+  while (drive.rounds < rounds + 3) drive.Tick();
+  EXPECT_GT(drive.committed().number, number);
+  EXPECT_GE(gain, Replanner::kSameWayFloor);
+  EXPECT_LT(gain, drive.world.params.replan.cheaper_floor);
+}
+
 //          ~~~~~~~~~~
 //   o ____/~~~[#]~~~~\___ x       the side that was taken turns out to be bushes, the other one is
 //                                 free: clearly cheaper
@@ -441,6 +486,7 @@ TEST(ReplanSequence, DrivesBendsMoreSlowlyWithWheelsThatFollowThemMoreSlowly) {
     Drive drive({30.1f, 0.1f});
     drive.world.Add(30, -60, 33, 0);
     drive.world.Add(30, 21, 33, 60);
+    drive.world.params.optimizer.preferred_curvature_rate_per_m2 = 0.175f;
     drive.state.turn_quickness = quickness;
     drive.follows = false;
     drive.Start();

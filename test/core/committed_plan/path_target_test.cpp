@@ -170,6 +170,32 @@ TEST(PathTarget, TellsTheAccelerationOfTheSpeeds) {
 }
 
 //   0 --- 1 --- 2 (turn to the left) then up
+// From 2 m/s^2 to -2 m/s^2 at one place: it begins to brake before it, and accelerates no earlier.
+TEST(PathTarget, BeginsToBrakeGently) {
+  CommittedPlan plan = PlanOf(Arc(false));
+  const int peak = plan.path.size() / 2;
+  const float step_m = WayTo(plan.path, 1);
+  const auto speed_at = [&](int point) {
+    const float to_peak_m = step_m * static_cast<float>(std::abs(point - peak));
+    return Sqrt(16.0f - 4.0f * to_peak_m);
+  };
+  for (int k = 0; k < plan.path.size(); ++k) plan.speed[k] = speed_at(k);
+  float before_mps2 = 2.1f;
+  float steepest_mps2 = 0.0f;
+  int eased = 0;
+  for (int k = peak - 10; k < peak + 10; ++k) {
+    const TrackingInput target = TargetAt(plan, plan.path[k]);
+    steepest_mps2 = std::max(steepest_mps2, before_mps2 - target.acceleration_mps2);
+    if (std::abs(target.acceleration_mps2) < 1.8f) ++eased;
+    before_mps2 = target.acceleration_mps2;
+    EXPECT_LE(target.acceleration_mps2, 2.05f);
+    EXPECT_GE(target.acceleration_mps2, -2.05f);
+  }
+  EXPECT_GE(eased, 2);
+  EXPECT_LT(steepest_mps2, 2.0f);
+  EXPECT_NEAR(before_mps2, -2.0f, 0.05f);
+}
+
 TEST(PathTarget, TurnsOnTheSpotOnlyOnceTheVehicleStandsThere) {
   WorldPath path;
   path.Resize(5);

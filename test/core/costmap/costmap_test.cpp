@@ -55,6 +55,7 @@ TEST(CostmapParams, TakesTheDefaultsAndTheExtremes) {
   params.ground_window_cells = kMaxGroundWindow_cells;
   params.planning_radius_m = kMaxPlanningRadius_m;
   params.halo_m = kMaxHalo_m;
+  params.hard_edge_cost = 7.0f;
   params.hard_slope_per_m = 7.0f;
   params.soft_slope_per_m = 3.0f;
   params.unknown_cost = 0.5f;  // 7 + 21 + 1.5 + 9 + 0.5 = 39
@@ -86,7 +87,7 @@ TEST(CostmapParams, RefusesWhatTheBuildCannotDo) {
       [](CostmapParams& p) { p.soft_slope_per_m = -0.1f; },
       [](CostmapParams& p) { p.unknown_cost = -0.1f; },
       [](CostmapParams& p) { p.hard_edge_cost = 22.5f; },  // 22.5 + 11.28 + 4.32 + 1 > 39
-      [](CostmapParams& p) { p.unknown_cost = 16.5f; },    // 7 + 11.28 + 4.32 + 16.5 > 39
+      [](CostmapParams& p) { p.unknown_cost = 21.5f; },    // 2 + 11.28 + 4.32 + 21.5 > 39
       [](CostmapParams& p) { p.unknown_cost = 3.0e38f; },
       [](CostmapParams& p) { p.hard_slope_per_m = 3.0e38f; },
       [](CostmapParams& p) { p.soft_slope_per_m = 3.0e38f; },

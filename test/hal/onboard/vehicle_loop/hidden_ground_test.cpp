@@ -86,7 +86,7 @@ TEST(VehicleLoopHiddenGround, IsNotDrivenOverIfCreepingIsTurnedOff) {
 // A pit right behind the corner, where the wall's shadow hides it until it is in the blind cone.
 // SR-SPD07
 TEST(VehicleLoopHiddenGround, AWheelThatDropsStopsItUntilItIsArmedAnew) {
-  const world::Ditch pit = {{13.2, 2.6}, {13.2, 3.4}, 0.5, 0.6};
+  const world::Ditch pit = {{13.4, 2.6}, {13.4, 3.4}, 0.5, 0.6};
   ClosedLoop drive("", LaneWithCorner(pit));
   const Crept crept = DriveAround(drive);
   EXPECT_EQ(drive.reason(), StopReason::kGroundDrops);

@@ -216,8 +216,8 @@ Drive DriveOnce(uint32_t seed) {
 class RecordedDrives : public ::testing::TestWithParam<int> {};
 
 constexpr std::array<uint64_t, 8> kDecided = {
-    0xc4f26ce7f48bf4a7u, 0xc529ea17e4e501f6u, 0x551b38880cd18789u, 0x6c9a3d3212a4e06fu,
-    0x609cb5c5518bd9d3u, 0x464bf6166f5ba756u, 0x36e93849070dd815u, 0x35e56d74b5a6636fu};
+    0x5db46dbcd46a16bu,  0xbb471ad369cc362du, 0xe4fde9a8ad7076bbu, 0x59f44714f18ee995u,
+    0x854f415dd19166f2u, 0x64b5d41db1ebd9b2u, 0x8e313e1927dd81e7u, 0xb2dc3d02caa3b182u};
 
 TEST_P(RecordedDrives, DecideAsTheyDid) {
   const Drive drive = DriveOnce(0x5eed0410u + static_cast<uint32_t>(GetParam()));
