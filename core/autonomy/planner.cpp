@@ -374,7 +374,7 @@ void Planner::StepOptimize(int units) {
   // Gentle bends may be too wide for a place that the path shall pass.
   if (FirstMissed() >= 0 && is_gentle_) {
     is_gentle_ = false;
-    is_to_seed_ = true;  // by the next portion: one of both has enough to do
+    is_to_seed_ = true;  // in the next portion: both at once are too much
     return;
   }
   if (FirstMissed() >= 0) {

@@ -24,8 +24,8 @@ constexpr float kPivotBrake_radps2 = 0.8f;
 // Of what the wheels can change by, the body is asked for no more: the rest corrects.
 constexpr float kMaxAskedShare = 0.9f;
 constexpr float kLeastTurn_radps = 0.3f;
-// So far off the path the speed begins to be lowered, and is half as high. What is farther off has
-// drives that reach less in turns than the model says.
+// So far off the path the speed begins to be lowered, and is half as high. A vehicle farther off
+// has drives that turn it less than the model says.
 constexpr float kSlowFrom_m = 0.12f;
 constexpr float kSlowHalf_m = 0.3f;
 constexpr float kLeastShare = 0.3f;
