@@ -132,8 +132,9 @@ class Mapper {
   // use_labels 0, as many columns.
   void Advance(uint64_t now_ns);
 
-  // HeightGrid::NotePerson and ReleasePerson.
+  // HeightGrid::NotePerson, FlagPerson and ReleasePerson.
   void NotePerson(Vec2 place_odom, float radius_m) { heights_.NotePerson(place_odom, radius_m); }
+  void FlagPerson(Vec2 place_odom, float radius_m) { heights_.FlagPerson(place_odom, radius_m); }
   void ReleasePerson(Vec2 place_odom, float radius_m) {
     heights_.ReleasePerson(place_odom, radius_m);
   }

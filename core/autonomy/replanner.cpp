@@ -78,7 +78,8 @@ void Replanner::Forget() {
   off_path_ = false;
 }
 
-Status Replanner::Update(uint64_t now_ns, const VehicleState& state, const PlanGoal& goal) {
+Status Replanner::Update(uint64_t now_ns, const VehicleState& state, const PlanGoal& goal,
+                         const Walkers* walkers) {
   Status status = CheckUpdate(state, goal);
   if (IsUsable(status) && has_state_ && now_ns < now_ns_) status = Status::kInvalidArgument;
   if (!IsUsable(status)) {
@@ -92,6 +93,8 @@ Status Replanner::Update(uint64_t now_ns, const VehicleState& state, const PlanG
   state_.pose.theta_rad = WrapAngle(state.pose.theta_rad);
   state_.speed_mps = Max(state.speed_mps, 0.0f);
   goal_ = goal;
+  has_walkers_ = walkers != nullptr;
+  if (has_walkers_) walkers_ = *walkers;
   Locate(since_s);
   return Status::kOk;
 }

@@ -170,7 +170,8 @@ class Replanner {
   // kMaxRequestSpeed_mps, a number is beyond PlanRequest's limits, or the goal's number is below
   // that of its vias; kNotFinite. In these cases only counters().refused changes. Cost: one pass
   // over the committed path.
-  Status Update(uint64_t now_ns, const VehicleState& state, const PlanGoal& goal);
+  Status Update(uint64_t now_ns, const VehicleState& state, const PlanGoal& goal,
+                const Walkers* walkers = nullptr);
 
   // At most `units` units of the stages, as Planner::Step. Ends with the round, so that the owner
   // sees each one. Begins a round if none is in progress. kDone: a round has been evaluated, or
@@ -308,6 +309,8 @@ class Replanner {
   bool has_state_ = false;
   uint64_t now_ns_ = 0;
   VehicleState state_;
+  Walkers walkers_;
+  bool has_walkers_ = false;
   PlanGoal goal_;
   float latency_s_ = 0.0f;
   float longest_s_ = 0.0f;  // round, fading

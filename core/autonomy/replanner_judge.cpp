@@ -226,7 +226,7 @@ void Replanner::Decide() {
   caps_params_.reaction_time_s =
       Clamp(state_.reaction_s, params_.speed.reaction_time_s, kMaxReaction_s);
   caps_.Begin(planner_.costmap().window, caps_params_, params_.vehicle, candidate_.path,
-              Abs(state_.driven_mps), state_.lookouts);
+              Abs(state_.driven_mps), state_.lookouts, has_walkers_ ? &walkers_ : nullptr);
   phase_ = Phase::kSpeed;
 }
 

@@ -244,9 +244,15 @@ void HeightGrid::AroundPerson(Vec2 place_odom, float radius_m, Act&& act) {
   }
 }
 
-// Not inlined, as ReleasePerson: their calls are counted (config/timing.toml).
+// Not inlined, as the two below: their calls are counted (config/timing.toml).
 [[gnu::noinline]] void HeightGrid::NotePerson(Vec2 place_odom, float radius_m) {
   AroundPerson(place_odom, radius_m, [this](int slot) { noted_[0].Set(slot, true); });
+}
+
+[[gnu::noinline]] void HeightGrid::FlagPerson(Vec2 place_odom, float radius_m) {
+  AroundPerson(place_odom, radius_m, [this](int slot) {
+    if (highest_hard_cm_[slot] != kNone) seen_[slot] |= kPersonMask;
+  });
 }
 
 [[gnu::noinline]] void HeightGrid::ReleasePerson(Vec2 place_odom, float radius_m) {

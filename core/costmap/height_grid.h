@@ -200,6 +200,10 @@ class HeightGrid {
   static constexpr float kMaxReleased_m = 0.8f;
   static constexpr uint64_t kNoted_ns = 1'000'000'000;
   void NotePerson(Vec2 place_odom, float radius_m);
+  // What is hard in the cells whose centre lies within radius_m of a place is a person, as if a
+  // return of theirs had been filed there now. Not finite, or not 0 to kMaxReleased_m: no effect.
+  // Cost: the cells of the square around it.
+  void FlagPerson(Vec2 place_odom, float radius_m);
   // Once a tick. Cost: a bit of each cell, once in kNoted_ns.
   void ForgetNotes(uint64_t now_ns);
 
@@ -222,6 +226,13 @@ class HeightGrid {
 
   // Empty for a cell off the window. Cost: constant.
   CellHeights At(Cell cell) const;
+  // Its ground was observed, and nothing hard is on it. Cost: constant.
+  bool IsFree(Cell cell) const {
+    if (!window_.Contains(cell)) return false;
+    const int slot = Slot(cell);
+    return (seen_[slot] & (kGroundHeightKnown | kGroundFromBeside)) != 0 &&
+           highest_hard_cm_[slot] == kNone;
+  }
 
   // The offset from stored to reported heights, see ShiftHeights.
   int32_t datum_cm() const { return datum_cm_; }

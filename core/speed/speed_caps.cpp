@@ -11,6 +11,10 @@ namespace {
 constexpr float kFar_m = SpeedCaps::kFar_m;
 constexpr float kSample_m = 0.5f * kCellSize_m;
 constexpr float kHalfCellDiagonal_m = 0.5f * kCellDiagonal_m;
+// From the middle of what is seen of somebody to their surface.
+constexpr float kWalkerBody_m = 0.25f;
+// At most, of somebody who sets off or turns round.
+constexpr float kSetsOff_mps2 = 2.5f;
 
 // How far somebody may walk while the vehicle stops from its highest speed.
 float WalkWhileStopping(const SpeedParams& params) {
@@ -53,7 +57,7 @@ float RoomSpeedCap(const SpeedParams& params, float room_m, float bend_per_m) {
 
 void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
                       const VehicleParams& vehicle, const WorldPath& path, float speed_mps,
-                      const Lookouts& lookouts) {
+                      const Lookouts& lookouts, const Walkers* walkers) {
   points_ = path.size();
   speed_mps_ = speed_mps;
   footprint_ = FootprintOf(vehicle);
@@ -86,6 +90,10 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
   look_ = Look{};
   observed_m_ = kFar_m;
   lookouts_ = lookouts;
+  walkers_.Clear();
+  if (walkers != nullptr) walkers_ = *walkers;
+  uses_cells_ = walkers == nullptr || walkers->full();
+  walker_ = 0;
   hidden_creep_mps_ = params.hidden_creep_mps;
   max_unseen_m_ = params.max_unseen_m;
   growth_speed_mps_ = params.growth_speed_mps;
@@ -112,9 +120,11 @@ Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
                          const AreaSet* areas) {
   HP_LOOP_BOUND(kMaxUnits)
   for (int unit = 0; unit < units && point_ < points_; ++unit) {
-    if (chord_ < points_) {
+    if (walker_ < walkers_.size()) {
+      FileWalker(walkers_[walker_++], params);
+    } else if (chord_ < points_) {
       LookAlong(map, vehicle, path);
-    } else if (row_ <= high_.y) {
+    } else if (uses_cells_ && row_ <= high_.y) {
       if (SearchRow(map)) {
         column_ = low_.x;
         ++row_;
@@ -353,6 +363,35 @@ float SpeedCaps::BendAt(int point) const {
     FilePerson(CellCenter({column_, row_}));
   }
   return true;
+}
+
+// Not inlined: its calls are counted with the units.
+[[gnu::noinline]] void SpeedCaps::FileWalker(const Walker& walker, const SpeedParams& params) {
+  const float walk_mps = params.person_speed_mps;
+  float* distance2 = distance2_m2_ + 1;
+  float* late = late_m_ + 1;
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 0; k < points_; ++k) {
+    const Vec2 way = {x_m_[k] - walker.place_odom.x_m, y_m_[k] - walker.place_odom.y_m};
+    const float way2_m2 = Squared(way.x_m) + Squared(way.y_m);
+    const float way_m = Max(Sqrt(way2_m2), kWalkerBody_m);
+    const float along_mps =
+        (way.x_m * walker.velocity_mps.x_m + way.y_m * walker.velocity_mps.y_m) / way_m;
+    const float towards_mps = Clamp(along_mps + walker.doubt_mps, -walk_mps, walk_mps);
+    distance2[k] = way2_m2;
+    late[k] = way_m - kWalkerBody_m + Squared(walk_mps - towards_mps) / (2.0f * kSetsOff_mps2);
+  }
+  distance2[-1] = distance2[0];
+  distance2[points_] = distance2[points_ - 1];
+  late[-1] = late[0];
+  late[points_] = late[points_ - 1];
+  HP_LOOP_BOUND(kMaxPathPoints)
+  for (int k = 0; k < points_; ++k) {
+    const bool is_nearest = (distance2[k] <= distance2[k - 1]) & (distance2[k] <= distance2[k + 1]);
+    const bool is_first = (late[k] <= late[k - 1]) & (late[k] <= late[k + 1]);
+    const float nearer_m2 = Min(person2_m2_[k], Squared(Max(late[k], 0.0f)));
+    person2_m2_[k] = is_nearest || is_first ? nearer_m2 : person2_m2_[k];
+  }
 }
 
 // With every point that is no further away than its neighbours: a path may go by more than once.

@@ -12,6 +12,7 @@
 #include "core/costmap/costmap.h"
 #include "core/path/path.h"
 #include "core/path/route.h"
+#include "core/people/walker.h"
 #include "core/speed/hidden_ground.h"
 #include "core/speed/speed.h"
 
@@ -52,6 +53,13 @@
 // fits into the distance from the discs to the nearest hard cell, less half a cell, with kappa the
 // largest curvature of the last kBendBehind_m and the next kBendAhead_m of the path.
 //
+// People are those that the owner tells of (core/people), or without them the cells of people in
+// the map; with more people than kMaxWalkers both. Of somebody who walks at v it counts how late
+// they can be at a point of the path, if they set off or turn towards it with kSetsOff_mps2 up to
+// person_speed_mps: as late as somebody who walks there at person_speed_mps from
+//   way + (person_speed - u)^2 / (2 a),  u = (v towards the point) + doubt, at most person_speed
+// away. So whoever walks away is farther off by up to 3.2 m (docs/decisions/0052).
+//
 // Where the outline touches a speed zone (core/areas), longer by the chord before or after the
 // point and kZoneAhead_m at each end, and wider by track_error_m, the zone's speed is the most. So
 // the vehicle has slowed down before its front is in the zone, and speeds up when its rear has left
@@ -77,18 +85,20 @@ class SpeedCaps {
   // path: as passed by the check, at least one point. speed_mps: the vehicle's present speed; the
   // time to pass somebody is computed from it at every point. Cost: one pass over its points.
   void Begin(const GridWindow& window, const SpeedParams& params, const VehicleParams& vehicle,
-             const WorldPath& path, float speed_mps, const Lookouts& lookouts = {});
+             const WorldPath& path, float speed_mps, const Lookouts& lookouts = {},
+             const Walkers* walkers = nullptr);
 
-  // A unit is one place on a chord looked at for unobserved ground, on its tracks up to the first
-  // where there is some, one row of the map searched for
-  // people (each of their cells goes to every point where the path passes it), or kMaxPersonCells
-  // of their cells in it, or one point whose nearest person caps the points before it, or one point
-  // in one speed zone. At most kMaxUnits units. areas: null: none.
+  // A unit is one of the walkers, one place on a chord looked at for unobserved ground, on its
+  // tracks up to the first where there is some, one row of the map searched for people (each of
+  // their cells goes to every point where the path passes it), or kMaxPersonCells of their cells in
+  // it, or one point whose nearest person caps the points before it, or one point in one speed
+  // zone. At most kMaxUnits units. areas: null: none.
   static constexpr int kMaxPersonCells = 32;
   // Of a chord; on a longer one than 3.2 m they are farther apart than half a cell.
   static constexpr int kMaxSamples = 32;
   static constexpr int kTracks = 5;
-  static constexpr int kMaxUnits = kMapSize_cells * (kMapSize_cells / kMaxPersonCells + 1) +
+  static constexpr int kMaxUnits = kMaxWalkers +
+                                   kMapSize_cells * (kMapSize_cells / kMaxPersonCells + 1) +
                                    (1 + kTracks * kMaxSamples + kMaxAreas) * kMaxPathPoints;
   Progress Step(const Costmap& map, const SpeedParams& params, const VehicleParams& vehicle,
                 const WorldPath& path, int units, const AreaSet* areas = nullptr);
@@ -161,6 +171,7 @@ class SpeedCaps {
   bool SkipToZone(const AreaSet* areas);
   void CapInZone(const AreaSet& areas, const SpeedParams& params, const WorldPath& path);
   void FilePerson(Vec2 person_odom);
+  void FileWalker(const Walker& walker, const SpeedParams& params);
   void CapForPersonAt(int point, const SpeedParams& params, const VehicleParams& vehicle);
 
   float x_m_[kMaxPathPoints] = {};  // the path's points, odom frame
@@ -170,6 +181,7 @@ class SpeedCaps {
   float person2_m2_[kMaxPathPoints] = {};  // squared, to the nearest person filed with the point
   // For one person, to the points; padded at both ends with the first and the last.
   float distance2_m2_[kMaxPathPoints + 2] = {};
+  float late_m_[kMaxPathPoints + 2] = {};  // for a walker
   Footprint footprint_;
   float reach_m_ = 0.0f;                   // people farther from the path are ignored
   float bend_per_m_[kMaxPathPoints] = {};  // magnitude of the curvature
@@ -195,7 +207,10 @@ class SpeedCaps {
   float gap_from_m_[kTracks] = {};
   Lookouts lookouts_;
   float hidden_creep_mps_ = 0.0f;
-  Cell low_;  // the part of the map to be searched
+  Walkers walkers_;
+  bool uses_cells_ = true;  // of people: all of them may not be among the walkers
+  int32_t walker_ = 0;      // next
+  Cell low_;                // the part of the map to be searched
   Cell high_;
   int32_t row_ = 0;         // next, up to high_.y
   int32_t column_ = 0;      // next in it

@@ -169,6 +169,7 @@ void PrintConstants() {
   print("near_cells", PathCheck::kMaxNearCells);
   print("mount_columns", Pilot::kMaxMountColumns);
   print("person_looks", Pilot::kMaxPersonLooks);
+  print("body_looks", Pilot::kMaxBodyLooks);
   print("sweep_tests", MotionSweep::kMaxTests);
   print("plan_units", Planner::kMaxUnits);
   print("plan_transitions", Planner::kMaxTransitions);

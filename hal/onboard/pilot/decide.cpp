@@ -104,8 +104,9 @@ void Pilot::UpdatePlanner() {
   state.reaction_s = ReactionTime();
   state.turn_quickness = tracker_.model().quickness();
   if (may_creep_) state.lookouts = lookouts_;
+  people_.Walk(now_ns_, config_.planner.speed.person_speed_mps, walkers_);
   FillUnseenStart(state);
-  is_located_ = IsUsable(replanner_.Update(now_ns_, state, wanted));
+  is_located_ = IsUsable(replanner_.Update(now_ns_, state, wanted, &walkers_));
   if (!is_located_) ++counters_.refused_states;
 }
 

@@ -40,6 +40,7 @@ void Pilot::Forget() {
   area_ = StopReason::kNone;
   lookouts_.places_odom.Clear();
   people_.Reset();
+  bodies_.Reset();
   ground_.Reset();
   ground_drops_ = false;
   may_creep_ = true;
@@ -126,7 +127,11 @@ void Pilot::NoteIns(const InsSample& sample, uint64_t measured_ns) {
 }
 
 void Pilot::TakeLabels(const ColumnLabels& labels) {
-  if (!IsUsable(mapper_.AddLabels(labels))) ++counters_.refused_labels;
+  if (!IsUsable(mapper_.AddLabels(labels))) {
+    ++counters_.refused_labels;
+  } else {
+    labels_ns_ = now_ns_;
+  }
   TestReturns(false);
 }
 
@@ -146,6 +151,7 @@ void Pilot::FinishMap() {
   mapper_.Advance(now_ns_);
   TestReturns(true);
   ReleaseLeftPlace();
+  LookForLost();
   AdvanceMount();
 }
 
@@ -176,6 +182,7 @@ void Pilot::Localise(const WheelFeedback& wheels) {
     may_resume_ = false;
     lookouts_.places_odom.Clear();
     people_.Reset();
+    bodies_.Reset();
   }
   if (!has_start_) {
     has_start_ = true;

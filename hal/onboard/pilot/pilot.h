@@ -17,6 +17,7 @@
 #include "core/measurements/measurements.h"
 #include "core/odometry/map_from_odom.h"
 #include "core/odometry/odometry.h"
+#include "core/people/moving_bodies.h"
 #include "core/people/people_tracks.h"
 #include "core/safety/command_gate.h"
 #include "core/safety/corridor.h"
@@ -84,6 +85,8 @@ class Pilot {
   // Columns with a person that are followed in a tick: those that are not beside the one before.
   // What is not followed is not released.
   static constexpr int kMaxPersonLooks = 64;
+  static constexpr int kMaxBodyLooks = 16;
+  static constexpr int kBodyRows = 64;  // of a column, looked at for bodies: all, or every second
 
   const PilotConfig& config() const { return config_; }
   const Permission& permission() const { return permission_; }
@@ -228,10 +231,13 @@ class Pilot {
   Status ConfigureSafety();
   CorridorSize SizeOfCorridor() const;
   void TestReturns(bool are_new);
-  bool IsBeside(Vec2 point_odom) const;
-  void TestColumn(int slot, uint32_t max_range_mm);
+  void TestColumn(int slot, uint32_t max_range_mm, bool is_new);
   bool MayLookAtPerson(Vec2 person_odom) const;
-  void LookAtPerson(Vec2 person_odom);
+  void LookAtPerson(Vec2 person_odom, uint64_t measured_ns);
+  bool HasLabels() const;
+  void LookForBody(int slot, uint32_t max_range_mm);
+  void LookAtBody(Vec2 body_odom, uint64_t measured_ns);
+  void LookForLost();
   void ReleaseLeftPlace();
   void FollowPlan();
   WayAhead Ahead() const;
@@ -313,15 +319,18 @@ class Pilot {
   MotionSweep sweep_;
   SweptMotion swept_;  // scratch of JudgeSweep
   WayAhead sweep_advice_ = WayAhead::kClear;
-  uint32_t swept_plan_ = 0;        // the plan on which it last stopped
-  int32_t lead_out_ = 0;           // tried next if the vehicle is held by it
-  uint64_t held_since_ns_ = 0;     // held by it since; 0: not held
-  uint64_t person_beside_ns_ = 0;  // a person was last seen within reach; 0: never
-  bool has_start_ = false;         // the map began ...
-  Pose2 start_odom_;               // ... at this pose
+  uint32_t swept_plan_ = 0;     // the plan on which it last stopped
+  int32_t lead_out_ = 0;        // tried next if the vehicle is held by it
+  uint64_t held_since_ns_ = 0;  // held by it since; 0: not held
+  bool has_start_ = false;      // the map began ...
+  Pose2 start_odom_;            // ... at this pose
   CommandGate gate_;
   MotionWatch motion_;
   PeopleTracks people_;
+  MovingBodies bodies_;
+  Walkers walkers_;
+  int32_t body_looks_ = 0;    // in this tick
+  uint64_t labels_ns_ = 0;    // the last labels came; 0: none have
   int32_t person_looks_ = 0;  // in this tick ...
   Vec2 person_look_odom_;     // ... the last one
   Lookouts lookouts_;

@@ -23,7 +23,9 @@ constexpr float kFirstSpeed_mps = 0.2f;
 constexpr float kHeld_s = 0.5f;
 // So long it stands after somebody was seen beside it: who comes nearer still is where no beam
 // falls, or taken for the vehicle itself.
-constexpr float kPersonBeside_s = 2.0f;
+constexpr uint64_t kPersonBeside_ns = 2'000'000'000;
+// Somebody so near to what a turn on the spot sweeps can reach the vehicle.
+constexpr float kBeside_m = 0.5f;
 
 bool MayMove(Mode mode) {
   return mode == Mode::kDriving || mode == Mode::kSafeStop;
@@ -38,7 +40,6 @@ void Pilot::ConfigureSweep() {
   held_since_ns_ = 0;
   lead_out_ = 0;
   has_start_ = false;
-  person_beside_ns_ = 0;
 }
 
 // At rest nothing is swept, so the way that is about to be driven is looked at instead: else each
@@ -91,7 +92,10 @@ WayAhead Pilot::JudgeSettingOut() {
     held_since_ns_ = 0;
     return WayAhead::kClear;
   }
-  if (person_beside_ns_ != 0 && SecondsBetween(person_beside_ns_, now_ns_) < kPersonBeside_s) {
+  const StampedPose& at = odometry_.pose();
+  if (people_.IsAnyoneWithin({at.position.x_m, at.position.y_m},
+                             sweep_.footprint().pivot_radius_m + kBeside_m, now_ns_,
+                             kPersonBeside_ns)) {
     held_since_ns_ = 0;
     return WayAhead::kObstacle;
   }

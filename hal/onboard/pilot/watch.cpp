@@ -16,15 +16,28 @@ namespace {
 constexpr float kBeyondReach_m = 3.0f;
 // A person so near is why there is no way.
 constexpr int32_t kPersonNear_cells = 25;
-// Somebody so near to what a turn on the spot sweeps can reach the vehicle.
-constexpr float kBeside_m = 0.5f;
+constexpr uint64_t kPersonNear_ns = 1'000'000'000;
 // Around a return from somebody lie all others from them, and those of the next revolutions.
 constexpr float kBodyReach_m = 0.8f;
 constexpr float kSameLook_m = 0.1f;
+// From the middle of what is seen of somebody to all that belongs to them for sure.
+constexpr float kBody_m = 0.4f;
+// Labels that come no more for so long are none.
+constexpr uint64_t kLabelsSilent_ns = 1'000'000'000;
+// Whoever was lost stands within this of where they were last seen.
+constexpr int32_t kLost_cells = 3;
 // What somebody leaves behind lies within this of where returns came from them.
 constexpr float kLeftBehind_m = 0.6f;
 // The path is looked along at so many places for the oldest look at it.
 constexpr int kLooks = 5;
+
+// As a person's body is, and nothing low.
+constexpr int32_t kTall_cm = 60;
+bool IsTall(PackedReturn packed) {
+  const bool is_hard = packed.return_class() == ReturnClass::kHard && !packed.self();
+  return is_hard && packed.range_mm() != 0 && packed.height_known() &&
+         packed.height_cm() >= kTall_cm;
+}
 
 }  // namespace
 
@@ -64,21 +77,13 @@ void Pilot::TestReturns(bool are_new) {
   HP_LOOP_BOUND(Mapper::kMaxFresh)
   for (const int16_t slot : mapper_.fresh()) {
     if (are_new && on_mission_) reaction_.Filed(mapper_.ring().column(slot).time_ns);
-    TestColumn(slot, max_range_mm);
+    TestColumn(slot, max_range_mm, are_new);
     if (are_new && MayWatchMount(slot)) WatchMount(slot);
   }
 }
 
-bool Pilot::IsBeside(Vec2 point_odom) const {
-  const Vec3& here = odometry_.pose().position;
-  const float dx_m = point_odom.x_m - here.x_m;
-  const float dy_m = point_odom.y_m - here.y_m;
-  const float reach_m = sweep_.footprint().pivot_radius_m + kBeside_m;
-  return dx_m * dx_m + dy_m * dy_m < reach_m * reach_m;
-}
-
 // Not inlined: its calls are counted (config/timing.toml).
-[[gnu::noinline]] void Pilot::TestColumn(int slot, uint32_t max_range_mm) {
+[[gnu::noinline]] void Pilot::TestColumn(int slot, uint32_t max_range_mm, bool is_new) {
   const int beams = mapper_.model().beams;
   bool has_person = false;
   Vec2 person_odom;
@@ -88,13 +93,53 @@ bool Pilot::IsBeside(Vec2 point_odom) const {
     const uint8_t flags = mapper_.ObstacleOf(slot, row, max_range_mm, point_odom);
     if ((flags & Costmap::kHard) == 0) continue;
     const bool is_person = (flags & Costmap::kPerson) != 0;
-    if (is_person && IsBeside(point_odom)) person_beside_ns_ = now_ns_;
     if (is_person) person_odom = point_odom;
     has_person = has_person || is_person;
     static_cast<void>(corridor_.File(point_odom, is_person));
     sweep_.File(point_odom);
   }
-  if (has_person && MayLookAtPerson(person_odom)) LookAtPerson(person_odom);
+  const uint64_t time_ns = mapper_.ring().column(slot).time_ns;
+  if (has_person && MayLookAtPerson(person_odom)) LookAtPerson(person_odom, time_ns);
+  if (is_new && !HasLabels()) LookForBody(slot, max_range_mm);
+}
+
+bool Pilot::HasLabels() const {
+  return labels_ns_ != 0 && now_ns_ - labels_ns_ < kLabelsSilent_ns;
+}
+
+// Without labels, who walks is told by how they move. Not inlined: its calls are counted
+// (config/timing.toml).
+[[gnu::noinline]] void Pilot::LookForBody(int slot, uint32_t max_range_mm) {
+  const int beams = mapper_.model().beams;
+  const int step = beams > kBodyRows ? 2 : 1;
+  uint32_t nearest_mm = max_range_mm;
+  int nearest_row = -1;
+  HP_LOOP_BOUND(kBodyRows)
+  for (int row = 0; row < beams; row += step) {
+    const PackedReturn packed = mapper_.ring().at(slot, row);
+    const bool is_nearer = IsTall(packed) && packed.range_mm() < nearest_mm;
+    nearest_mm = is_nearer ? packed.range_mm() : nearest_mm;
+    nearest_row = is_nearer ? row : nearest_row;
+  }
+  Vec2 nearest_odom;
+  const bool has_return =
+      nearest_row >= 0 &&
+      (mapper_.ObstacleOf(slot, nearest_row, max_range_mm, nearest_odom) & Costmap::kHard) != 0;
+  const float distance_m =
+      static_cast<float>(nearest_mm) / static_cast<float>(kMillisecondsPerSecond);
+  Vec2 body_odom;
+  if (!bodies_.Column(has_return, nearest_odom, distance_m, body_odom)) return;
+  if (body_looks_ < kMaxBodyLooks) LookAtBody(body_odom, mapper_.ring().column(slot).time_ns);
+}
+
+// Not inlined: its calls are counted (config/timing.toml).
+[[gnu::noinline]] void Pilot::LookAtBody(Vec2 body_odom, uint64_t measured_ns) {
+  ++body_looks_;
+  const Vec3& here = odometry_.pose().position;
+  const bool moves = bodies_.Look(body_odom, now_ns_, {here.x_m, here.y_m}, mapper_.heights());
+  if (!moves || person_looks_ >= kMaxPersonLooks) return;
+  LookAtPerson(body_odom, measured_ns);
+  mapper_.FlagPerson(body_odom, kBody_m);
 }
 
 bool Pilot::MayLookAtPerson(Vec2 person_odom) const {
@@ -104,15 +149,33 @@ bool Pilot::MayLookAtPerson(Vec2 person_odom) const {
 }
 
 // Not inlined: its calls are counted (config/timing.toml).
-[[gnu::noinline]] void Pilot::LookAtPerson(Vec2 person_odom) {
+[[gnu::noinline]] void Pilot::LookAtPerson(Vec2 person_odom, uint64_t measured_ns) {
   ++person_looks_;
   person_look_odom_ = person_odom;
-  people_.Look(person_odom, now_ns_);
+  people_.Look(person_odom, now_ns_, measured_ns);
   mapper_.NotePerson(person_odom, kBodyReach_m);
+}
+
+// Somebody out of sight is no longer there if no cell is a person's any more.
+void Pilot::LookForLost() {
+  Vec2 place_odom;
+  if (!people_.LookForLost(now_ns_, place_odom)) return;
+  const Cell middle = CellAt(place_odom);
+  bool is_there = false;
+  HP_LOOP_BOUND(2 * kLost_cells + 1)
+  for (int dy = -kLost_cells; dy <= kLost_cells; ++dy) {
+    HP_LOOP_BOUND(2 * kLost_cells + 1)
+    for (int dx = -kLost_cells; dx <= kLost_cells; ++dx) {
+      const Cell cell = {SaturatedSum(middle.x, dx), SaturatedSum(middle.y, dy)};
+      is_there = is_there || mapper_.heights().At(cell).person;
+    }
+  }
+  if (!is_there) people_.ForgetLost();
 }
 
 void Pilot::ReleaseLeftPlace() {
   person_looks_ = 0;
+  body_looks_ = 0;
   Vec2 place_odom;
   if (people_.TakeLeft(now_ns_, place_odom)) mapper_.ReleasePerson(place_odom, kLeftBehind_m);
 }
@@ -217,6 +280,8 @@ StopReason Pilot::Misbehaves() const {
 bool Pilot::IsPersonNear() const {
   const Costmap& map = replanner_.planner().costmap();
   const Vec3& here = odometry_.pose().position;
+  constexpr float kNear_m = static_cast<float>(kPersonNear_cells) * kCellSize_m;
+  if (people_.IsAnyoneWithin({here.x_m, here.y_m}, kNear_m, now_ns_, kPersonNear_ns)) return true;
   const Cell middle = CellAt({here.x_m, here.y_m});
   const Cell low = map.window.Nearest({middle.x - kPersonNear_cells, middle.y - kPersonNear_cells});
   const Cell high =

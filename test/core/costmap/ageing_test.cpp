@@ -569,10 +569,30 @@ TEST_F(Ageing, WhatIsFiledBesideAPersonIsTheirsForASecondOrTwo) {
   }
 }
 
+// Who walks without labels: what is hard around them is theirs, until other things return from it.
+// SR-PER13
+TEST_F(Ageing, WhatIsFlaggedIsAPersonAsIfItWereLabelled) {
+  grid_->FlagPerson({10.1f, 0.1f}, 0.4f);
+  EXPECT_FALSE(Heights().person) << "there is nothing hard";
+  File(0.9f, ReturnClass::kHard, 1);
+  grid_->FlagPerson({10.6f, 0.1f}, 0.4f);
+  EXPECT_FALSE(Heights().person) << "too far away";
+  grid_->FlagPerson({10.3f, 0.1f}, 0.4f);
+  EXPECT_TRUE(Heights().person);
+  uint32_t revolution = 2;
+  for (; Heights().person && revolution < 10; ++revolution) {
+    File(0.9f, ReturnClass::kHard, revolution);
+  }
+  EXPECT_EQ(revolution, 2u + HeightGrid::kPersonMemory);
+  EXPECT_EQ(Highest(), 90);
+}
+
 TEST_F(Ageing, ReleasesNothingForWhatIsNoPlace) {
   File(0.9f, ReturnClass::kPerson, 1);
   grid_->NotePerson({kNaN, kInfinity}, 0.5f);
   grid_->NotePerson({3.0e38f, -3.0e38f}, 0.5f);
+  grid_->FlagPerson({kNaN, kInfinity}, 0.5f);
+  grid_->FlagPerson({10.1f, 0.1f}, HeightGrid::kMaxReleased_m + 0.1f);
   grid_->ReleasePerson({kNaN, 0.0f}, 0.5f);
   grid_->ReleasePerson({10.1f, 0.1f}, kNaN);
   grid_->ReleasePerson({10.1f, 0.1f}, -0.1f);

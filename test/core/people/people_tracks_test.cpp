@@ -232,5 +232,179 @@ TEST(PeopleTracks, NothingIsLeftWhereSomebodyCrouches) {
   EXPECT_GT(left, 1000);
 }
 
+constexpr float kPersonSpeed_mps = 2.0f;
+
+Walkers WalkersOf(const Watched& watched) {
+  Walkers walkers;
+  watched.tracks.Walk(watched.now_ns, kPersonSpeed_mps, walkers);
+  return walkers;
+}
+
+// SR-PER12
+TEST(PeopleTracks, TellsTheVelocityOfWhoWalks) {
+  for (const float speed_mps : {0.7f, 1.4f, 2.0f}) {
+    SCOPED_TRACE(speed_mps);
+    Watched watched;
+    const Vec2 end = watched.Walk({0.0f, 0.0f}, {0.6f * speed_mps, -0.8f * speed_mps}, 15);
+    const Walkers walkers = WalkersOf(watched);
+    ASSERT_EQ(walkers.size(), 1);
+    EXPECT_NEAR(walkers[0].velocity_mps.x_m, 0.6f * speed_mps, 0.1f);
+    EXPECT_NEAR(walkers[0].velocity_mps.y_m, -0.8f * speed_mps, 0.1f);
+    EXPECT_NEAR(walkers[0].place_odom.x_m, end.x_m, 0.1f) << "where they are now";
+    EXPECT_NEAR(walkers[0].place_odom.y_m, end.y_m, 0.1f);
+    EXPECT_LE(walkers[0].doubt_mps, 1.3f);
+    EXPECT_GE(walkers[0].doubt_mps, 0.5f) << "whoever walks may turn";
+  }
+}
+
+// SR-PER12
+TEST(PeopleTracks, WhoStandsMaySetOffAnywhere) {
+  Watched watched;
+  watched.Walk({3.0f, 1.0f}, {0.0f, 0.0f}, 30);
+  const Walkers walkers = WalkersOf(watched);
+  ASSERT_EQ(walkers.size(), 1);
+  EXPECT_EQ(walkers[0].doubt_mps, kPersonSpeed_mps);
+}
+
+// SR-PER12
+TEST(PeopleTracks, NothingIsKnownOfWhoHasJustAppeared) {
+  Watched watched;
+  for (int revolutions = 1; revolutions < PeopleTracks::kKnownPasses; ++revolutions) {
+    watched.Walk({0.15f * static_cast<float>(revolutions), 0.0f}, {1.5f, 0.0f}, 1);
+    const Walkers walkers = WalkersOf(watched);
+    ASSERT_EQ(walkers.size(), 1) << "somebody is there from the first return on";
+    EXPECT_EQ(walkers[0].doubt_mps, kPersonSpeed_mps) << revolutions;
+    EXPECT_EQ(walkers[0].velocity_mps.x_m, 0.0f);
+  }
+  watched.Walk({0.9f, 0.0f}, {1.5f, 0.0f}, 2);
+  EXPECT_LT(WalkersOf(watched)[0].doubt_mps, kPersonSpeed_mps);
+}
+
+// Of two who come close nobody knows who walks on.
+// SR-PER12
+TEST(PeopleTracks, NothingIsKnownOfTwoWhoMeet) {
+  Watched watched;
+  const auto most_doubt_mps = [&] {
+    float most_mps = 0.0f;
+    for (const Walker& walker : WalkersOf(watched)) most_mps = std::max(most_mps, walker.doubt_mps);
+    return most_mps;
+  };
+  float apart_mps = 0.0f;
+  for (int revolution = 0; revolution < 19; ++revolution) {
+    const float x_m = 0.1f * static_cast<float>(revolution) - 2.2f;
+    watched.See({x_m, 0.0f});
+    watched.See({-x_m, 0.3f});
+    if (revolution == 10) apart_mps = most_doubt_mps();
+    for (int tick = 0; tick < kTicksARevolution; ++tick) watched.Tick();
+  }
+  EXPECT_EQ(watched.tracks.size(), 2);
+  EXPECT_LT(apart_mps, kPersonSpeed_mps) << "before they meet";
+  EXPECT_EQ(most_doubt_mps(), kPersonSpeed_mps) << "0.8 m apart";
+}
+
+// Behind a post, lying down: for good, unless the place is seen without them.
+// SR-PER12
+TEST(PeopleTracks, WhoIsOutOfSightStaysUntilTheirPlaceIsSeenEmpty) {
+  Watched watched;
+  watched.Walk({4.0f, 0.0f}, {0.0f, 1.0f}, 20);
+  watched.Walk({}, {}, 600, false);
+  const Walkers walkers = WalkersOf(watched);
+  ASSERT_EQ(walkers.size(), 1);
+  EXPECT_NEAR(walkers[0].place_odom.y_m, 1.9f, 0.1f);
+  EXPECT_EQ(walkers[0].doubt_mps, kPersonSpeed_mps);
+  Vec2 lost;
+  ASSERT_TRUE(watched.tracks.LookForLost(watched.now_ns, lost));
+  EXPECT_EQ(lost.x_m, walkers[0].place_odom.x_m);
+  EXPECT_EQ(lost.y_m, walkers[0].place_odom.y_m);
+  watched.tracks.ForgetLost();
+  EXPECT_TRUE(WalkersOf(watched).empty());
+  EXPECT_FALSE(watched.tracks.LookForLost(watched.now_ns, lost));
+}
+
+// Below the beams nobody is seen: they are not expected to walk, but nothing of them is released.
+// SR-PER11
+TEST(PeopleTracks, BesideAPlaceThatWasSeenEmptyNothingIsLeft) {
+  Watched watched;
+  watched.Walk({4.0f, 0.0f}, {0.0f, 0.0f}, 20);
+  watched.Walk({}, {}, 30, false);
+  Vec2 lost;
+  ASSERT_TRUE(watched.tracks.LookForLost(watched.now_ns, lost));
+  watched.tracks.ForgetLost();
+  watched.Walk({4.0f, -4.0f}, {0.0f, 1.5f}, 60);
+  EXPECT_FALSE(watched.HasLeftNear({4.0f, 0.0f}, 0.9f));
+  EXPECT_TRUE(watched.HasLeftNear({4.0f, 2.5f}, 0.5f));
+}
+
+// SR-PER12
+TEST(PeopleTracks, NobodyInSightIsLookedFor) {
+  Watched watched;
+  watched.Walk({4.0f, 0.0f}, {0.0f, 1.0f}, 20);
+  watched.See({4.0f, 2.0f});
+  Vec2 lost;
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(watched.tracks.LookForLost(watched.now_ns, lost));
+}
+
+// One who was out of sight, and one who appears where they could have walked to, are one walker;
+// farther off, or much later, they are two.
+// SR-PER12
+TEST(PeopleTracks, WhoAppearsNearByIsWhoWasOutOfSight) {
+  const auto walkers_after = [](int unseen, float off_m) {
+    Watched watched;
+    const Vec2 tree = watched.Walk({0.0f, 0.0f}, {1.5f, 0.0f}, 20);
+    watched.Walk(tree, {}, unseen, false);
+    watched.Walk({tree.x_m + off_m, 0.0f}, {1.5f, 0.0f}, 10);
+    return WalkersOf(watched).size();
+  };
+  EXPECT_EQ(walkers_after(6, 0.9f), 1);
+  EXPECT_EQ(walkers_after(6, 3.0f), 2);
+  EXPECT_EQ(walkers_after(25, 4.0f), 1);
+  EXPECT_EQ(walkers_after(40, 4.0f), 2);
+}
+
+// A single return that was labelled wrongly is nobody a moment later.
+// SR-PER12
+TEST(PeopleTracks, WhoWasSeenOnceIsNotLookedFor) {
+  Watched watched;
+  watched.Walk({4.0f, 0.0f}, {}, 1);
+  EXPECT_EQ(WalkersOf(watched).size(), 1);
+  watched.Walk({}, {}, 3, false);
+  EXPECT_TRUE(WalkersOf(watched).empty());
+}
+
+// Labels come late, and not in order: what was measured earlier tells nothing new.
+TEST(PeopleTracks, GoesByWhenItWasMeasured) {
+  Watched late;
+  Vec2 at = {0.0f, 0.0f};
+  uint64_t newest_ns = 0;
+  for (int revolution = 0; revolution < 30; ++revolution) {
+    at.x_m += 0.12f;
+    // 50 to 200 ms ago, and where it was then.
+    const uint64_t ago_ns = 50'000'000 + 30'000'000 * static_cast<uint64_t>(revolution % 6);
+    const float ago_s = 1e-9f * static_cast<float>(ago_ns);
+    newest_ns = std::max(newest_ns, late.now_ns - ago_ns);
+    late.tracks.Look({at.x_m - 1.2f * ago_s, 0.0f}, late.now_ns, late.now_ns - ago_ns);
+    for (int tick = 0; tick < kTicksARevolution; ++tick) late.Tick();
+  }
+  const Walkers walkers = WalkersOf(late);
+  ASSERT_EQ(walkers.size(), 1);
+  EXPECT_NEAR(walkers[0].velocity_mps.x_m, 1.2f, 0.15f);
+  EXPECT_NEAR(walkers[0].place_odom.x_m, at.x_m + 0.12f, 0.15f);
+}
+
+TEST(PeopleTracks, KnowsWhoIsNear) {
+  Watched watched;
+  const Vec2 end = watched.Walk({2.0f, 0.0f}, {0.0f, 1.0f}, 10);
+  const auto is_near = [&](Vec2 place, float reach_m, uint64_t for_ns) {
+    return watched.tracks.IsAnyoneWithin(place, reach_m, watched.now_ns, for_ns);
+  };
+  EXPECT_TRUE(is_near(end, 0.5f, 2'000'000'000));
+  EXPECT_FALSE(is_near({2.0f, 0.0f}, 0.5f, 2'000'000'000)) << "where they are not any more";
+  EXPECT_FALSE(is_near(end, 0.5f, 10'000'000)) << "seen 0.1 s ago";
+  watched.Walk({}, {}, 10, false);
+  EXPECT_TRUE(is_near(end, 0.5f, 2'000'000'000));
+  watched.Walk({}, {}, 11, false);
+  EXPECT_FALSE(is_near(end, 0.5f, 2'000'000'000));
+}
+
 }  // namespace
 }  // namespace hardpack

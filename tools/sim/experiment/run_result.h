@@ -22,7 +22,7 @@ enum class Outcome : uint8_t {
   kStuck,  // at rest for a long time, and no reason given
   kTimeOut,  // still driving when the mission's time was over
   kContact,  // touched something hard, or stood in a ditch
-  kPerson,   // touched a person while moving faster than 0.3 m/s
+  kPerson,   // touched a person while moving faster than 0.1 m/s
   kFault,    // a mode that the operator has to clear
 };
 inline constexpr int kOutcomes = 7;

@@ -98,12 +98,12 @@ void Observer::WatchContact(const Moment& now, double t_s) {
           : contact.hard_m < 0.0 ? "touched"
                                  : "too steep");
   }
+  if (contact.person_m < 0.0 && speed_mps > kTouch_mps) {
+    EndBy(Outcome::kPerson, t_s, "touched a person at " + std::to_string(speed_mps) + " m/s");
+  }
   if (speed_mps <= kPersonSpeed_mps) return;
   result_.person_clearance_m =
       std::min(result_.person_clearance_m, std::max(0.0, contact.person_m));
-  if (contact.person_m < 0.0) {
-    EndBy(Outcome::kPerson, t_s, "touched a person at " + std::to_string(speed_mps) + " m/s");
-  }
 }
 
 // A path is compared with the vehicle's estimated pose: the error of that estimate is the

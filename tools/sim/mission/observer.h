@@ -71,6 +71,7 @@ class Observer {
   // It stands, and gives no reason.
   static constexpr double kStuck_s = 20.0;
   static constexpr double kPersonSpeed_mps = 0.3;
+  static constexpr double kTouch_mps = 0.1;  // slower, it is the person who walks up
   static constexpr double kFast_mps = 4.0;
 
   // Whether the outcome of the mission is known.
