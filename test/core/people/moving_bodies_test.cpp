@@ -201,19 +201,72 @@ TEST(MovingBodies, GroundThatWasNotSeenWasNotFree) {
   EXPECT_FALSE(told);
 }
 
-// More bodies than there is room for: the nearest are kept, and who moves is.
+// More bodies than there is room for: the nearest are kept, and who moves is, however far.
 TEST(MovingBodies, ForgetsTheFarthestOfTooMany) {
-  Scene scene;
-  scene.Walk(scene.Enter({6.0f, -3.0f}), {0.0f, 1.2f}, 15);
-  ASSERT_EQ(scene.moving.size(), 1u);
-  for (int i = 0; i < 3 * MovingBodies::kMost; ++i) {
-    const float x_m = 90.0f - static_cast<float>(i);
-    scene.bodies.Look({x_m, 0.0f}, scene.now_ns, scene.here, *scene.heights);
-    EXPECT_LE(scene.bodies.size(), MovingBodies::kMost);
+  for (const float farther_m : {0.0f, 30.0f}) {
+    Scene scene;
+    scene.Walk(scene.Enter({6.0f, -3.0f}), {0.0f, 1.2f}, 15);
+    ASSERT_EQ(scene.moving.size(), 1u);
+    for (int i = 0; i < 3 * MovingBodies::kMost; ++i) {
+      const Vec2 at = {farther_m + 0.5f * static_cast<float>(i % 10) - 2.0f,
+                       0.5f * static_cast<float>(i / 10) - 2.0f};
+      scene.bodies.Look(at, scene.now_ns, scene.here, *scene.heights);
+      EXPECT_LE(scene.bodies.size(), MovingBodies::kMost);
+    }
+    EXPECT_EQ(scene.bodies.size(), MovingBodies::kMost);
+    scene.Turn();
+    EXPECT_EQ(scene.moving.size(), 1u) << "who moves is kept";
   }
-  EXPECT_EQ(scene.bodies.size(), MovingBodies::kMost);
+}
+
+// Columns' returns at these distances; the number of bodies that end.
+int BodiesOf(const std::vector<float>& distances_m) {
+  MovingBodies bodies;
+  bodies.Reset();
+  int ended = 0;
+  for (size_t i = 0; i < distances_m.size(); ++i) {
+    const float m = distances_m[i];
+    const float aside_m = 0.05f * static_cast<float>(i);
+    Vec2 body;
+    ended += bodies.Column(m > 0.0f, {m, aside_m}, m, body) ? 1 : 0;
+  }
+  return ended;
+}
+
+TEST(MovingBodies, ABodyIsNearerThanWhatIsOnBothSides) {
+  EXPECT_EQ(BodiesOf({0, 0, 6, 6, 6, 0, 0}), 1);
+  EXPECT_EQ(BodiesOf({9, 9, 6, 6, 6, 9, 9}), 1);
+  EXPECT_EQ(BodiesOf({4, 4, 6, 6, 6, 0, 0}), 1) << "the near one only";
+  EXPECT_EQ(BodiesOf({9, 9, 6, 6, 6, 4, 4}), 0) << "what is behind it goes on";
+  EXPECT_EQ(BodiesOf({0, 6, 0, 6, 0}), 0) << "single returns";
+  EXPECT_EQ(BodiesOf(std::vector<float>(40, 6.0f)), 0) << "a wall";
+}
+
+// One of two posts is hidden and the other one comes into view: a step, and then it stands.
+TEST(MovingBodies, WhatHasMadeOneStepDoesNotMove) {
+  Scene scene;
   scene.Turn();
-  EXPECT_EQ(scene.moving.size(), 1u) << "who moves is kept";
+  const auto is_told = [&](Vec2 at) {
+    scene.now_ns += 100'000'000;
+    return scene.bodies.Look(at, scene.now_ns, scene.here, *scene.heights);
+  };
+  EXPECT_FALSE(is_told({6.0f, 0.0f}));
+  EXPECT_FALSE(is_told({6.0f, 0.3f}));
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(is_told({6.0f, 0.6f})) << i;
+}
+
+// Where something stood before, nothing has walked to.
+TEST(MovingBodies, WhereSomethingStoodNothingWalksTo) {
+  Scene scene;
+  scene.walls = {{{6.0f, -4.0f}, {6.0f, 4.0f}}};
+  scene.Turn();
+  bool told = false;
+  for (int i = 0; i < 12; ++i) {
+    scene.now_ns += 100'000'000;
+    const Vec2 at = {6.0f, 0.1f * static_cast<float>(i)};
+    told = told || scene.bodies.Look(at, scene.now_ns, scene.here, *scene.heights);
+  }
+  EXPECT_FALSE(told);
 }
 
 TEST(MovingBodies, ForgetsWhatWasNotSeenForAWhile) {

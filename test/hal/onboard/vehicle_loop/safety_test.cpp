@@ -496,6 +496,41 @@ TEST(VehicleLoopSafety, NothingStaysOfSomebodyWhoWalkedPast) {
   EXPECT_EQ(hard_cells(), 0);
 }
 
+//                P   without labels: who stands is an obstacle, who walks is a person, also while
+//   [>]          |   they stand afterwards, and nothing sets out beside them
+// SR-PER13
+TEST(VehicleLoopSafety, WhoWalksIsAPersonWithoutLabels) {
+  world::World world;
+  world::Person person;
+  person.places = {{0.0, 1.5, -6.0}, {16.0, 1.5, -6.0}, {22.0, 1.5, -1.0}};
+  world.AddPerson(person);
+  ClosedLoop drive("", std::move(world));
+  const auto has_person = [&] {
+    for (float y_m = -6.7f; y_m < 1.0f; y_m += 0.2f) {
+      for (float x_m = 0.9f; x_m < 2.1f; x_m += 0.2f) {
+        if (drive.loop().mapper().heights().At(CellAt({x_m, y_m})).person) return true;
+      }
+    }
+    return false;
+  };
+  const uint64_t start_ns = drive.now_ns();
+  const auto until = [&](double time_s, auto&& happens) {
+    return drive.Until(time_s - 1e-9 * static_cast<double>(drive.now_ns() - start_ns), happens);
+  };
+  drive.BringUpAndArm();
+  EXPECT_FALSE(until(15.0, has_person)) << "who stands";
+  EXPECT_TRUE(until(18.0, has_person)) << "who walks";
+  until(23.0, [] { return false; });
+  ASSERT_EQ(drive.Goal(25.0f, 0.0f), Status::kOk);
+  double fastest_mps = 0.0;
+  drive.Until(4.0, [&] {
+    fastest_mps = std::max(fastest_mps, std::fabs(drive.Speed_mps()));
+    return false;
+  });
+  EXPECT_LT(fastest_mps, 0.05) << "somebody stands beside it";
+  EXPECT_TRUE(has_person());
+}
+
 //   [>] ------->   P
 // Where the map has just begun it turns off beside the person once it stands, and creeps by; on the
 // way it stands for as long as the person does.
