@@ -98,6 +98,21 @@ TEST(WalkerCaps, AreHigherOnlyForWhoWalksAway) {
   EXPECT_EQ(gain_mps(-1.4f), 0.0f);
 }
 
+// By how much they come later than somebody who was on the way already: (2 - u)^2 / (2 2.5) with u
+// = -1.4 + 1.1 towards the path.
+// SR-SPD08
+TEST(WalkerCaps, WhoWalksAwayIsFartherOffByWhatTurningRoundTakes) {
+  Way way;
+  const Walkers away = One({{9.075f, 4.0f}, {0.0f, 1.4f}, 1.1f});
+  way.Cap(&away);
+  Way farther_off;
+  const Walkers there = One({{9.075f, 4.0f + 2.3f * 2.3f / 5.0f}, {}, 2.0f});
+  farther_off.Cap(&there);
+  for (float x_m = 0.0f; x_m < 20.0f; x_m += kStep_m) {
+    EXPECT_NEAR(way.At(x_m), farther_off.At(x_m), 0.02f) << x_m;
+  }
+}
+
 // Cells that people have left behind say nothing, unless there are more people than walkers.
 // SR-SPD08
 TEST(WalkerCaps, CountCellsOnlyWithMorePeopleThanWalkers) {
