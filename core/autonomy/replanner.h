@@ -168,8 +168,9 @@ class Replanner {
 
   // Every tick. kInvalidArgument: time runs backwards, a speed is below -kStanding_mps or above
   // kMaxRequestSpeed_mps, a number is beyond PlanRequest's limits, or the goal's number is below
-  // that of its vias; kNotFinite. In these cases only counters().refused changes. Cost: one pass
-  // over the committed path.
+  // that of its vias; kNotFinite. In these cases only counters().refused changes. walkers: the
+  // people near the vehicle, for the speeds; null: those that the map's cells tell of. Cost: one
+  // pass over the committed path.
   Status Update(uint64_t now_ns, const VehicleState& state, const PlanGoal& goal,
                 const Walkers* walkers = nullptr);
 

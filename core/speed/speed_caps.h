@@ -83,7 +83,8 @@ enum class CapCause : uint8_t {
 class SpeedCaps {
  public:
   // path: as passed by the check, at least one point. speed_mps: the vehicle's present speed; the
-  // time to pass somebody is computed from it at every point. Cost: one pass over its points.
+  // time to pass somebody is computed from it at every point. walkers: null, or at most
+  // kMaxWalkers. Cost: one pass over its points.
   void Begin(const GridWindow& window, const SpeedParams& params, const VehicleParams& vehicle,
              const WorldPath& path, float speed_mps, const Lookouts& lookouts = {},
              const Walkers* walkers = nullptr);

@@ -41,6 +41,8 @@ void Pilot::Forget() {
   lookouts_.places_odom.Clear();
   people_.Reset();
   bodies_.Reset();
+  walkers_.Clear();
+  labels_ns_ = 0;
   ground_.Reset();
   ground_drops_ = false;
   may_creep_ = true;

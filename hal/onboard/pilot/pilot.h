@@ -85,8 +85,10 @@ class Pilot {
   // Columns with a person that are followed in a tick: those that are not beside the one before.
   // What is not followed is not released.
   static constexpr int kMaxPersonLooks = 64;
+  // Bodies that may walk, in a tick, and the rows of a column that are looked at for them: all, or
+  // with more beams every second one. What is more is not seen to walk in that revolution.
   static constexpr int kMaxBodyLooks = 16;
-  static constexpr int kBodyRows = 64;  // of a column, looked at for bodies: all, or every second
+  static constexpr int kBodyRows = 64;
 
   const PilotConfig& config() const { return config_; }
   const Permission& permission() const { return permission_; }

@@ -24,8 +24,9 @@ constexpr float kHeld_s = 0.5f;
 // So long it stands after somebody was seen beside it: who comes nearer still is where no beam
 // falls, or taken for the vehicle itself.
 constexpr uint64_t kPersonBeside_ns = 2'000'000'000;
-// Somebody so near to what a turn on the spot sweeps can reach the vehicle.
-constexpr float kBeside_m = 0.5f;
+// Somebody can reach the vehicle whose surface is within 0.5 m of what a turn on the spot sweeps:
+// the middle of what is seen of them is no more than half a body farther away.
+constexpr float kBeside_m = 0.75f;
 
 bool MayMove(Mode mode) {
   return mode == Mode::kDriving || mode == Mode::kSafeStop;
