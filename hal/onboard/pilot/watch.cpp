@@ -12,7 +12,8 @@
 namespace hardpack {
 namespace {
 
-// Beyond the corridor's reach no return matters to it.
+// Beyond the corridor's reach no return matters to it, and nobody to the speeds beyond what they
+// may walk while the vehicle stops.
 constexpr float kBeyondReach_m = 3.0f;
 // A person so near is why there is no way.
 constexpr int32_t kPersonNear_cells = 25;
@@ -71,8 +72,10 @@ CorridorSize Pilot::SizeOfCorridor() const {
 
 // What the mapper has just classed. A column counts as filed when it comes, not when its labels do.
 void Pilot::TestReturns(bool are_new) {
-  const float reach_mm =
-      (SizeOfCorridor().reach_m + kBeyondReach_m) * static_cast<float>(kMillisecondsPerSecond);
+  const SpeedParams& speed = config_.planner.speed;
+  const float walk_m = speed.person_speed_mps * StoppingTime(speed, speed.max_speed_mps);
+  const float reach_mm = (SizeOfCorridor().reach_m + kBeyondReach_m + walk_m) *
+                         static_cast<float>(kMillisecondsPerSecond);
   const auto max_range_mm = static_cast<uint32_t>(RoundToInt(reach_mm));
   HP_LOOP_BOUND(Mapper::kMaxFresh)
   for (const int16_t slot : mapper_.fresh()) {

@@ -496,6 +496,27 @@ TEST(VehicleLoopSafety, NothingStaysOfSomebodyWhoWalkedPast) {
   EXPECT_EQ(hard_cells(), 0);
 }
 
+//   [>] ------------------- P    as far away as they may walk towards it while it stops, people are
+//   planned for
+// SR-SPD03
+TEST(VehicleLoopSafety, PlansForPeopleAsFarAsTheyMatter) {
+  AmongPeople among;
+  ClosedLoop& drive = among.drive;
+  drive.BringUpAndArm();
+  drive.Act(BoxAt(18.5, 0.0, 0.5, 1.7));
+  drive.Ticks(100);
+  ASSERT_EQ(drive.Goal(30.0f, 0.0f), Status::kOk);
+  ASSERT_TRUE(drive.Until(2.0, [&] { return drive.loop().replanner().committed().number > 0; }));
+  drive.Ticks(5);
+  const CommittedPlan& plan = drive.loop().replanner().committed();
+  float slowest_mps = 10.0f;
+  for (int k = 0; k < plan.path.size(); ++k) {
+    const bool is_before = plan.path[k].x_m > 13.0f && plan.path[k].x_m < 17.0f;
+    if (is_before) slowest_mps = std::min(slowest_mps, plan.speed[k]);
+  }
+  EXPECT_LE(slowest_mps, drive.config().planner.speed.person_creep_mps + 0.01f);
+}
+
 //                P   without labels: who stands is an obstacle, who walks is a person, also while
 //   [>]          |   they stand afterwards, and nothing sets out beside them
 // SR-PER13
