@@ -38,9 +38,9 @@
 // that by kTurns_mps plus two standard deviations in any direction, or, if that is more, by
 // person_speed - kSetsOff v: who stands may set off anywhere.
 //
-// Whoever is out of sight stays where they were, and may walk anywhere, until their place is seen
-// without anything on it, or somebody appears where they could have walked to at kFoundWalk_mps,
-// within kFound_ns: that is taken for them. It does not release their places.
+// Whoever is out of sight stays where they were, and may walk anywhere, until the owner finds
+// nobody there any more (LookForLost, ForgetLost), or somebody appears where they could have walked
+// to at kFoundWalk_mps, within kFound_ns: that is taken for them. Neither releases their places.
 
 namespace hardpack {
 
@@ -72,8 +72,8 @@ class PeopleTracks {
 
   // A return of a person, seen at now_ns, which must not fall: one of each column with any. Of more
   // than kMost people the longest unseen is forgotten, first of those who are not sure, or, if all
-  // are followed, this one ignored. Not finite: no effect. Cost: twice kMost distances.
-  // measured_ns: when it was.
+  // are followed, this one ignored. measured_ns: when it was measured, which may fall. Not finite:
+  // no effect. Cost: three times kMost distances.
   void Look(Vec2 place_odom, uint64_t now_ns, uint64_t measured_ns);
   void Look(Vec2 place_odom, uint64_t now_ns) { Look(place_odom, now_ns, now_ns); }
 

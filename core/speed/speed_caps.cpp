@@ -365,7 +365,8 @@ float SpeedCaps::BendAt(int point) const {
   return true;
 }
 
-// Not inlined: its calls are counted with the units.
+// With the points that are nearest to a walker, and those where they can be before they are beside
+// them.
 [[gnu::noinline]] void SpeedCaps::FileWalker(const Walker& walker, const SpeedParams& params) {
   const float walk_mps = params.person_speed_mps;
   float* distance2 = distance2_m2_ + 1;

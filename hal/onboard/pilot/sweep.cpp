@@ -21,8 +21,8 @@ constexpr int kFirstPoses = 12;
 constexpr float kFirstSpeed_mps = 0.2f;
 // So long it stands before another plan is made from where it is.
 constexpr float kHeld_s = 0.5f;
-// So long it stands after somebody was seen beside it: who comes nearer still is where no beam
-// falls, or taken for the vehicle itself.
+// So long it stands after somebody was lost from sight beside it: who comes nearer still is where
+// no beam falls, or taken for the vehicle itself.
 constexpr uint64_t kPersonBeside_ns = 2'000'000'000;
 // Somebody can reach the vehicle whose surface is within 0.5 m of what a turn on the spot sweeps:
 // the middle of what is seen of them is no more than half a body farther away.
