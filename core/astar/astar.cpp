@@ -134,6 +134,11 @@ Cell AstarSearch::Next(Cell cell) const {
   return {cell.x + kDx[direction], cell.y + kDy[direction]};
 }
 
+bool AstarSearch::HasReached(Cell cell) const {
+  if (!window_.Contains(cell)) return false;
+  return static_cast<uint32_t>(nodes_[window_.Index(cell)] >> kLabelShift) < ceiling_;
+}
+
 // The phases: each does at most `units` units and returns those left over.
 
 int AstarSearch::ClearNodes(int units) {

@@ -96,6 +96,9 @@ class AstarSearch {
   // a cell of the path other than its end.
   Cell Next(Cell cell) const;
 
+  // Whether the last query got to a cell; false off its map. Precondition: Step has returned kDone.
+  bool HasReached(Cell cell) const;
+
  private:
   enum class Phase : uint8_t { kDone, kClear, kMoveGoal, kSearch, kMoveLabels, kTrace };
 

@@ -44,6 +44,8 @@ float LeadOut::Cost_m(int bend) const {
 // Whether the rest of the path can be planned from there.
 bool LeadOut::IsOut(const Costmap& map, const Pose2& pose) const {
   if (can_pivot_) return PivotIsFree(map, vehicle_, params_, {pose.x_m, pose.y_m});
+  const Cell cell = CellAt(PlaceOf(pose));
+  if (!map.window.Contains(cell) || map.Lethal(map.window.Index(cell))) return false;
   const Vec2 way = {goal_odom_.x_m - pose.x_m, goal_odom_.y_m - pose.y_m};
   return Abs(WrapAngle(HeadingOf(way) - pose.theta_rad)) <= kAhead_rad;
 }

@@ -22,7 +22,8 @@
 //                         v
 //
 // A vehicle that cannot turn on the spot (core/kinematics) turns while driving instead: along a
-// feasible arc, of kBendShares of its largest curvature, until the goal is roughly ahead.
+// feasible arc, of kBendShares of its largest curvature, until the goal is roughly ahead and the
+// search may begin there: not in the region that it never enters.
 //
 // All of these in reverse too, if asked for: the rear goes first, and a bend of the same sign turns
 // the vehicle the other way.

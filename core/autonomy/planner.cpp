@@ -103,6 +103,9 @@ Status Planner::Prepare(const PlannerParams& params, const PlanRequest& request)
   led_out_ = false;
   is_to_seed_ = false;
   looks_back_ = false;
+  moves_ = Moves::kNone;
+  from_goal_ = false;
+  has_blocked_ = false;
   lead_failure_ = Status::kNotStarted;
   area_ = 0;
   area_row_ = 0;
@@ -141,6 +144,8 @@ void Planner::StepStage(const Source& source, int units) {
       return StepSample(units);
     case PlanStage::kLeadOut:
       return StepLeadOut(units);
+    case PlanStage::kManoeuvre:
+      return StepManoeuvre(units);
     case PlanStage::kOptimize:
       return StepOptimize(units);
     case PlanStage::kCheck:
@@ -201,39 +206,10 @@ void Planner::StepCostmap(const Source& source, int units) {
   }
 }
 
-// Only of a vehicle that stands, and has no via to drive to: another one has to be brought to rest
-// first.
-bool Planner::IsHere() const {
-  if (first_leg_ < request_.route.vias.size()) return false;
-  return request_.start.speed_mps == 0.0f &&
-         AreWithin(request_.goal_odom, PlaceOf(request_.start.pose), kHere_m);
-}
-
-void Planner::Stay() {
-  const Pose2& here = request_.start.pose;
-  const float turn_rad =
-      request_.has_goal_heading ? WrapAngle(request_.goal_heading_rad - here.theta_rad) : 0.0f;
-  plan_.stays = lead_.empty();
-  plan_.pivots_last = Abs(turn_rad) > kGoalHeading_rad;
-  if (plan_.pivots_last && !CanPivot(params_.vehicle)) return End(Status::kNeedsManoeuvre);
-  plan_.base.Resize(2);
-  plan_.base[0] = here;
-  plan_.base[1] = here;
-  if (plan_.pivots_last) plan_.base[1].theta_rad = WrapAngle(request_.goal_heading_rad);
-  BeginPath();
-  plan_.path.Resize(plan_.lead_points + 2);
-  plan_.path[plan_.lead_points] = plan_.base[0];
-  plan_.path[plan_.lead_points + 1] = plan_.base[1];
-  plan_.search.status = Status::kOk;
-  plan_.search.end = CellAt(request_.goal_odom);
-  plan_.base_status = Status::kOk;
-  plan_.optimizer_status = Status::kOk;
-  const Status status = StartCheck();
-  if (!IsUsable(status)) End(status);  // and does not search once more, which could end here again
-}
-
 void Planner::BeginSearch() {
+  from_goal_ = false;
   shortened_ = false;
+  cuts_ = 0;
   plan_.base.Clear();
   leg_ = 0;
   const Vec2 start = PlaceOf(request_.start.pose);
@@ -250,6 +226,7 @@ void Planner::BeginSearch() {
 
 void Planner::StepSearch(int units) {
   if (search_.Step(costmap(), kSearchUnits * units) == Progress::kBusy) return;
+  if (from_goal_) return EndWay();
   const AstarResult& found = search_.result();
   if (leg_ > first_leg_) {
     if (!IsUsable(found.status) || !IsUsable(BeginSample())) EndLegs();
@@ -260,6 +237,7 @@ void Planner::StepSearch(int units) {
   plan_.base_status = plan_.search.status;
   if (!IsUsable(plan_.base_status)) {
     const bool is_enclosed = plan_.search.start_in_obstacle;
+    if (moves_ == Moves::kWay) return BeginFromGoal();
     if (is_enclosed && BeginLeadOut(plan_.base_status)) return;
     return Fail(plan_.base_status);
   }
@@ -295,6 +273,7 @@ Status Planner::BeginSample() {
 void Planner::StepSample(int units) {
   if (!sampled_) return StepSampler(units);
   if (smoother_.Step(units) == Progress::kBusy) return;
+  if (moves_ == Moves::kWay) return EndWay();
   const float heading_rad = request_.start.pose.theta_rad;
   const float base_error_rad = Abs(WrapAngle(heading_rad - BaseHeading(plan_.base)));
   const float smooth_error_rad = Abs(WrapAngle(heading_rad - BaseHeading(smoother_.result())));
@@ -432,6 +411,7 @@ void Planner::BeginSpeed() {
 void Planner::TryAgain() {
   if (IsHere()) return Fail(Status::kPivotBlocked);
   const Status failure = plan_.check_status;
+  NoteBlocked();
   if (MayEndShort()) {
     EndShort();
     return BeginCheck();
@@ -449,7 +429,11 @@ void Planner::TryAgain() {
     return BeginCheck();
   }
   if (plan_.pivots_first || !MayPivot()) {
-    if (Shorten(first_leg_) || BeginLeadOut(failure) || LookElsewhere()) return;
+    if (Shorten(first_leg_)) return;
+    if (failure == Status::kNeedsManoeuvre && CutBase()) return;
+    if (BeginLeadOut(failure)) return;
+    if (moves_ == Moves::kNone && LookElsewhere()) return;
+    if (CutBase()) return;
     return Fail(failure);
   }
   plan_.pivots_first = true;
@@ -484,8 +468,12 @@ void Planner::Finish() {
 
 // A path that was free but swept what nobody has seen is better than none.
 void Planner::Fail(Status status) {
+  if (moves_ == Moves::kSearch) return RefuseMoves();
   if (!lead_.empty() && LookBack()) return;
-  if (lead_.empty() || lead_failure_ != Status::kOk) return End(status);
+  if (lead_.empty() || lead_failure_ != Status::kOk) {
+    if (!LookForMoves(status)) End(status);
+    return;
+  }
   lead_.Clear();
   request_.start = own_start_;
   BeginSearch();

@@ -14,6 +14,7 @@
 #include "core/base/status.h"
 #include "core/costmap/costmap.h"
 #include "core/costmap/height_grid.h"
+#include "core/manoeuvre/manoeuvre.h"
 #include "core/optimizer/optimizer.h"
 #include "core/path/path.h"
 #include "core/path/path_smoother.h"
@@ -56,6 +57,12 @@
 //   region: it leads out along its heading (lead_out.h), and the rest is planned from there. The
 //   check covers both, from the vehicle's position; the lead-out is driven slowly.
 // - There is no such way, or no path from its end: the same in reverse, for reverse_out_m at most.
+// - What holds the path up lies far ahead: it ends before that, cut (kPathCut), kMaxCuts times at
+//   most.
+// - All of this has failed, the vehicle stands and may reverse: what was closed is open again, and
+//   it leads out in several moves
+//   (core/manoeuvre), and the rest is planned from their end. If that cannot be driven either, the
+//   moves lead past the place that it touches, or end elsewhere, kMaxMoves times at most.
 // - The path sweeps the unseen area beside the place where the map began: the same, unseen_start_m
 //   from that place, if that is free; otherwise the path is taken as it is.
 // - The path touches something farther than kNearRefusal_m from where it starts and from where it
@@ -136,6 +143,7 @@ enum class PlanStage : uint8_t {
   kSearch,
   kSample,
   kLeadOut,
+  kManoeuvre,
   kOptimize,
   kCheck,
   kSpeed,
@@ -199,19 +207,25 @@ class Planner {
   // there is one leg, and it is never shortened.)
   static constexpr int kMaxPathUnits = kMaxTransitions + PathSmoother::kMaxPasses +
                                        3 * Optimizer::kMaxUnits + 14 * PathCheck::kMaxUnits;
-  static constexpr int kMaxRouteUnits = (kMaxVias + 1) * kMaxLegUnits + 3 * kMaxPathUnits;
-  static constexpr int kMaxRefusals = 4;
+  // A route whose far end cannot be driven is cut, each time nearer.
+  static constexpr int kMaxCuts = 2;
+  static constexpr int kMaxRouteUnits =
+      (kMaxVias + 1) * kMaxLegUnits + (3 + kMaxCuts) * kMaxPathUnits;
+  static constexpr int kMaxRefusals = CostmapBuilder::kMaxRefused;
   static constexpr float kNearRefusal_m = 1.5f;
   // From the vehicle, from the end of a lead-out, and again from the vehicle or from the end of one
   // in reverse; and once more for each refusal.
-  static constexpr int kMaxRoutes = 3 + kMaxRefusals;
+  // And from the vehicle for a way to lead moves to, and from the end of each of them.
+  static constexpr int kMaxMoves = 8;
+  static constexpr int kMaxRoutes = 4 + kMaxRefusals + kMaxMoves;
   // Looks for a lead-out: straight, bent, across cells; in reverse bent and across.
   static constexpr int kLeadLooks = 5;
   static constexpr int kAreaUnits = kMaxAreas * kMapSize_cells;
   static constexpr int kMaxUnits =
       CostmapBuilder::kUnits + ScanRing::kMaxColumns + kAreaUnits + kMaxRoutes * kMaxRouteUnits +
       kLeadLooks * (LeadOut::kBends + 1) * (LeadOut::kMaxUnits + 1) +
-      kLeadLooks * LeadOut::kBends * PathCheck::kMaxUnits + SpeedCaps::kMaxUnits;
+      (kLeadLooks * LeadOut::kBends + kMaxMoves) * PathCheck::kMaxUnits + Manoeuvre::kMaxUnits +
+      kMaxMoves + SpeedCaps::kMaxUnits;
 
  private:
   // The source of the cells: heights and, if there is one, the mapper with pending columns.
@@ -237,6 +251,7 @@ class Planner {
   void StepSample(int units);
   void StepSampler(int units);
   void StepLeadOut(int units);
+  void StepManoeuvre(int units);
   void StepOptimize(int units);
   void StepCheck(int units);
   void StepSpeed(const Source& source, int units);
@@ -267,6 +282,16 @@ class Planner {
   bool SweepsUnseen() const;
   void StepLeadCheck(int units);
   void RefuseLead();
+  [[nodiscard]] bool MayMove(Status failure) const;
+  [[nodiscard]] bool LookForMoves(Status failure);
+  void NoteBlocked();
+  float SharpestCurvature() const;
+  [[nodiscard]] bool CutBase();
+  void BeginWay();
+  void BeginFromGoal();
+  void EndWay();
+  [[nodiscard]] bool BeginManoeuvre();
+  void RefuseMoves();
   void BeginPath();
   void BeginSpeed();
   void BeginSeed();
@@ -299,10 +324,22 @@ class Planner {
   WorldPath lead_;       // from the vehicle; empty if none
   PathStart own_start_;  // of the request, before lead_ replaced it
   LeadOut lead_out_;
-  bool led_out_ = false;                       // a lead-out was searched
-  bool looks_bent_ = false;                    // the lead-out may be bent
-  bool looks_back_ = false;                    // in reverse
-  bool looks_across_ = false;                  // and cells may overlap its flanks
+  Manoeuvre manoeuvre_;
+  bool led_out_ = false;       // a lead-out was searched
+  bool looks_bent_ = false;    // the lead-out may be bent
+  bool looks_back_ = false;    // in reverse
+  bool looks_across_ = false;  // and cells may overlap its flanks
+  // A way out in several moves: not looked for; due, once what was refused is open again; a way
+  // that tells where to lead to; how they begin; and they are looked for, checked, or followed by
+  // the rest.
+  enum class Moves : uint8_t { kNone, kDue, kWay, kBegin, kSearch };
+  Moves moves_ = Moves::kNone;
+  int32_t moves_refused_ = 0;
+  int32_t cuts_ = 0;          // of the present route
+  bool from_goal_ = false;    // no way leads out: search_ is to tell where one would come in
+  bool has_blocked_ = false;  // where what was planned without them touches
+  Vec2 blocked_odom_;
+  Vec2 first_refused_odom_;
   Status lead_failure_ = Status::kNotStarted;  // status without one; kOk: continues
   CostmapBuilder builder_;
   AstarSearch search_;
@@ -338,7 +375,7 @@ class Planner {
 static_assert(std::is_trivially_copyable_v<Planner>);
 
 // Planning as a whole: heights, costs, search, paths.
-inline constexpr int kPlanningBudget_bytes = 25 * 256 * 1024;  // 6.25 MiB
+inline constexpr int kPlanningBudget_bytes = 34 * 256 * 1024;  // 8.5 MiB
 static_assert(sizeof(Planner) + sizeof(HeightGrid) <= kPlanningBudget_bytes);
 
 // Every parameter in range and mutually consistent as plans need it (config/conflicts.h): kOk or

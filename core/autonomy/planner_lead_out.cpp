@@ -140,7 +140,7 @@ void Planner::StepLeadOut(int units) {
   // Looked for before anything else, or behind a path that is free.
   if (plan_.path.empty() && lead_failure_ == Status::kOk) return BeginSearch();
   if (lead_failure_ == Status::kOk) return BeginSpeed();
-  return End(lead_failure_);
+  if (!LookForMoves(lead_failure_)) End(lead_failure_);
 }
 
 // The way out by itself, from where the vehicle is: with the rest behind it it is checked again.

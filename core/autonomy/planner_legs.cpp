@@ -201,6 +201,7 @@ bool Planner::LookElsewhere() {
   const bool is_near = AreWithin(place, PlaceOf(request_.start.pose), kNearRefusal_m) ||
                        AreWithin(place, PlaceAt(plan_.target), kNearRefusal_m);
   if (is_near) return false;
+  if (plan_.refusals == 0) first_refused_odom_ = place;
   ++plan_.refusals;
   builder_.Refuse(CellAt(place), kRefused_cells + plan_.refusals);
   BeginSearch();

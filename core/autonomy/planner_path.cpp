@@ -18,7 +18,7 @@ void Planner::BeginPath() {
 }
 
 bool Planner::EndsReverse() const {
-  return !lead_.empty() && looks_back_;
+  return lead_.size() >= 2 && IsReversed(lead_, lead_.size() - 2);
 }
 
 // `driven` with the way out of the start before it, and the turns on the spot before and behind.
@@ -95,6 +95,37 @@ int Planner::SlowPoints() const {
     ++clear;
   }
   return clear + 1 < plan_.check.overlap_points ? plan_.check.overlap_points : clear + 1;
+}
+
+// Only of a vehicle that stands, and has no via to drive to: another one has to be brought to rest
+// first.
+bool Planner::IsHere() const {
+  if (first_leg_ < request_.route.vias.size()) return false;
+  return request_.start.speed_mps == 0.0f &&
+         AreWithin(request_.goal_odom, PlaceOf(request_.start.pose), kHere_m);
+}
+
+void Planner::Stay() {
+  const Pose2& here = request_.start.pose;
+  const float turn_rad =
+      request_.has_goal_heading ? WrapAngle(request_.goal_heading_rad - here.theta_rad) : 0.0f;
+  plan_.stays = lead_.empty();
+  plan_.pivots_last = Abs(turn_rad) > kGoalHeading_rad;
+  if (plan_.pivots_last && !CanPivot(params_.vehicle)) return End(Status::kNeedsManoeuvre);
+  plan_.base.Resize(2);
+  plan_.base[0] = here;
+  plan_.base[1] = here;
+  if (plan_.pivots_last) plan_.base[1].theta_rad = WrapAngle(request_.goal_heading_rad);
+  BeginPath();
+  plan_.path.Resize(plan_.lead_points + 2);
+  plan_.path[plan_.lead_points] = plan_.base[0];
+  plan_.path[plan_.lead_points + 1] = plan_.base[1];
+  plan_.search.status = Status::kOk;
+  plan_.search.end = CellAt(request_.goal_odom);
+  plan_.base_status = Status::kOk;
+  plan_.optimizer_status = Status::kOk;
+  const Status status = StartCheck();
+  if (!IsUsable(status)) End(status);  // and does not search once more, which could end here again
 }
 
 }  // namespace hardpack

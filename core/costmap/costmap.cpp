@@ -93,6 +93,7 @@ Status CostmapBuilder::BeginCells(const GridWindow& window, const CostmapParams&
 }
 
 void CostmapBuilder::Start(const GridWindow& window, const CostmapParams& params, Pass first) {
+  refused_ = 0;
   map_.window = window;
   params_ = params;
   from_heights_ = first == Pass::kHeights;
@@ -145,17 +146,48 @@ void CostmapBuilder::CloseCells(int row, std::span<const uint32_t, kRowWords> cl
 // As deep as can be: the way out of where the vehicle starts does not lead through them either.
 void CostmapBuilder::Refuse(Cell middle, int radius_cells) {
   HP_ASSERT(pass_ == Pass::kDone && radius_cells >= 0 && radius_cells <= kMaxRefused_cells);
+  HP_ASSERT(refused_ < kMaxRefused);
   constexpr uint8_t kDeepest2_cells2 = 255;
-  const int radius2_cells2 = radius_cells * radius_cells;
-  HP_LOOP_BOUND(2 * kMaxRefused_cells + 1)
+  uint8_t* saved = plane_ + refused_ * kSavedBytes;
+  const auto close = [this, &saved](int index, bool is_within) {
+    saved[0] = map_.flags[index];
+    saved[1] = map_.hard_depth2[index];
+    saved += 2;
+    if (!is_within) return;
+    map_.flags[index] = static_cast<uint8_t>(map_.flags[index] | Costmap::kLethal);
+    map_.hard_depth2[index] = kDeepest2_cells2;
+  };
+  ForRefused(middle, radius_cells, close);
+  refused_middle_[refused_] = middle;
+  refused_cells_[refused_] = radius_cells;
+  ++refused_;
+}
+
+// The last first: what one of them saved may be what another had closed.
+void CostmapBuilder::ForgetRefused() {
+  HP_LOOP_BOUND(kMaxRefused)
+  while (refused_ > 0) {
+    --refused_;
+    const uint8_t* saved = plane_ + refused_ * kSavedBytes;
+    const auto open = [this, &saved](int index, bool) {
+      map_.flags[index] = saved[0];
+      map_.hard_depth2[index] = saved[1];
+      saved += 2;
+    };
+    ForRefused(refused_middle_[refused_], refused_cells_[refused_], open);
+  }
+}
+
+// The cells of the square around it that are on the map, and whether they are within the circle.
+template <typename Function>
+void CostmapBuilder::ForRefused(Cell middle, int radius_cells, const Function& function) {
+  HP_LOOP_BOUND(kRefusedSide_cells)
   for (int dy = -radius_cells; dy <= radius_cells; ++dy) {
-    HP_LOOP_BOUND(2 * kMaxRefused_cells + 1)
+    HP_LOOP_BOUND(kRefusedSide_cells)
     for (int dx = -radius_cells; dx <= radius_cells; ++dx) {
       const Cell cell = {middle.x + dx, middle.y + dy};
-      if (dx * dx + dy * dy > radius2_cells2 || !map_.window.Contains(cell)) continue;
-      const int index = map_.window.Index(cell);
-      map_.flags[index] = static_cast<uint8_t>(map_.flags[index] | Costmap::kLethal);
-      map_.hard_depth2[index] = kDeepest2_cells2;
+      if (!map_.window.Contains(cell)) continue;
+      function(map_.window.Index(cell), dx * dx + dy * dy <= radius_cells * radius_cells);
     }
   }
 }

@@ -155,9 +155,14 @@ class CostmapBuilder {
 
   // Makes all cells within radius_cells of one lethal, although nothing stands in them: for a place
   // where no path can be driven as the search found it. Precondition: Step has returned kDone, 0 <=
-  // radius_cells <= kMaxRefused_cells. Cost: constant.
+  // radius_cells <= kMaxRefused_cells, and fewer than kMaxRefused places are refused. Cost:
+  // constant.
   static constexpr int kMaxRefused_cells = 8;
+  static constexpr int kMaxRefused = 4;
   void Refuse(Cell middle, int radius_cells);
+
+  // The map as it was before any place was refused. Cost: constant.
+  void ForgetRefused();
 
   // Valid once Step has returned kDone and until the next Begin.
   const Costmap& result() const { return map_; }
@@ -189,6 +194,12 @@ class CostmapBuilder {
 
   enum class Pass : uint8_t { kHeights, kObstacles, kRegions, kCosts, kDone };
 
+  static constexpr int kRefusedSide_cells = 2 * kMaxRefused_cells + 1;
+  static constexpr int kSavedBytes = 2 * kRefusedSide_cells * kRefusedSide_cells;
+  static_assert(kMaxRefused * kSavedBytes <= kMapCells);
+
+  template <typename Function>
+  void ForRefused(Cell middle, int radius_cells, const Function& function);
   void Start(const GridWindow& window, const CostmapParams& params, Pass first);
   void EndUnit();
   void HeightUnit(const HeightGrid& heights);
@@ -237,7 +248,11 @@ class CostmapBuilder {
   int32_t radius2_cells2_ = 0;  // of the dilation
   int32_t radius_cells_ = 0;    // the largest integer within it
   Cover cover_ = {};            // of the far ground's square
-  // Scratch, [kMapSize_cells x kMapSize_cells] row-major.
+  int32_t refused_ = 0;
+  Cell refused_middle_[kMaxRefused] = {};
+  int32_t refused_cells_[kMaxRefused] = {};
+  // Scratch, [kMapSize_cells x kMapSize_cells] row-major. Once the map is built: flags and depths
+  // of refused cells, as they were.
   uint8_t plane_[kMapCells] = {};
 
   // Scratch of one row, while classing.

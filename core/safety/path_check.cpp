@@ -130,6 +130,7 @@ void PathCheck::JudgeShape(const WorldPath& path, float start_curvature_per_m) {
       const float after_m = Abs(after.dr_m);
       kappa = CurvatureBetween(before.phi_rad, before_m, after_m);
       const float rate = Abs(kappa - kappa_before) / MeanChord(before_m, after_m);
+      if (Abs(kappa) > result_.largest_curvature_per_m) result_.sharpest_point = k;
       result_.largest_curvature_per_m = Max(result_.largest_curvature_per_m, Abs(kappa));
       result_.largest_curvature_rate_per_m2 = Max(result_.largest_curvature_rate_per_m2, rate);
     }

@@ -62,6 +62,7 @@ struct PathCheckResult {
   float curvature_excess_per_m = 0.0f;        // largest |kappa| - max, 0 when within
   float curvature_rate_excess_per_m2 = 0.0f;  // the same for |kappa'|
   float largest_curvature_per_m = 0.0f;
+  int32_t sharpest_point = -1;  // where that is; -1: it bends nowhere
   float largest_curvature_rate_per_m2 = 0.0f;
   bool leaves_map = false;      // a point of the path is off the map
   bool start_overlaps = false;  // the outline overlaps or touches a hard cell at the start

@@ -30,9 +30,9 @@ namespace {
 using bare_metal::InstructionClock;
 
 constexpr int kStages = static_cast<int>(PlanStage::kDone) + 1;
-constexpr const char* kStageNames[kStages] = {"idle",   "heights", "pending", "costmap",
-                                              "search", "sample",  "lead",    "optimize",
-                                              "check",  "speed",   "done"};
+constexpr const char* kStageNames[kStages] = {"idle",     "heights", "pending", "costmap",
+                                              "search",   "sample",  "lead",    "moves",
+                                              "optimize", "check",   "speed",   "done"};
 
 HP_BIG_MEMORY decision::Storage<Planner> planner_memory;
 HP_BIG_MEMORY decision::Storage<HeightGrid> heights_memory;

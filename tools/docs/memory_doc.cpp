@@ -36,6 +36,8 @@ int main() {
   PrintRow("&nbsp; `CostmapBuilder`", sizeof(CostmapBuilder),
            "costs, flags, distances, and the scratch of their passes");
   PrintRow("&nbsp; `AstarSearch`", sizeof(AstarSearch), "64 bits per cell and 4096 buckets");
+  PrintRow("&nbsp; `Manoeuvre`", sizeof(Manoeuvre),
+           "bins and states of the search for several moves");
   PrintRow("&nbsp; `PathSampler`", sizeof(PathSampler), "the base path");
   PrintRow("&nbsp; `Optimizer`", sizeof(Optimizer), "both optimizers: paths and trial paths");
   PrintRow("&nbsp; `PathCheck`", sizeof(PathCheck), "the check's progress");
@@ -59,9 +61,11 @@ int main() {
   PrintRow("&nbsp; `sevcon::DrivePair`", sizeof(sevcon::DrivePair), "both drives");
   PrintRow("&nbsp; `ouster::PacketMonitor`", sizeof(ouster::PacketMonitor), "the lidar's stream");
   PrintRow("&nbsp; `VehicleConfig`", sizeof(VehicleConfig), "parameters, and the configured areas");
+  constexpr double kMiB = 1024.0 * 1024.0;
   const size_t planning = sizeof(Replanner) + sizeof(HeightGrid);
   std::printf(
-      "\nPlanning (`Replanner` and `HeightGrid`) takes %zu of its %d bytes (%.2f of 6.25 MiB).\n",
-      planning, kPlanningBudget_bytes, static_cast<double>(planning) / (1024.0 * 1024.0));
+      "\nPlanning (`Replanner` and `HeightGrid`) takes %zu of its %d bytes (%.2f of %.2f MiB).\n",
+      planning, kPlanningBudget_bytes, static_cast<double>(planning) / kMiB,
+      static_cast<double>(kPlanningBudget_bytes) / kMiB);
   return 0;
 }

@@ -91,7 +91,7 @@ using VehicleConfig = BasicVehicleConfig<Warthog>;
 static_assert(std::is_trivially_copyable_v<VehicleLoop>);
 
 // Size limit of the whole state: it is copied into a flight log at once.
-inline constexpr int kStateBudget_bytes = 8 * 1024 * 1024 + 512 * 1024;
+inline constexpr int kStateBudget_bytes = 11 * 1024 * 1024;
 static_assert(sizeof(VehicleLoop) <= kStateBudget_bytes);
 static_assert(sizeof(BasicVehicleLoop<WarthogVelodyne>) <= kStateBudget_bytes);
 static_assert(sizeof(BasicVehicleLoop<TwistBase>) <= kStateBudget_bytes);

@@ -58,6 +58,25 @@ TEST_F(AstarOutcome, NoPathWhenTheGoalIsWalledOff) {
   EXPECT_EQ(result.status, Status::kNoPath);
 }
 
+TEST_F(AstarOutcome, HasReachedWhatIsOnItsSideOfAWall) {
+  const Sketch sketch = Draw({
+      "S.#..",
+      "..#G.",
+      "..###",
+  });
+  const AstarResult& result = SolveSketch(sketch);
+  ASSERT_EQ(result.status, Status::kNoPath);
+  EXPECT_TRUE(search_->HasReached(sketch.start));
+  EXPECT_TRUE(search_->HasReached({sketch.start.x + 1, sketch.start.y}));
+  EXPECT_FALSE(search_->HasReached({sketch.start.x + 2, sketch.start.y}));
+  EXPECT_FALSE(search_->HasReached(sketch.goal));
+  EXPECT_FALSE(search_->HasReached({sketch.start.x + 100000, sketch.start.y}));
+  // From the other side, of which the first search has told nothing.
+  static_cast<void>(Solve(*search_, *sketch.map, sketch.goal, sketch.start));
+  EXPECT_TRUE(search_->HasReached(sketch.goal));
+  EXPECT_FALSE(search_->HasReached(sketch.start));
+}
+
 TEST_F(AstarOutcome, NoPathThroughADiagonalGap) {
   EXPECT_EQ(SolveSketch(Draw({
                             "S.#.",

@@ -224,6 +224,31 @@ TEST(CostmapBuilder, ForgetsTheMapBefore) {
   EXPECT_TRUE(Same(builder.result(), *empty));
 }
 
+// SR-PLN08
+TEST(CostmapBuilder, ForgetsWhatWasRefused) {
+  Scene scene;
+  Scatter(scene, 6);
+  const auto before = std::make_unique<Costmap>(scene.Build());
+  CostmapBuilder& builder = scene.builder();
+  builder.ForgetRefused();
+  EXPECT_TRUE(Same(builder.result(), *before));
+  const Cell first = before->window.origin;
+  // Overlapping, and across two edges of the map.
+  const Cell places[CostmapBuilder::kMaxRefused] = {{first.x + 240, first.y + 240},
+                                                    {first.x + 244, first.y + 243},
+                                                    first,
+                                                    {first.x + 511, first.y + 230}};
+  for (int round = 0; round < 2; ++round) {
+    int radius_cells = CostmapBuilder::kMaxRefused_cells;
+    for (const Cell& place : places) builder.Refuse(place, radius_cells--);
+    for (const Cell& place : places) {
+      EXPECT_TRUE(builder.result().Lethal(before->window.Index(place)));
+    }
+    builder.ForgetRefused();
+    EXPECT_TRUE(Same(builder.result(), *before));
+  }
+}
+
 TEST(CostmapBuilder, TakesCellsThatAreNotSetAsFreeAndObserved) {
   Scene scene;
   Scatter(scene, 11);

@@ -326,6 +326,7 @@ TEST(PathCheck, ReportsCurvatureAndItsExcess) {
   const PathCheckResult result = Check(ground, arc, VehicleParams{}, 0.6f);
   EXPECT_EQ(result.status, Status::kLimitExceeded);
   EXPECT_NEAR(result.largest_curvature_per_m, 0.6f, 1e-4f);
+  EXPECT_GE(result.sharpest_point, 1);
   EXPECT_NEAR(result.curvature_excess_per_m, 0.1f, 1e-4f);
   EXPECT_EQ(result.curvature_rate_excess_per_m2, 0.0f);
   // The same from straight wheels: curvature 0.6 within a step.
