@@ -159,7 +159,7 @@ class Manoeuvre {
   VehicleParams vehicle_;
   PathParams params_;
   Pose2 start_;
-  SinCosPair start_heading_;
+  SinCosPair start_heading_ = {};
   float chord_m_ = 0.0f;
   float margin_m_ = 0.0f;
   float near_margin_m_ = 0.0f;  // within kNearStart_m of the start
