@@ -60,9 +60,9 @@
 // - What holds the path up lies far ahead: it ends before that, cut (kPathCut), kMaxCuts times at
 //   most.
 // - All of this has failed, the vehicle stands and may reverse: what was closed is open again, and
-//   it leads out in several moves
-//   (core/manoeuvre), and the rest is planned from their end. If that cannot be driven either, the
-//   moves lead past the place that it touches, or end elsewhere, kMaxMoves times at most.
+//   it leads out in several moves (core/manoeuvre), and the rest is planned from their end. If that
+//   cannot be driven either, the moves lead past the place that it touches, or end elsewhere,
+//   kMaxMoves times at most.
 // - The path sweeps the unseen area beside the place where the map began: the same, unseen_start_m
 //   from that place, if that is free; otherwise the path is taken as it is.
 // - The path touches something farther than kNearRefusal_m from where it starts and from where it

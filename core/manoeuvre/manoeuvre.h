@@ -14,8 +14,8 @@
 #include "core/path/path.h"
 
 // A way out in several moves: a bounded search over position, heading and direction, for a vehicle
-// that stands where neither a path nor a lead-out begins (three-point turns, out of a parking
-// space, around a corner tighter than it can steer). It ends where the rest can be planned as ever.
+// that stands where neither a path nor a lead-out begins (three-point turns, out of a blind
+// alley, around a corner tighter than it can steer). It ends where the rest can be planned as ever.
 //
 // States. From the start, along its heading, the vehicle drives chords of one length c, forward or
 // in reverse. Between two chords in the same direction it turns by one of kHeadings-th of a circle
