@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "test/core/areas/polygon.h"
+#include "test/core/base/rounds.h"
 
 // Areas against cells and outlines, compared with double arithmetic.
 
@@ -104,7 +105,7 @@ TEST(AreaShape, RandomPolygonsCloseWhatTheyTouch) {
   std::uniform_real_distribution<double> size(0.5, 70.0);
   std::uniform_int_distribution<int32_t> shift(-300, 300);
   std::uniform_int_distribution<int> any_row(0, kMapSize_cells - 1);
-  for (int run = 0; run < 120; ++run) {
+  for (int run = 0; run < Rounds(120, 15); ++run) {
     const AreaKind kind = run % 3 == 0 ? AreaKind::kFence : AreaKind::kKeepOut;
     const Area area = testing::RandomStar(random, kind, {at(random), at(random)}, size(random));
     if (CheckArea(area) != Status::kOk) continue;

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "test/core/autonomy/scene.h"
+#include "test/core/base/rounds.h"
 
 // The search takes places for a way that the check refuses: it is told, and looks again.
 
@@ -35,7 +36,7 @@ Scene Clutter(uint32_t seed) {
 TEST(Refusal, AnotherWayIsFoundWhereTheFirstIsNone) {
   int found = 0;
   int usable = 0;
-  for (uint32_t seed = 1; seed <= 60; ++seed) {
+  for (uint32_t seed = 1; seed <= Rounds(60u, 12u); ++seed) {
     SCOPED_TRACE(seed);
     const Scene scene = Clutter(seed);
     const Plan& plan = PlanIn(scene);
@@ -46,8 +47,8 @@ TEST(Refusal, AnotherWayIsFoundWhereTheFirstIsNone) {
     ++found;
     ExpectSound(scene, plan);
   }
-  EXPECT_EQ(usable, 60);
-  EXPECT_GE(found, 10);
+  EXPECT_EQ(usable, Rounds(60, 12));
+  EXPECT_GE(found, Rounds(10, 1));
 }
 
 // The place of a refusal is closed for one plan.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/costmap/costmap.h"
+#include "test/core/base/rounds.h"
 #include "test/core/costmap/costmap_reference.h"
 #include "test/core/costmap/scene.h"
 
@@ -188,7 +189,7 @@ void CompareOneMap(uint32_t seed, Extent extent, Scene& scene) {
 // The flags of all cells, and everything of some, found in the plainest way.
 TEST(CostmapBuilder, EqualsThePlainReferenceOnThousandsOfRandomPatches) {
   Scene scene;
-  for (uint32_t seed = 1; seed <= 40; ++seed) {
+  for (uint32_t seed = 1; seed <= Rounds(40u, 10u); ++seed) {
     CompareOneMap(seed, Extent::kSomeCells, scene);
     if (HasFailure()) return;
   }
@@ -196,7 +197,7 @@ TEST(CostmapBuilder, EqualsThePlainReferenceOnThousandsOfRandomPatches) {
 
 TEST(CostmapBuilder, EqualsTheReferenceInEveryCell) {
   Scene scene;
-  for (uint32_t seed = 1001; seed <= 1003; ++seed) {
+  for (uint32_t seed = 1001; seed <= 1000 + Rounds(3u, 1u); ++seed) {
     CompareOneMap(seed, Extent::kEveryCell, scene);
     if (HasFailure()) return;
   }

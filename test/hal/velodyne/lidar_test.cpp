@@ -167,9 +167,11 @@ TEST_F(VelodyneLidar, GivesEachFiringAPlaceOfItsOwn) {
       int left_out = 0;
       int firings = 0;
       for (int64_t k = 0; k < 8'000 / lidar_->columns(); ++k) {
-        ASSERT_EQ(Check(k), Status::kOk);
+        const std::vector<uint8_t> packet = PacketOf(sensor_, k);
+        ASSERT_EQ(lidar_->Check(packet), Status::kOk);
         for (int index = 0; index < lidar_->columns(); ++index) {
-          const LidarColumn& column = Column(k, index);
+          ASSERT_EQ(lidar_->Decode(packet, index, *column_), Status::kOk);
+          const LidarColumn& column = *column_;
           ASSERT_LT(column.measurement_id, columns);
           if (frame >= 0 && column.frame_id != frame) {
             ASSERT_EQ(column.frame_id, frame + 1);
