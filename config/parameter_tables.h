@@ -128,7 +128,10 @@ inline constexpr std::array kCostmapTable = {
     HP_COSTMAP(soft_slope_per_m, 0.0f, 100.0f, "Soft layer: the same as hard_slope_per_m (ours)."),
     HP_COSTMAP(
         unknown_cost, 0.0f, 39.0f,
-        "Cost of a cell whose ground was not observed, added to the cost of both layers (ours).")};
+        "Cost of a cell whose ground was not observed, added to the cost of both layers (ours)."),
+    HP_COSTMAP(near_unknown_cost, 0.0f, 39.0f,
+               "Added where the outline would cover ground that was not observed, near something "
+               "hard and about as near to the lidar as it cannot see the ground; 0: none (ours).")};
 #undef HP_COSTMAP
 
 #define HP_ASTAR(...) HP_ENTRY("astar", AstarParams, __VA_ARGS__)

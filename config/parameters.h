@@ -56,7 +56,8 @@ struct CostmapParams {
   float hard_slope_per_m = 12.0f;    // ... and its growth with the depth inside
   float soft_edge_cost = 1.5f;       // soft layer: the same
   float soft_slope_per_m = 3.0f;
-  float unknown_cost = 1.0f;  // added where the ground was not observed
+  float unknown_cost = 1.0f;       // added where the ground was not observed
+  float near_unknown_cost = 9.0f;  // likewise near the lidar (core/costmap/near_unknown.h)
 };
 
 struct AstarParams {

@@ -18,13 +18,15 @@ Status CheckRequest(const PlanRequest& request) {
   const PathStart& start = request.start;
   const bool finite = IsFinite(start.pose) && IsFinite(start.curvature_per_m) &&
                       IsFinite(start.speed_mps) && IsFinite(request.goal_odom) &&
+                      IsFinite(request.near_unknown.lidar_odom) &&
                       (!request.has_goal_heading || IsFinite(request.goal_heading_rad));
   if (!finite) return Status::kNotFinite;
   const bool fits =
       start.speed_mps >= 0.0f && start.speed_mps <= kMaxRequestSpeed_mps &&
       Abs(start.curvature_per_m) <= kCurvatureCeiling_per_m &&
       Max(Abs(start.pose.x_m), Abs(start.pose.y_m)) <= kMaxRequestPosition_m &&
-      Abs(start.pose.theta_rad) <= kSinCosMaxAngle_rad &&
+      Abs(start.pose.theta_rad) <= kSinCosMaxAngle_rad && request.near_unknown.reach_m >= 0.0f &&
+      request.near_unknown.half_width_m >= 0.0f &&
       (!request.has_goal_heading || Abs(request.goal_heading_rad) <= kSinCosMaxAngle_rad);
   return fits ? CheckRoute(request.route) : Status::kInvalidArgument;
 }
@@ -57,6 +59,7 @@ Status Planner::BeginOn(const HeightGrid& heights, const PlannerParams& params,
                         const PlanRequest& request) {
   Status status = Prepare(params, request);
   if (IsUsable(status)) status = builder_.Begin(heights, params_.costmap);
+  if (IsUsable(status)) builder_.SetLidar(request_.near_unknown);
   pending_slot_ = 0;
   return Started(status, PlanStage::kHeights);
 }
@@ -65,6 +68,7 @@ Status Planner::BeginCells(const GridWindow& window, const PlannerParams& params
                            const PlanRequest& request) {
   Status status = Prepare(params, request);
   if (IsUsable(status)) status = builder_.BeginCells(window, params_.costmap);
+  if (IsUsable(status)) builder_.SetLidar(request_.near_unknown);
   return Started(status, PlanStage::kCostmap);
 }
 

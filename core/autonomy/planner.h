@@ -94,6 +94,9 @@ struct PlanRequest {
   // at least kLeastLead_m, by LeadOut's way with this number, if that is free: from 1 those ahead,
   // from LeadOut::kBends + 1 to kLeadOuts those in reverse. 0: no preference.
   int32_t lead_out = 0;
+  // Where the lidar is, and how near to it what was not observed is dear; its reach is 0 if that is
+  // not known.
+  NearUnknownParams near_unknown = {};
   Route route = {};  // the way to the goal; the goal's heading is used only if the path reaches it
 };
 

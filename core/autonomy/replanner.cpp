@@ -23,6 +23,10 @@ constexpr float kWayCostPerMeter = kStraightLength * kCellsPerMeter;
 // Copied from, since a temporary would not fit on the stack.
 constexpr CommittedPlan kNothingCommitted;
 
+// What was not observed, so far beyond where the lidar sees level ground, is seldom seen on the
+// way.
+constexpr float kNearBeyondBlind_m = 1.0f;
+
 Status CheckUpdate(const VehicleState& state, const PlanGoal& goal) {
   const bool finite =
       IsFinite(state.pose) && IsFinite(state.curvature_per_m) && IsFinite(state.speed_mps) &&
@@ -233,8 +237,7 @@ bool Replanner::IsBesideUnseen(const Pose2& pose) const {
 }
 
 // passed: vias of the round's goal, from the first one on, that lie before the start.
-PlanRequest Replanner::RequestFrom(const PathStart& start, int passed) const {
-  PlanRequest request;
+void Replanner::FillRequest(const PathStart& start, int passed, PlanRequest& request) const {
   request.start = start;
   request.goal_odom = round_goal_.position_odom;
   request.has_goal_heading = round_goal_.has_heading;
@@ -242,8 +245,13 @@ PlanRequest Replanner::RequestFrom(const PathStart& start, int passed) const {
   request.has_unseen_start = IsBesideUnseen(start.pose);
   request.unseen_start = state_.unseen_start;
   request.lead_out = state_.lead_out;
+  request.near_unknown = {};
+  if (!state_.lookouts.places_odom.empty()) {
+    request.near_unknown = {state_.lookouts.places_odom.back(),
+                            state_.lookouts.blind_m + kNearBeyondBlind_m,
+                            0.5f * params_.vehicle.width_m};
+  }
   request.route = RouteBehind(round_goal_.route, passed);
-  return request;
 }
 
 void Replanner::ChooseAnchor() {
@@ -253,7 +261,7 @@ void Replanner::ChooseAnchor() {
   backed_up_ = BacksUp();
   const float speed_mps = Stands() ? 0.0f : state_.speed_mps;
   passed_ = 0;
-  request_ = RequestFrom({state_.pose, state_.curvature_per_m, speed_mps}, passed_);
+  FillRequest({state_.pose, state_.curvature_per_m, speed_mps}, passed_, request_);
   if (committed_.number == 0) return;
   if (off_path_) {
     ++counters_.reanchored;
@@ -271,7 +279,7 @@ void Replanner::ChooseAnchor() {
   }
   // Of a path that is to be replaced nothing counts as passed.
   if (!GoalHasChanged()) passed_ = ViasPassed(path, round_goal_.route, PassReach_m(), anchor_);
-  request_ = RequestFrom(start, passed_);
+  FillRequest(start, passed_, request_);
 }
 
 // The first point that is not reached while the round lasts, neither at the committed speeds nor at
@@ -366,7 +374,9 @@ void Replanner::BeginExtension() {
   start.speed_mps = committed_.speed[dropped_ + extension_point_];
   passed_before_extension_ =
       ViasPassed(committed_.path, round_goal_.route, PassReach_m(), dropped_ + extension_point_);
-  if (IsUsable(planner_.BeginOnMap(RequestFrom(start, passed_before_extension_)))) {
+  PlanRequest request;
+  FillRequest(start, passed_before_extension_, request);
+  if (IsUsable(planner_.BeginOnMap(request))) {
     phase_ = Phase::kExtend;
   } else {
     extension_point_ = -1;

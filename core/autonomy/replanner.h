@@ -258,7 +258,7 @@ class Replanner {
   void ChooseAnchor();
   int PointBehindStretch(int standing) const;
   bool IsBesideUnseen(const Pose2& pose) const;
-  PlanRequest RequestFrom(const PathStart& start, int passed) const;
+  void FillRequest(const PathStart& start, int passed, PlanRequest& request) const;
   float PassReach_m() const { return params_.replan.pass_radius_m + kPassSlack_m; }
   PlanGoal PlannedGoal(int passed) const;
   void Begun(Status status);

@@ -69,9 +69,11 @@ Status CheckCostmapParams(const CostmapParams& params) {
   const float hard = InsideCost(radius_m, params.hard_edge_cost, params.hard_slope_per_m, radius_m);
   const float soft = InsideCost(radius_m, params.soft_edge_cost, params.soft_slope_per_m, radius_m);
   const float unknown = params.unknown_cost;
+  const float near = params.near_unknown_cost;
   const bool costs_fit = params.hard_edge_cost >= 0.0f && params.hard_slope_per_m >= 0.0f &&
                          params.soft_edge_cost >= 0.0f && params.soft_slope_per_m >= 0.0f &&
                          hard <= kMaxCost && soft <= kMaxCost && Within(unknown, 0.0f, kMaxCost) &&
+                         Within(near, 0.0f, kMaxCost) &&
                          Quantized(hard) + Quantized(soft) + Quantized(unknown) <= kMaxCost_q8;
   return costs_fit ? Status::kOk : Status::kParameterOutOfRange;
 }
@@ -81,6 +83,11 @@ Status CostmapBuilder::Begin(const HeightGrid& heights, const CostmapParams& par
   if (status != Status::kOk) return status;
   Start(heights.window(), params, Pass::kHeights);
   return Status::kOk;
+}
+
+void CostmapBuilder::SetLidar(const NearUnknownParams& params) {
+  HP_ASSERT(row_ == 0 && (pass_ == Pass::kHeights || pass_ == Pass::kObstacles));
+  near_.Begin(map_.window, params);
 }
 
 Status CostmapBuilder::BeginCells(const GridWindow& window, const CostmapParams& params) {
@@ -94,11 +101,13 @@ Status CostmapBuilder::BeginCells(const GridWindow& window, const CostmapParams&
 
 void CostmapBuilder::Start(const GridWindow& window, const CostmapParams& params, Pass first) {
   refused_ = 0;
+  near_.Begin(window, {});
   map_.window = window;
   params_ = params;
   from_heights_ = first == Pass::kHeights;
   pass_ = first;
   row_ = 0;
+  near_cost_q8_ = static_cast<uint16_t>(Quantized(params.near_unknown_cost));
   const float radius_cells = params.planning_radius_m * kCellsPerMeter;
   // A centre at the radius belongs to the region, also when the radius in float is a rounding less.
   constexpr float kRounding_cells2 = 0.001f;

@@ -11,6 +11,7 @@
 #include "core/base/saturate.h"
 #include "core/base/status.h"
 #include "core/costmap/height_grid.h"
+#include "core/costmap/near_unknown.h"
 #include "core/costmap/padded_row.h"
 
 // From heights to costs ([OS] Cost Map Creation; docs/algorithm.md section 1): obstacle rule; then,
@@ -38,14 +39,16 @@
 // or soft, it is growth if most of its low returns are not firm. On a slope the ground of the
 // square lies below the ground under the cell by up to slope x half the square, so errors are on
 // the safe side; near ground is off by two cells at most. A cell is observed if its ground was, or
-// if it is hard or soft; any other cell is unknown, and unknown_cost is added to its cost.
+// if it is hard or soft; any other cell is unknown, and unknown_cost is added to its cost;
+// near_unknown_cost where the outline would cover such a cell near the lidar.
 //
 // The rule kInCell ([OS]): `ground` is the lowest return of the same cell, and nothing is overhead;
 // a person is hard in this rule too (ours).
 
 namespace hardpack {
 
-// Costs are fixed point: cost_q8 / 256. (1 + cost) is at most 40.
+// Costs are fixed point: cost_q8 / 256. (1 + cost) is at most 40 but for near_unknown_cost, which
+// comes on top; to the search what is dearer costs 40.
 inline constexpr int kCostOne_q8 = 256;
 inline constexpr int kMaxCost_q8 = 39 * kCostOne_q8;
 
@@ -71,7 +74,7 @@ struct Costmap {
   };
 
   GridWindow window;
-  uint16_t cost_q8[kMapCells];        // hard layer + soft layer + unknown
+  uint16_t cost_q8[kMapCells];        // hard layer + soft layer + unknown (both)
   uint8_t flags[kMapCells];           // of Flag
   uint8_t hard_distance2[kMapCells];  // squared distance [cells^2] to the nearest hard cell,
                                       // saturated; 0 in a hard cell
@@ -88,8 +91,9 @@ static_assert(std::is_trivially_copyable_v<Costmap>);
 
 // Checks parameters that depend on each other, beyond the table's ranges, and everything that the
 // build relies on: every number finite and none negative; hard + soft + unknown cost at most
-// kMaxCost_q8; planning radius and halo at most 3 m, which is below the saturation; clearance above
-// obstacle height; the ground window odd, 1 to 31 cells. kOk or kParameterOutOfRange.
+// kMaxCost_q8, and near_unknown_cost; planning radius and halo at most 3 m, which is below the
+// saturation; clearance above obstacle height; the ground window odd, 1 to 31 cells. kOk or
+// kParameterOutOfRange.
 Status CheckCostmapParams(const CostmapParams& params);
 
 // How much more of a disc's half chord is left at dx than at dx + 1, in cells.
@@ -140,6 +144,10 @@ class CostmapBuilder {
   // of word w; kMapSize_cells bits. Precondition: StepCells has not been called, and StepHeights
   // has returned kDone or BeginCells was called; 0 <= row < kMapSize_cells. Cost: constant.
   void CloseCells(int row, std::span<const uint32_t, kRowWords> closed);
+
+  // Where the lidar is, for near_unknown_cost; without it nothing is near. Precondition: finite,
+  // and Begin or BeginCells was called, and no Step since. Cost: constant.
+  void SetLidar(const NearUnknownParams& params);
 
   // From given cells (maps from files, tests): call SetCell for any cells between BeginCells and
   // the first StepCells; cells not set are free and observed. kParameterOutOfRange: nothing
@@ -248,6 +256,7 @@ class CostmapBuilder {
   int32_t radius2_cells2_ = 0;  // of the dilation
   int32_t radius_cells_ = 0;    // the largest integer within it
   Cover cover_ = {};            // of the far ground's square
+  NearUnknown near_;
   int32_t refused_ = 0;
   Cell refused_middle_[kMaxRefused] = {};
   int32_t refused_cells_[kMaxRefused] = {};
@@ -280,9 +289,10 @@ class CostmapBuilder {
   // first for unknown ground, including its cost, then for observed ground.
   uint16_t hard_cost_q8_[4 * kDistances2] = {};
   uint16_t soft_cost_q8_[2 * kDistances2] = {};
+  uint16_t near_cost_q8_ = 0;
   int32_t soft_reach_cells_ = 0;  // its costs are constant from this distance on
 };
-static_assert(sizeof(CostmapBuilder) <= 6 * kMapCells + 16384);
+static_assert(sizeof(CostmapBuilder) <= 6 * kMapCells + 17 * 1024);
 static_assert(std::is_trivially_copyable_v<CostmapBuilder>);
 
 // Inline: the optimizer calls it millions of times per second.

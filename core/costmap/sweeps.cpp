@@ -140,6 +140,8 @@ void CostmapBuilder::FindRegions(int row) {
   HP_LOOP_BOUND_INNER(kRuns, kRowBlocks)
   while (left != 0) SmallestPlusSquare(a, TakeRun(left), hard2);
 
+  near_.Look(map_.flags + begin, hard2, row);
+
   left = near.soft;
   FillOutside(left, kFar2, b);
   if (radius_cells_ <= 5) {
@@ -210,6 +212,7 @@ void CostmapBuilder::FindCosts(int row) {
       AddUnknown(row, x);
     }
   }
+  near_.AddCost(row, near_cost_q8_, map_.cost_q8 + begin);
 }
 
 // Squared distances to the edge of the lethal region, from either side. The edge keeps the two

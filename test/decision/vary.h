@@ -28,9 +28,10 @@ double NearBy(Random& random, const ParameterEntry<Group>& entry, const Group& g
 // decisions of before are the same.
 inline bool StaysAsItIs(std::string_view full_name) {
   return full_name == "replan.pass_radius_m" || full_name == "speed.hidden_creep_mps" ||
-         full_name == "path.reverse_out_m" || full_name == "speed.max_reverse_mps" ||
-         full_name == "vehicle.kinematics" || full_name == "vehicle.wheelbase_m" ||
-         full_name == "vehicle.max_steering_rad" || full_name.starts_with("twist_drive.");
+         full_name == "costmap.near_unknown_cost" || full_name == "path.reverse_out_m" ||
+         full_name == "speed.max_reverse_mps" || full_name == "vehicle.kinematics" ||
+         full_name == "vehicle.wheelbase_m" || full_name == "vehicle.max_steering_rad" ||
+         full_name.starts_with("twist_drive.");
 }
 
 // Changes each parameter of a kind (see VisitParameters) one time in `seldom`.

@@ -59,6 +59,7 @@ TEST(CostmapParams, TakesTheDefaultsAndTheExtremes) {
   params.hard_slope_per_m = 7.0f;
   params.soft_slope_per_m = 3.0f;
   params.unknown_cost = 0.5f;  // 7 + 21 + 1.5 + 9 + 0.5 = 39
+  params.near_unknown_cost = 39.0f;
   EXPECT_EQ(CheckCostmapParams(params), Status::kOk);
 }
 
@@ -86,8 +87,11 @@ TEST(CostmapParams, RefusesWhatTheBuildCannotDo) {
       [](CostmapParams& p) { p.hard_slope_per_m = -0.1f; },
       [](CostmapParams& p) { p.soft_slope_per_m = -0.1f; },
       [](CostmapParams& p) { p.unknown_cost = -0.1f; },
+      [](CostmapParams& p) { p.near_unknown_cost = -0.1f; },
       [](CostmapParams& p) { p.hard_edge_cost = 22.5f; },  // 22.5 + 11.28 + 4.32 + 1 > 39
       [](CostmapParams& p) { p.unknown_cost = 21.5f; },    // 2 + 11.28 + 4.32 + 21.5 > 39
+      [](CostmapParams& p) { p.near_unknown_cost = 39.5f; },
+      [](CostmapParams& p) { p.near_unknown_cost = 3.0e38f; },
       [](CostmapParams& p) { p.unknown_cost = 3.0e38f; },
       [](CostmapParams& p) { p.hard_slope_per_m = 3.0e38f; },
       [](CostmapParams& p) { p.soft_slope_per_m = 3.0e38f; },
@@ -111,7 +115,8 @@ TEST(CostmapParams, RefusesNumbersThatAreNotFinite) {
                                                 &CostmapParams::hard_slope_per_m,
                                                 &CostmapParams::soft_edge_cost,
                                                 &CostmapParams::soft_slope_per_m,
-                                                &CostmapParams::unknown_cost};
+                                                &CostmapParams::unknown_cost,
+                                                &CostmapParams::near_unknown_cost};
   for (float CostmapParams::*number : kNumbers) {
     for (const float bad : {kNaN, kInfinity, -kInfinity}) {
       CostmapParams params;
