@@ -130,7 +130,7 @@ Progress Manoeuvre::Step(const Costmap& map, const AstarSearch& from_goal, int u
 void Manoeuvre::DoUnit(const Costmap& map, const AstarSearch& from_goal) {
   switch (phase_) {
     case Phase::kClear:
-      return ClearBins();
+      return ClearSlots();
     case Phase::kTake:
       return Take(map, from_goal);
     case Phase::kChords:
@@ -140,22 +140,37 @@ void Manoeuvre::DoUnit(const Costmap& map, const AstarSearch& from_goal) {
   }
 }
 
-void Manoeuvre::ClearBins() {
-  uint16_t* const bins = bins_ + cleared_;
-  HP_LOOP_BOUND(kClear_bins)
-  for (int bin = 0; bin < kClear_bins; ++bin) bins[bin] = kNone;
-  cleared_ += kClear_bins;
-  if (cleared_ < kBins) return;
+void Manoeuvre::ClearSlots() {
+  uint16_t* const slots = slots_ + cleared_;
+  HP_LOOP_BOUND(kClear_slots)
+  for (int slot = 0; slot < kClear_slots; ++slot) slots[slot] = kNone;
+  cleared_ += kClear_slots;
+  if (cleared_ < kSlots) return;
   FillTurnsLeft();
   const Node start;
-  Push(start, BinOf(start));
+  Push(start, SlotOf(start));
   phase_ = Phase::kTake;
 }
 
-int32_t Manoeuvre::BinOf(const Node& node) const {
-  const int32_t column = (node.x + kReach_units) / kBin;
-  const int32_t row = (node.y + kReach_units) / kBin;
+uint32_t Manoeuvre::BinOf(const Node& node) {
+  const auto column = static_cast<uint32_t>(node.x + kReach_units) / kBin;
+  const auto row = static_cast<uint32_t>(node.y + kReach_units) / kBin;
   return ((row * kSide_bins + column) * kHeadings + node.heading) * 2 + node.reverse;
+}
+
+// Where the cheapest node of its bin is, or may be put; -1: too many others are there. Linear
+// probing from a multiplicative hash.
+int32_t Manoeuvre::SlotOf(const Node& node) const {
+  constexpr uint32_t kGoldenRatio = 0x9e3779b1u;
+  const uint32_t bin = BinOf(node);
+  const uint32_t first = bin * kGoldenRatio >> (kWordBits - kSlotBits);
+  HP_LOOP_BOUND(kMaxProbes)
+  for (uint32_t probe = 0; probe < kMaxProbes; ++probe) {
+    const uint32_t slot = (first + probe) & (kSlots - 1);
+    const uint16_t known = slots_[slot];
+    if (known == kNone || BinOf(nodes_[known]) == bin) return static_cast<int32_t>(slot);
+  }
+  return -1;
 }
 
 Pose2 Manoeuvre::PoseOf(const Node& node) const {
@@ -173,8 +188,8 @@ uint32_t Manoeuvre::BucketOf(const Node& node) const {
 }
 
 // In front of its bucket: among equals the last one reached goes first.
-void Manoeuvre::Push(const Node& node, int32_t bin) {
-  if (used_nodes_ == kMaxStates) return End(Status::kCapacityExceeded);
+void Manoeuvre::Push(const Node& node, int32_t slot) {
+  if (used_nodes_ == kMaxStates || slot < 0) return End(Status::kCapacityExceeded);
   ++used_nodes_;
   const uint32_t bucket = BucketOf(node);
   const uint32_t word = bucket / kWordBits;
@@ -190,7 +205,7 @@ void Manoeuvre::Push(const Node& node, int32_t bin) {
   kept.next = is_used ? head_[bucket] : kNone;
   head_[bucket] = static_cast<uint16_t>(used_nodes_);
   used_[word] |= bit;
-  bins_[bin] = static_cast<uint16_t>(used_nodes_);
+  slots_[slot] = static_cast<uint16_t>(used_nodes_);
 }
 
 // The cheapest of the open set, unless a cheaper one in its bin has replaced it.
@@ -203,7 +218,7 @@ void Manoeuvre::Take(const Costmap& map, const AstarSearch& from_goal) {
   const uint16_t taken = head_[bucket];
   head_[bucket] = nodes_[taken].next;
   if (head_[bucket] == kNone) used_[word] &= used_[word] - 1;
-  if (bins_[BinOf(nodes_[taken])] != taken) return;
+  if (slots_[SlotOf(nodes_[taken])] != taken) return;  // in its slot one of its bin is
   taken_ = taken;
   motion_ = 0;
   phase_ = Phase::kChords;
@@ -238,10 +253,10 @@ void Manoeuvre::TryChord(const Costmap& map) {
   to.y = static_cast<int16_t>(y);
   to.parent = taken_;
   to.cost = static_cast<uint16_t>(cost);
-  const int32_t bin = BinOf(to);
-  const uint16_t known = bins_[bin];
+  const int32_t slot = SlotOf(to);
+  const uint16_t known = slot < 0 ? kNone : slots_[slot];
   if (known != kNone && nodes_[known].cost <= to.cost) return;
-  if (IsSweptFree(map, from, to)) Push(to, bin);
+  if (IsSweptFree(map, from, to)) Push(to, slot);
 }
 
 // The outline at the pose before is free. Along a chord it sweeps nothing but what it covers at

@@ -14,8 +14,8 @@
 #include "core/path/path.h"
 
 // A way out in several moves: a bounded search over position, heading and direction, for a vehicle
-// that stands where neither a path nor a lead-out begins (three-point turns, out of a blind
-// alley, around a corner tighter than it can steer). It ends where the rest can be planned as ever.
+// that stands where neither a path nor a lead-out begins (three-point turns, out of a parking
+// space, around a corner tighter than it can steer). It ends where the rest can be planned as ever.
 //
 // States. From the start, along its heading, the vehicle drives chords of one length c, forward or
 // in reverse. Between two chords in the same direction it turns by one of kHeadings-th of a circle
@@ -28,10 +28,13 @@
 //          \   \2
 //
 // Of the states in one bin (kBin of a chord along x and y, one heading, one direction) only the
-// cheapest is kept. Costs are whole numbers: kForward for a chord, kReverse for one in reverse,
-// kChange more where the direction changes. The outline itself is held against the hard cells, at
-// the end of each chord, and at and halfway through each turn; it keeps a margin, or within
-// kNearStart_m of a start that is closer to something, half of what it has there, in quarters.
+// cheapest is kept. A bin is as small as what a move gains in a tight place: coarser ones lose the
+// way out of a parking space. Most are never reached; those that are stand in a hash table.
+//
+// Costs are whole numbers: kForward for a chord, kReverse for one in reverse, kChange more where
+// the direction changes. The outline itself is held against the hard cells, at the end of each
+// chord, and at and halfway through each turn; it keeps a margin, or within kNearStart_m of a start
+// that is closer to something, half of what it has there, in quarters.
 //
 // The search is A* with a bucket queue. Its heuristic, the chords that are left to the nearest
 // place and heading where it may end, is consistent; it counts kHeuristicWeight times, so that few
@@ -53,8 +56,8 @@ class Manoeuvre {
   static constexpr int kHeadings = 64;
   static constexpr float kLeastChord_m = 0.2f;
   static constexpr float kMostChord_m = 0.75f;  // a radius of 7.6 m; with more it does not search
-  static constexpr int kSide_bins = 80;         // of the square searched, the start in its middle
-  static constexpr int kMaxStates = 40959;
+  static constexpr int kReach_chords = 28;      // of the square searched, to each side of the start
+  static constexpr int kMaxStates = 32767;
   static constexpr int kMaxWayPoints = 64;
   static constexpr int kForward = 4;
   static constexpr int kReverse = 6;
@@ -70,11 +73,12 @@ class Manoeuvre {
   // In a turn PathCheck asks for more: half of what a corner moves by between its poses, which are
   // twice as many as here.
   static constexpr float kTurnMargin_m = 0.04f;
-  static constexpr int kRowsCleared = 16;  // of bins, in a unit
-  static constexpr int kBins = kSide_bins * kSide_bins * kHeadings * 2;
-  static constexpr int kClear_bins = kRowsCleared * kHeadings * 2;
+  static constexpr int kSlotBits = 17;
+  static constexpr int kSlots = 1 << kSlotBits;  // of the hash table: four times the states
+  static constexpr int kClear_slots = 2048;      // in a unit
+  static constexpr int kMaxProbes = 64;  // for the slot of a state; hardly ever more than ten
   static constexpr int kMotions = 4;
-  static constexpr int kMaxUnits = kBins / kClear_bins + kMaxStates * (1 + kMotions) + 1;
+  static constexpr int kMaxUnits = kSlots / kClear_slots + kMaxStates * (1 + kMotions) + 1;
 
   // start: where the vehicle stands, odom, its heading in (-pi, pi]. way: points that the search
   // found, or empty; the first kMaxWayPoints of them count. kOk; kParameterOutOfRange: a chord
@@ -83,13 +87,14 @@ class Manoeuvre {
   Status Begin(const Costmap& map, const VehicleParams& vehicle, const PathParams& params,
                float max_curvature_per_m, const Pose2& start, const WorldPath& way);
 
-  // A unit is kRowsCleared rows of bins cleared, a state taken from the open set, or a chord from
+  // A unit is kClear_slots slots cleared, a state taken from the open set, or a chord from
   // it tried. At most kMaxUnits, whatever is refused.
   // from_goal: without a way, a search that began at the goal, done; with one it is not asked.
   Progress Step(const Costmap& map, const AstarSearch& from_goal, int units);
 
   // kNotStarted while busy; kOk: found; kNoPath: all that it can get to has been searched, within
-  // the square and kMaxCost; kCapacityExceeded: kMaxStates were not enough; or why Begin failed.
+  // the square and kMaxCost; kCapacityExceeded: kMaxStates or kMaxProbes were not enough; or why
+  // Begin failed.
   Status status() const { return status_; }
 
   // The way found. Its first point is the start, its last has the last chord's heading; where the
@@ -112,10 +117,11 @@ class Manoeuvre {
   void LeadBeyond(Vec2 place_odom, float beyond_m);
 
  private:
-  // Of a chord's length; a bin is 0.7 of it, so that a chord ends in another one.
+  // Of a chord's length; a bin is 0.4 of it, and a chord ends in another one.
   static constexpr int kUnitsPerChord = 1024;
-  static constexpr int kBin = 717;
-  static constexpr int kReach_units = kSide_bins / 2 * kBin;
+  static constexpr int kBin = 410;
+  static constexpr int kReach_units = kReach_chords * kUnitsPerChord;
+  static constexpr int kSide_bins = 2 * kReach_units / kBin + 1;
   static constexpr uint32_t kBuckets = 1024;  // of cost and weighted heuristic
   static constexpr uint32_t kWordBits = 32;
   static constexpr uint32_t kBucketWords = kBuckets / kWordBits;
@@ -138,7 +144,7 @@ class Manoeuvre {
   uint32_t CostLeft(const Node& node) const;
   void FillTurnsLeft();
   void DoUnit(const Costmap& map, const AstarSearch& from_goal);
-  void ClearBins();
+  void ClearSlots();
   void Take(const Costmap& map, const AstarSearch& from_goal);
   void TryChord(const Costmap& map);
   bool IsFree(const Costmap& map, const Pose2& pose, float more_m = 0.0f) const;
@@ -147,10 +153,11 @@ class Manoeuvre {
   bool IsRefused(const Node& node) const;
   int NearestOfWay(Vec2 place_odom) const;
   Pose2 PoseOf(const Node& node) const;
-  int32_t BinOf(const Node& node) const;
+  static uint32_t BinOf(const Node& node);
+  int32_t SlotOf(const Node& node) const;
   bool Changes(const Node& node) const;
   uint32_t BucketOf(const Node& node) const;
-  void Push(const Node& node, int32_t bin);
+  void Push(const Node& node, int32_t slot);
   void End(Status status);
 
   Status status_ = Status::kNotStarted;
@@ -167,7 +174,7 @@ class Manoeuvre {
   int32_t way_points_ = 0;
   int32_t first_ = 0;
   int32_t first_led_ = 0;  // of it when the search began: the heuristic's
-  int32_t cleared_ = 0;    // bins
+  int32_t cleared_ = 0;    // slots
   int32_t used_nodes_ = 0;
   int32_t refused_ = 0;
   int32_t motion_ = 0;  // next from taken_
@@ -180,10 +187,10 @@ class Manoeuvre {
   int16_t chord_y_[kHeadings] = {};
   Pose2 way_[kMaxWayPoints] = {};
   uint16_t refused_ends_[kMaxRefused] = {};
-  uint16_t bins_[kBins] = {};  // the cheapest node of each
+  uint16_t slots_[kSlots] = {};  // the cheapest node of a bin
   Node nodes_[kMaxStates + 1];
 };
 static_assert(std::is_trivially_copyable_v<Manoeuvre>);
-static_assert(sizeof(Manoeuvre) <= 2 * Manoeuvre::kBins + 12 * Manoeuvre::kMaxStates + 8192);
+static_assert(sizeof(Manoeuvre) <= 2 * Manoeuvre::kSlots + 12 * Manoeuvre::kMaxStates + 8192);
 
 }  // namespace hardpack

@@ -48,6 +48,20 @@ TEST(Moves, LeaveAParkingSpace) {
   }
 }
 
+// 0.5 m ahead and 0.7 m behind: a move gains less than half a chord.
+// SR-PLN08
+TEST(Moves, LeaveATightParkingSpace) {
+  Scene scene = SceneTo({15.1f, 0.1f});
+  scene.Add(-20, -4, -8, 4);
+  scene.Add(7, -4, 20, 4);
+  scene.Add(-40, -12, 60, -6);
+  const Plan& plan = PlanIn(scene);
+  ASSERT_TRUE(IsUsable(plan.status)) << StatusName(plan.status);
+  EXPECT_GE(ChangesOf(plan), 3);
+  EXPECT_GE(SweptOutline(scene, plan).Clearance_m(), 0.0);
+  EXPECT_NEAR(plan.path.back().x_m, 15.1f, 0.3f);
+}
+
 // SR-PLN08
 TEST(Moves, AreForAVehicleThatStandsAndMayReverse) {
   Scene scene = ParkingSpace();

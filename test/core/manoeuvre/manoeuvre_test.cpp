@@ -345,8 +345,8 @@ class PlainSearch {
   };
 
   static std::tuple<int, int, int, int> BinOf(const State& state) {
-    return {static_cast<int>(std::floor(state.x / 0.7002)),
-            static_cast<int>(std::floor(state.y / 0.7002)), state.heading, state.reverse};
+    return {static_cast<int>(std::floor(state.x / 0.4004)),
+            static_cast<int>(std::floor(state.y / 0.4004)), state.heading, state.reverse};
   }
 
   Pose2 PoseOf(const State& state, double heading) const {
