@@ -149,8 +149,13 @@ bool MovingBodies::Look(Vec2 body_odom, uint64_t now_ns, Vec2 here_odom,
   body.seen_ns = now_ns;
   const bool has_moved =
       !AreWithin(body_odom, body.origin_odom, kMoved_m) && body.around_origin.Has(body_odom);
-  body.moved_looks = has_moved ? body.moved_looks + 1 : 0;
-  if (body.moved_looks == 1) body.moved_odom = body_odom;
+  if (!has_moved) body.moved_looks = 0;
+  // Several pieces of a bush in one revolution are one look.
+  if (has_moved && (body.moved_looks == 0 || now_ns - body.moved_ns >= kLooksApart_ns)) {
+    if (body.moved_looks == 0) body.moved_odom = body_odom;
+    ++body.moved_looks;
+    body.moved_ns = now_ns;
+  }
   const bool goes_on = !AreWithin(body_odom, body.moved_odom, kGoesOn_m);
   body.moves = body.moves || (body.moved_looks >= kSureLooks && goes_on);
   const bool is_old = now_ns - body.origin_ns > kMemory_ns;

@@ -20,8 +20,8 @@
 //
 //   from look to look: O . . x x x           O: where it was first seen, with the cells around;
 //                      |<-->| kMoved_m       x: a look at it where those were free. kSureLooks of
-//                                            them in a row, the last one kGoesOn_m from the
-//                                            first: it moves
+//                                            them in a row, each of another revolution, the
+//                                            last one kGoesOn_m from the first: it moves
 //
 // What moves does so until it was not seen for kUnseen_ns.
 
@@ -34,6 +34,7 @@ class MovingBodies {
   static constexpr float kWidest_m = 1.1f;
   static constexpr float kMoved_m = 0.5f;
   static constexpr int kSureLooks = 3;
+  static constexpr uint64_t kLooksApart_ns = 40'000'000;  // a lidar takes 50 ms or more to turn
   static constexpr float kGoesOn_m = 0.1f;
   static constexpr float kFastest_mps = 3.0f;
   static constexpr uint64_t kUnseen_ns = 250'000'000;
@@ -72,7 +73,8 @@ class MovingBodies {
     uint64_t origin_ns = 0;
     FreeCells around_origin;
     int32_t moved_looks = 0;  // in a row, the first of them ...
-    Vec2 moved_odom;          // ... here
+    Vec2 moved_odom;          // ... here, ...
+    uint64_t moved_ns = 0;    // ... and the last of them then
     bool moves = false;
   };
 

@@ -137,6 +137,29 @@ TEST(MovingBodies, WhoStopsGoesOnToBeTold) {
   EXPECT_EQ(scene.moving.size(), 1u);
 }
 
+// A bush lets the lidar through here and there: the pieces that it sees of it in one revolution are
+// no walker, however they lie, unless the next revolutions see them go on.
+// SR-PER13
+TEST(MovingBodies, PiecesSeenInOneRevolutionAreOneLook) {
+  for (const bool goes_on : {false, true}) {
+    Scene scene;
+    for (int i = 0; i < 2; ++i) scene.Turn();  // the ground all around
+    const auto look = [&](float x_m) {
+      return scene.bodies.Look({x_m, 3.0f}, scene.now_ns, scene.here, *scene.heights);
+    };
+    const auto turn = [&] { scene.now_ns += 100'000'000; };
+    EXPECT_FALSE(look(5.0f));
+    turn();
+    EXPECT_FALSE(look(5.3f));
+    turn();
+    for (const float x_m : {5.55f, 5.6f, 5.65f, 5.7f}) EXPECT_FALSE(look(x_m));
+    turn();
+    for (const float x_m : {5.75f, 5.8f}) EXPECT_FALSE(look(x_m));
+    turn();
+    EXPECT_EQ(look(goes_on ? 5.9f : 5.45f), goes_on);
+  }
+}
+
 //      | o  o   __     posts, a bush whose returns scatter, walls with gaps, and pieces of a wall
 //    o | o     |       that come into view and go behind posts: none of them moves, from a vehicle
 //      |_______|       that drives by
