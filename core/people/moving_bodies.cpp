@@ -35,7 +35,8 @@ bool MovingBodies::EndRun(float next_m, Vec2& body_odom) const {
   return true;
 }
 
-bool MovingBodies::Column(bool has_return, Vec2 nearest_odom, float distance_m, Vec2& body_odom) {
+bool MovingBodies::Column(bool has_return, Vec2 nearest_odom, float distance_m, uint64_t now_ns,
+                          Vec2& body_odom) {
   const bool is_seen = has_return && IsFinite(nearest_odom) && IsFinite(distance_m);
   const float here_m = is_seen ? distance_m : kNothing_m;
   Run& run = run_;
@@ -51,6 +52,10 @@ bool MovingBodies::Column(bool has_return, Vec2 nearest_odom, float distance_m, 
   }
   before_m_ = here_m;
   if (!is_seen) return is_body;
+  HP_LOOP_BOUND(kMost)
+  for (Body& body : bodies_) {
+    if (AreWithin(nearest_odom, body.origin_odom, kLeft_m)) body.origin_seen_ns = now_ns;
+  }
   ++run.columns;
   run.low_odom = {Min(run.low_odom.x_m, nearest_odom.x_m), Min(run.low_odom.y_m, nearest_odom.y_m)};
   run.high_odom = {Max(run.high_odom.x_m, nearest_odom.x_m),
@@ -73,6 +78,7 @@ void MovingBodies::Remember(Vec2 place_odom, uint64_t now_ns, const HeightGrid& 
                             Body& body) {
   body.origin_odom = place_odom;
   body.origin_ns = now_ns;
+  body.origin_seen_ns = now_ns;
   body.moved_looks = 0;
   FreeCells& around = body.around_origin;
   around.middle = CellAt(place_odom);
@@ -147,8 +153,10 @@ bool MovingBodies::Look(Vec2 body_odom, uint64_t now_ns, Vec2 here_odom,
   Body& body = bodies_[k];
   body.place_odom = body_odom;
   body.seen_ns = now_ns;
-  const bool has_moved =
-      !AreWithin(body_odom, body.origin_odom, kMoved_m) && body.around_origin.Has(body_odom);
+  // What goes along a fence or a hedge is another piece of it: the first one is still there.
+  const bool has_left = now_ns - body.origin_seen_ns > kLeft_ns;
+  const bool has_moved = has_left && !AreWithin(body_odom, body.origin_odom, kMoved_m) &&
+                         body.around_origin.Has(body_odom);
   if (!has_moved) body.moved_looks = 0;
   // Several pieces of a bush in one revolution are one look.
   if (has_moved && (body.moved_looks == 0 || now_ns - body.moved_ns >= kLooksApart_ns)) {

@@ -36,6 +36,8 @@ class MovingBodies {
   static constexpr int kSureLooks = 3;
   static constexpr uint64_t kLooksApart_ns = 40'000'000;  // a lidar takes 50 ms or more to turn
   static constexpr float kGoesOn_m = 0.1f;
+  static constexpr float kLeft_m = 0.25f;  // around where it was first seen, for ...
+  static constexpr uint64_t kLeft_ns = 110'000'000;  // ... a revolution, nothing is seen any more
   static constexpr float kFastest_mps = 3.0f;
   static constexpr uint64_t kUnseen_ns = 250'000'000;
   static constexpr uint64_t kMemory_ns = 2'000'000'000;
@@ -43,10 +45,11 @@ class MovingBodies {
   // Forgets everything.
   void Reset();
 
-  // The next column, in the order in which the lidar turns: its nearest hard return. True: a body
-  // ends before it, body_odom is the middle of its returns. Not finite: as a column without any.
-  // Constant cost.
-  bool Column(bool has_return, Vec2 nearest_odom, float distance_m, Vec2& body_odom);
+  // The next column, in the order in which the lidar turns: its nearest hard return, at now_ns,
+  // which must not fall. True: a body ends before it, body_odom is the middle of its returns. Not
+  // finite: as a column without any. Cost: kMost distances.
+  bool Column(bool has_return, Vec2 nearest_odom, float distance_m, uint64_t now_ns,
+              Vec2& body_odom);
 
   // A body seen at now_ns, which must not fall. True: it moves. here_odom: the vehicle; the
   // farthest from it is forgotten if there are more than kMost. Cost: kMost distances and
@@ -71,6 +74,7 @@ class MovingBodies {
     uint64_t seen_ns = 0;
     Vec2 origin_odom;
     uint64_t origin_ns = 0;
+    uint64_t origin_seen_ns = 0;  // the last return from there
     FreeCells around_origin;
     int32_t moved_looks = 0;  // in a row, the first of them ...
     Vec2 moved_odom;          // ... here, ...

@@ -131,7 +131,7 @@ bool Pilot::HasLabels() const {
   const float distance_m =
       static_cast<float>(nearest_mm) / static_cast<float>(kMillisecondsPerSecond);
   Vec2 body_odom;
-  if (!bodies_.Column(has_return, nearest_odom, distance_m, body_odom)) return;
+  if (!bodies_.Column(has_return, nearest_odom, distance_m, now_ns_, body_odom)) return;
   if (body_looks_ < kMaxBodyLooks) LookAtBody(body_odom, mapper_.ring().column(slot).time_ns);
 }
 

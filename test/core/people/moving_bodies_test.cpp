@@ -99,7 +99,7 @@ struct Scene {
         }
       }
       Vec2 body;
-      if (!bodies.Column(seen_m.has_value(), hit, range_m, body)) continue;
+      if (!bodies.Column(seen_m.has_value(), hit, range_m, now_ns, body)) continue;
       if (bodies.Look(body, now_ns, here, *heights)) moving.push_back(body);
     }
     now_ns += 100'000'000;
@@ -157,6 +157,26 @@ TEST(MovingBodies, PiecesSeenInOneRevolutionAreOneLook) {
     for (const float x_m : {5.75f, 5.8f}) EXPECT_FALSE(look(x_m));
     turn();
     EXPECT_EQ(look(goes_on ? 5.9f : 5.45f), goes_on);
+  }
+}
+
+// Along a fence one piece after the other stands out, as fast as somebody walks; the first one is
+// still there. Of somebody who walks nothing is left.
+// SR-PER13
+TEST(MovingBodies, WhoWalksIsNoLongerWhereTheyWere) {
+  for (const bool is_fence : {true, false}) {
+    Scene scene;
+    for (int i = 0; i < 2; ++i) scene.Turn();
+    bool moves = false;
+    for (int i = 0; i < 12; ++i) {
+      Vec2 body;
+      if (is_fence) scene.bodies.Column(true, {5.05f, 3.0f}, 5.8f, scene.now_ns, body);
+      scene.now_ns += 1'000'000;
+      const Vec2 place = {5.0f + 0.12f * static_cast<float>(i), 3.0f};
+      moves = scene.bodies.Look(place, scene.now_ns, scene.here, *scene.heights);
+      scene.now_ns += 99'000'000;
+    }
+    EXPECT_EQ(moves, !is_fence);
   }
 }
 
@@ -251,7 +271,7 @@ int BodiesOf(const std::vector<float>& distances_m) {
     const float m = distances_m[i];
     const float aside_m = 0.05f * static_cast<float>(i);
     Vec2 body;
-    ended += bodies.Column(m > 0.0f, {m, aside_m}, m, body) ? 1 : 0;
+    ended += bodies.Column(m > 0.0f, {m, aside_m}, m, 0, body) ? 1 : 0;
   }
   return ended;
 }
@@ -310,10 +330,10 @@ TEST(MovingBodies, IgnoresWhatIsNotANumber) {
   Vec2 body;
   for (const float bad : {nan, infinity, -infinity, 3.0e38f}) {
     for (int i = 0; i < 3; ++i) {
-      EXPECT_FALSE(scene.bodies.Column(true, {bad, 1.0f}, 2.0f, body)) << bad;
-      EXPECT_FALSE(scene.bodies.Column(true, {1.0f, 1.0f}, bad, body)) << bad;
+      EXPECT_FALSE(scene.bodies.Column(true, {bad, 1.0f}, 2.0f, scene.now_ns, body)) << bad;
+      EXPECT_FALSE(scene.bodies.Column(true, {1.0f, 1.0f}, bad, scene.now_ns, body)) << bad;
     }
-    scene.bodies.Column(false, {}, 0.0f, body);
+    scene.bodies.Column(false, {}, 0.0f, scene.now_ns, body);
     EXPECT_FALSE(scene.bodies.Look({bad, 0.0f}, scene.now_ns, scene.here, *scene.heights));
   }
   for (int i = 0; i < 3; ++i) scene.Turn();
