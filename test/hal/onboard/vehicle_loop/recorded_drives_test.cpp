@@ -216,7 +216,7 @@ Drive DriveOnce(uint32_t seed) {
 class RecordedDrives : public ::testing::TestWithParam<int> {};
 
 constexpr std::array<uint64_t, 8> kDecided = {
-    0x5db46dbcd46a16bu,  0xbb471ad369cc362du, 0xe4fde9a8ad7076bbu, 0xe410649113999428u,
+    0x5db46dbcd46a16bu,  0xbb471ad369cc362du, 0xe4fde9a8ad7076bbu, 0xc34b9852778f6bb7u,
     0x854f415dd19166f2u, 0x64b5d41db1ebd9b2u, 0x8e313e1927dd81e7u, 0xb2dc3d02caa3b182u};
 
 TEST_P(RecordedDrives, DecideAsTheyDid) {
