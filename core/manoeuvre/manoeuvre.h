@@ -47,7 +47,7 @@
 // beyond its point `first`, outside the region that the search never enters: where the vehicle
 // could turn on the spot, or along the way's direction, to kAligned_rad. Without such a way,
 // anywhere that a search from the goal gets to. Whether a path leads on from there only its planner
-// knows. If none does, RefuseFound and LeadFrom continue the search behind it.
+// knows. If none does, RefuseFound and LeadBeyond continue the search behind it.
 
 namespace hardpack {
 
