@@ -34,6 +34,7 @@
 #include "hal/onboard/control/messages.h"
 #include "hal/onboard/control/status_report.h"
 #include "hal/onboard/pilot/input_source.h"
+#include "hal/onboard/pilot/ways_out.h"
 
 // Drives the vehicle, whatever its devices are: measurements with their times in our clock in,
 // demands on the drives out. It knows no packets and no frames; hal/onboard/vehicle_loop passes it
@@ -321,11 +322,10 @@ class Pilot {
   MotionSweep sweep_;
   SweptMotion swept_;  // scratch of JudgeSweep
   WayAhead sweep_advice_ = WayAhead::kClear;
-  uint32_t swept_plan_ = 0;     // the plan on which it last stopped
-  int32_t lead_out_ = 0;        // tried next if the vehicle is held by it
-  uint64_t held_since_ns_ = 0;  // held by it since; 0: not held
-  bool has_start_ = false;      // the map began ...
-  Pose2 start_odom_;            // ... at this pose
+  uint32_t swept_plan_ = 0;  // the plan on which it last stopped
+  WaysOut ways_out_;
+  bool has_start_ = false;  // the map began ...
+  Pose2 start_odom_;        // ... at this pose
   CommandGate gate_;
   MotionWatch motion_;
   PeopleTracks people_;

@@ -19,8 +19,6 @@ constexpr float kMoves_radps = 0.02f;
 constexpr float kFirstWay_m = 1.2f;
 constexpr int kFirstPoses = 12;
 constexpr float kFirstSpeed_mps = 0.2f;
-// So long it stands before another plan is made from where it is.
-constexpr float kHeld_s = 0.5f;
 // So long it stands after somebody was lost from sight beside it: who comes nearer still is where
 // no beam falls, or taken for the vehicle itself.
 constexpr uint64_t kPersonBeside_ns = 2'000'000'000;
@@ -38,8 +36,7 @@ void Pilot::ConfigureSweep() {
   sweep_.Configure(FootprintOf(config_.planner.vehicle), config_.onboard.safety.sweep_margin_m);
   sweep_advice_ = WayAhead::kClear;
   swept_plan_ = 0;
-  held_since_ns_ = 0;
-  lead_out_ = 0;
+  ways_out_.Reset();
   has_start_ = false;
 }
 
@@ -47,15 +44,14 @@ void Pilot::ConfigureSweep() {
 // beginning of a motion would bring the vehicle a little nearer.
 WayAhead Pilot::JudgeSweep() {
   if (!MayMove(permission_.mode)) {
-    held_since_ns_ = 0;
+    ways_out_.NotHeld();
     return WayAhead::kClear;
   }
   const DriveModel& model = tracker_.model();
   const bool stands = Abs(model.speed_mps()) < kMoves_mps && tracker_.speed_mps() <= 0.0f &&
                       Abs(model.yaw_rate_radps()) < kMoves_radps;
   if (stands) return JudgeSettingOut();
-  held_since_ns_ = 0;
-  lead_out_ = 0;
+  ways_out_.Reset();
   const WayAhead advice = JudgeStop();
   if (advice != WayAhead::kClear) swept_plan_ = replanner_.committed().number;
   return advice;
@@ -90,29 +86,24 @@ WayAhead Pilot::JudgeStop() {
 WayAhead Pilot::JudgeSettingOut() {
   const CommittedPlan& plan = replanner_.committed();
   if (permission_.mode != Mode::kDriving || plan.number == 0) {
-    held_since_ns_ = 0;
+    ways_out_.NotHeld();
     return WayAhead::kClear;
   }
   const StampedPose& at = odometry_.pose();
   if (people_.IsAnyoneWithin({at.position.x_m, at.position.y_m},
                              sweep_.footprint().pivot_radius_m + kBeside_m, now_ns_,
                              kPersonBeside_ns)) {
-    held_since_ns_ = 0;
+    ways_out_.NotHeld();
     return WayAhead::kObstacle;
   }
   LayFirstWay();
   const bool clear = plan.number != swept_plan_ &&
                      sweep_.Try({swept_.begin(), static_cast<size_t>(swept_.size())}).clear;
   if (clear) {
-    held_since_ns_ = 0;
+    ways_out_.NotHeld();
     return WayAhead::kClear;
   }
-  if (held_since_ns_ == 0) held_since_ns_ = now_ns_;
-  if (SecondsBetween(held_since_ns_, now_ns_) > kHeld_s) {
-    replanner_.Forget();
-    held_since_ns_ = 0;
-    lead_out_ = (lead_out_ + 1) % (kLeadOuts + 1);  // one of them may not touch
-  }
+  if (ways_out_.Held(now_ns_)) replanner_.Forget();
   return WayAhead::kObstacle;
 }
 
@@ -150,7 +141,7 @@ void Pilot::FillUnseenStart(VehicleState& state) const {
   const float reach_m = config_.planner.path.unseen_start_m;
   state.has_unseen_start = has_start_ && dx_m * dx_m + dy_m * dy_m < reach_m * reach_m;
   state.unseen_start = start_odom_;
-  state.lead_out = lead_out_;
+  state.lead_out = ways_out_.preferred();
 }
 
 bool Pilot::IsOnLeadOut() const {

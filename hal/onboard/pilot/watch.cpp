@@ -305,6 +305,7 @@ void Pilot::NoteNoWay() {
   no_way_ = StopReason::kNone;
   const bool has_map = outcome.plan_status != Status::kNotStarted;
   if (!has_map || IsUsable(outcome.plan_status) || HasPlan()) return;
+  ways_out_.FoundNoPlan();
   no_way_ = IsPersonNear() ? StopReason::kPerson : StopReason::kNoWay;
   if (outcome.plan_status == Status::kGoalInObstacle) no_way_ = StopReason::kGoalInObstacle;
 }
