@@ -243,9 +243,9 @@ if $all; then
   if build aarch64; then of_aarch64=true; fi
   if $of_cortex_m7; then beside "cortex-m7 tests" ctest --preset cortex-m7 -j 1; fi
   if $of_aarch64; then tests aarch64; fi
+  step "fuzz" tools/proof/fuzz.sh --minutes 1 --seed 1 || true
   if $of_cortex_m7; then join; fi
   everywhere='^decision\.equal_on_all_targets$'
-  step "fuzz" tools/proof/fuzz.sh --minutes 1 --seed 1 || true
   # It builds with all processors, and writes: not beside a vcan.
   step "same decisions" ctest --preset release -R "$everywhere" || true
   # One more at a time than there are processors: those with a vcan (a chain of their own) wait.

@@ -183,12 +183,14 @@ void World::MeetBody(const Ray& ray, const Body& body, uint64_t index, Hit& hit)
 bool World::Crosses(const Ray& ray, const Body& body, Way& way) const {
   const Vector& o = ray.origin;
   const Vector& d = ray.direction;
-  if (!Narrow(o.z_m, d.z_m, body.low_m, body.high_m, way.from_m, way.to_m)) return false;
   const double x_m = o.x_m - body.x_m;
   const double y_m = o.y_m - body.y_m;
   const double level = d.x_m * d.x_m + d.y_m * d.y_m;
   const double along = x_m * d.x_m + y_m * d.y_m;
   const double outside_m2 = x_m * x_m + y_m * y_m - body.radius_m * body.radius_m;
+  // Most rays pass beside it: no division is needed to tell that.
+  if (along * along - level * outside_m2 < 0.0) return false;
+  if (!Narrow(o.z_m, d.z_m, body.low_m, body.high_m, way.from_m, way.to_m)) return false;
   if (body.shape == Shape::kEllipsoid) {
     const double half_height_m = (body.high_m - body.low_m) / 2.0;
     const double scale = body.radius_m / half_height_m;
