@@ -36,7 +36,7 @@ class MovingBodies {
   static constexpr int kSureLooks = 3;
   static constexpr uint64_t kLooksApart_ns = 40'000'000;  // a lidar takes 50 ms or more to turn
   static constexpr float kGoesOn_m = 0.1f;
-  static constexpr float kLeft_m = 0.25f;  // around where it was first seen, for ...
+  static constexpr float kLeft_m = 0.25f;            // around where it was first seen, for ...
   static constexpr uint64_t kLeft_ns = 110'000'000;  // ... a revolution, nothing is seen any more
   static constexpr float kFastest_mps = 3.0f;
   static constexpr uint64_t kUnseen_ns = 250'000'000;
