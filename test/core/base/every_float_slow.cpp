@@ -43,8 +43,8 @@ Worst OverBits(uint64_t first, uint64_t end, Visit visit) {
 }
 
 void Report(const char* name, const Worst& worst) {
-  testing::Test::RecordProperty(name, std::to_string(static_cast<double>(worst.error)));
-  std::printf("%s: largest error %.4Le at %.9g\n", name, worst.error,
+  testing::Test::RecordProperty(name, std::to_string(worst.error));
+  std::printf("%s: largest error %.4e at %.9g\n", name, worst.error,
               static_cast<double>(worst.at));
 }
 
@@ -52,11 +52,11 @@ void Report(const char* name, const Worst& worst) {
 TEST(EveryFloat, SinCosIsWithinItsErrorAndSymmetric) {
   const Worst worst =
       OverBits(0, uint64_t{BitsOf(kSinCosMaxAngle_rad)} + 1, [](float angle_rad, Worst& own) {
-        exact::TakeSinCos(angle_rad, own);
         const SinCosPair there = SinCos(angle_rad);
+        exact::TakeSinCos(angle_rad, there, own);
         const SinCosPair opposite = SinCos(-angle_rad);
         const bool symmetric = opposite.sin == -there.sin && opposite.cos == there.cos;
-        own.Take(symmetric ? 0.0L : INFINITY, angle_rad);
+        own.Take(symmetric ? 0.0 : INFINITY, angle_rad);
       });
   Report("sin_cos", worst);
   EXPECT_LE(worst.error, kSinCosMaxError) << "at " << worst.at;
@@ -67,7 +67,7 @@ TEST(EveryFloat, SinCosIsWithinItsErrorAndSymmetric) {
 TEST(EveryFloat, Atan2OfARatioIsWithinItsErrorWithRoomForTheQuotients) {
   const Worst worst = OverBits(0, uint64_t{BitsOf(1.0f)} + 1, exact::TakeOctants);
   Report("atan2", worst);
-  EXPECT_LE(worst.error, kAtan2MaxError_rad - 0x1p-25L) << "at " << worst.at;
+  EXPECT_LE(worst.error, static_cast<double>(kAtan2MaxError_rad) - 0x1p-25) << "at " << worst.at;
 }
 
 TEST(EveryFloat, WrapAngleIsWithinItsErrorAndItsRange) {
@@ -75,7 +75,7 @@ TEST(EveryFloat, WrapAngleIsWithinItsErrorAndItsRange) {
     const float wrapped = WrapAngle(angle_rad);
     if (!(wrapped > -kPi && wrapped <= kPi)) own.Take(INFINITY, angle_rad);
     if (angle_rad > -kPi && angle_rad <= kPi) {
-      own.Take(BitsOf(wrapped) == BitsOf(angle_rad) ? 0.0L : INFINITY, angle_rad);
+      own.Take(BitsOf(wrapped) == BitsOf(angle_rad) ? 0.0 : INFINITY, angle_rad);
     } else if (std::abs(angle_rad) <= kSinCosMaxAngle_rad) {
       exact::TakeWrap(angle_rad, own);
     }
@@ -94,9 +94,9 @@ TEST(EveryFloat, ConversionsToIntegersAreThoseOfDouble) {
     const double exact_value = static_cast<double>(value);
     const bool equal = FloorToInt(value) == Saturated(std::floor(exact_value)) &&
                        RoundToInt(value) == Saturated(std::round(exact_value));
-    own.Take(equal ? 0.0L : INFINITY, value);
+    own.Take(equal ? 0.0 : INFINITY, value);
   });
-  EXPECT_EQ(worst.error, 0.0L) << "at " << worst.at;
+  EXPECT_EQ(worst.error, 0.0) << "at " << worst.at;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 
 #include "gtest/gtest.h"
@@ -27,9 +28,9 @@ constexpr float kSmallest = std::numeric_limits<float>::denorm_min();
 template <typename Visit>
 void AroundEighthTurns(Visit visit) {
   constexpr uint32_t kNeighbours = 12;
-  const int last = static_cast<int>(kSinCosMaxAngle_rad / (exact::kPi / 4));
+  const int last = static_cast<int>(kSinCosMaxAngle_rad / (std::numbers::pi / 4));
   for (int eighth = 1; eighth <= last; ++eighth) {
-    const uint32_t middle = BitsOf(static_cast<float>(eighth * (exact::kPi / 4)));
+    const uint32_t middle = BitsOf(static_cast<float>(eighth * (std::numbers::pi / 4)));
     for (uint32_t bits = middle - kNeighbours; bits <= middle + kNeighbours; ++bits) {
       const float angle_rad = FromBits(bits);
       if (angle_rad > kSinCosMaxAngle_rad) return;
