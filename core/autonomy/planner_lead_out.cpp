@@ -131,7 +131,8 @@ void Planner::StepLeadOut(int units) {
     looks_bent_ = true;
     return LookForLeadOut();
   }
-  if (!looks_across_ && lead_failure_ != Status::kOk) {
+  const bool is_tried = request_.lead_out > 0;
+  if (!looks_across_ && (is_tried || lead_failure_ != Status::kOk)) {
     looks_across_ = true;
     looks_bent_ = looks_back_ || !request_.has_unseen_start;
     return LookForLeadOut();

@@ -176,6 +176,20 @@ TEST(LeadOut, WhereTheLastPlanWouldHaveTouchedItLeadsOutFirst) {
   EXPECT_EQ(PlanIn(scene).lead_points, 0) << "there is none";
 }
 
+// The same for the ways that are tried in turn: with a cell across its flank the vehicle stood for
+// good, as each of them failed.
+TEST(LeadOut, OneThatIsTriedGoesPastACellAcrossItsFlankToo) {
+  Scene scene = WallBeside();
+  scene.Add(15, 4, 15, 4);
+  scene.Add(-5, -5, 25, -5);
+  scene.params.path.reverse_out_m = 0.0f;
+  scene.request.lead_out = 1;
+  const Plan& plan = PlanIn(scene);
+  EXPECT_EQ(plan.status, Status::kNarrowGap) << StatusName(plan.status);
+  EXPECT_GT(plan.lead_points, 2);
+  EXPECT_GE(SweptOutline(scene, plan).Clearance_m(), -double{PathCheck::kAcross_m});
+}
+
 // The same for any split of the units.
 TEST(LeadOut, UnitsDoNotMatter) {
   const Scene scene = WallBeside();
