@@ -21,7 +21,7 @@ enum class Outcome : uint8_t {
   kSaid,   // at rest, and the status gives the reason: no way, unseen ground, a goal in an obstacle
   kStuck,  // at rest for a long time, and no reason given
   kTimeOut,  // still driving when the mission's time was over
-  kContact,  // touched something hard, or stood in a ditch
+  kContact,  // touched something hard, stood in a ditch, rolled over or went aground
   kPerson,   // touched a person while moving faster than 0.1 m/s
   kFault,    // a mode that the operator has to clear
 };

@@ -285,8 +285,11 @@ uint64_t DigestOf(const MissionSettings& settings) {
 }
 
 Outcome WantedOutcome(const std::string& world) {
-  if (world.starts_with("blind_")) return Outcome::kSaid;
-  return world == "dead_end" || world == "corner_ditch" ? Outcome::kSaid : Outcome::kReached;
+  const std::string_view base = world::BaseName(world);
+  const bool is_closed =
+      base.starts_with("blind_") || base == "dead_end" || base == "corner_ditch" ||
+      base == "downhill_stop";
+  return is_closed ? Outcome::kSaid : Outcome::kReached;
 }
 
 ReadOutcome RunMission(const MissionSettings& settings, RunResult& result, MissionTrace* trace) {

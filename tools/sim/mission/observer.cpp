@@ -92,10 +92,15 @@ void Observer::WatchContact(const Moment& now, double t_s) {
                        now.vehicle->vehicle().footprint());
   clearance_m_ = std::max(0.0, contact.hard_m);
   result_.clearance_m = std::min(result_.clearance_m, clearance_m_);
-  if (contact.hard_m < 0.0 || contact.in_ditch || contact.too_steep()) {
+  const sim::BodyOnGround* body = now.vehicle->vehicle().body();
+  const bool tips = body != nullptr && body->tipping() >= 1.0;
+  if (contact.hard_m < 0.0 || contact.in_ditch || contact.too_steep() || contact.grounds() ||
+      tips) {
     EndBy(Outcome::kContact, t_s,
           contact.in_ditch       ? "in a ditch"
           : contact.hard_m < 0.0 ? "touched"
+          : tips                 ? "rolled over"
+          : contact.grounds()    ? "aground"
                                  : "too steep");
   }
   if (contact.person_m < 0.0 && speed_mps > kTouch_mps) {

@@ -62,7 +62,7 @@ ScriptedVehicle::ScriptedVehicle(const ScriptedVehicleSettings& settings,
       now_ns_(start_ns),
       sample_ns_(static_cast<uint64_t>(std::llround(settings.trace_period_s * 1.0e9))),
       next_sample_ns_(start_ns),
-      brake_pitch_rad_(settings.brake_pitch_rad) {
+      suspension_(settings.brake_pitch_rad, 1.0e-9 * kStep_ns) {
   std::stable_sort(script_.begin(), script_.end(),
                    [](const ScriptEvent& a, const ScriptEvent& b) { return a.at_s < b.at_s; });
   if (settings.labels) labels_.emplace(*settings.labels);
@@ -100,6 +100,7 @@ void ScriptedVehicle::Step() {
     Act(script_[next_event_++]);
   }
   SendForeignFrames();
+  vehicle_.SetGround(GroundOf(world_, vehicle_.pose(), vehicle_.footprint()));
   vehicle_.Advance(now_ns_, pending_.frames);
   max_speed_mps_ = std::max(max_speed_mps_, std::abs(vehicle_.speed_mps()));
   LetPeopleWalk();
@@ -130,25 +131,10 @@ void ScriptedVehicle::Act(const ScriptEvent& event) {
   event.act(*this);
 }
 
-// The body on its tyres: its pitch follows the acceleration with a lag.
-void ScriptedVehicle::Dip(BodyMotion& motion) {
-  constexpr double kStep_s = 1.0e-9 * kStep_ns;
-  constexpr double kLag_s = 0.15;
-  constexpr double kBraking_mps2 = 2.0;
-  const double braking_mps2 = (speed_before_mps_ - vehicle_.speed_mps()) / kStep_s;
-  speed_before_mps_ = vehicle_.speed_mps();
-  const double asked_rad = brake_pitch_rad_ * std::clamp(braking_mps2 / kBraking_mps2, -1.5, 1.5);
-  const double rate_radps = (asked_rad - dip_rad_) / kLag_s;
-  dip_rad_ += kStep_s * rate_radps;
-  motion.pose.pitch_rad += dip_rad_;
-  motion.rate_radps.y_m += rate_radps;
-}
-
 void ScriptedVehicle::AdvanceSensors() {
   constexpr double kStep_s = 1.0e-9 * kStep_ns;
   for (SensorFaults& faults : sensor_faults_) faults.delay_s += faults.delay_growth * kStep_s;
-  BodyMotion motion = MotionOf(vehicle_, world_);
-  if (brake_pitch_rad_ != 0.0) Dip(motion);
+  const BodyMotion motion = suspension_.Step(vehicle_, world_);
   std::vector<std::vector<uint8_t>> datagrams;
   std::vector<CastColumn> truth;
   lidar_.Advance(now_ns_, motion.pose, world_, datagrams, labels_ ? &truth : nullptr);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hal/can_frame.h"
+#include "tools/sim/script/suspension.h"
 #include "tools/sim/sensors/sim_ins.h"
 #include "tools/sim/sensors/sim_labels.h"
 #include "tools/sim/sensors/sim_lidar.h"
@@ -138,7 +139,6 @@ class ScriptedVehicle {
   void Arrive(Sensor sensor);
   std::vector<uint8_t> Garbage();
   void AdvanceSensors();
-  void Dip(BodyMotion& motion);
   void TraceChanges(Side side);
   void TraceController(const TwistController& controller);
   void TraceCollision();
@@ -166,9 +166,7 @@ class ScriptedVehicle {
   bool quit_ = false;
   bool collided_ = false;
   double max_speed_mps_ = 0.0;
-  double brake_pitch_rad_;
-  double dip_rad_ = 0.0;
-  double speed_before_mps_ = 0.0;
+  Suspension suspension_;
   uint64_t datagrams_[kSensors] = {};
   Outgoing pending_;
 };

@@ -15,7 +15,6 @@ using world::Vector;
 
 constexpr double kSemiMajorAxis_m = 6'378'137.0;  // WGS 84 (REFERENCES.md)
 constexpr double kEccentricitySquared = 6.69437999014e-3;
-constexpr double kGravity_mps2 = 9.80665;
 constexpr uint64_t kDrawsPerMessage = 16;
 constexpr uint64_t kGpsStart_ns = 1'400'000'000'000'000'000;
 
@@ -74,9 +73,14 @@ InsErrors Vn300Errors() {
 }
 
 BodyMotion MotionOf(const SimVehicle& vehicle, const world::World& world) {
-  const Pose& pose = vehicle.pose();
+  const Pose& at = vehicle.pose();
+  return MotionAt(vehicle, world::StandingPose(world, at.x_m, at.y_m, at.theta_rad,
+                                               vehicle.footprint()));
+}
+
+BodyMotion MotionAt(const SimVehicle& vehicle, const world::BodyPose& pose) {
   BodyMotion motion;
-  motion.pose = world::StandingPose(world, pose.x_m, pose.y_m, pose.theta_rad, vehicle.footprint());
+  motion.pose = pose;
   const auto to_world =
       world::Rotation::FromAngles(motion.pose.roll_rad, motion.pose.pitch_rad, motion.pose.yaw_rad);
   const auto to_body = [&m = to_world.m](const Vector& v) {
@@ -86,9 +90,17 @@ BodyMotion MotionOf(const SimVehicle& vehicle, const world::World& world) {
   };
   const double speed_mps = vehicle.speed_mps();
   const double rate_radps = vehicle.yaw_rate_radps();
-  motion.velocity_mps = to_world.Apply({speed_mps, 0.0, 0.0});
+  const BodyOnGround* body = vehicle.body();
+  const bool is_on_ground = body != nullptr && !body->ground().holds_everything();
+  motion.velocity_mps =
+      to_world.Apply({speed_mps, is_on_ground ? body->slip_left_mps() : 0.0, 0.0});
   motion.rate_radps = to_body({0.0, 0.0, rate_radps});
   motion.specific_force_mps2 = to_body({0.0, 0.0, kGravity_mps2});
+  if (is_on_ground) {  // what its tyres push with is all that an accelerometer feels
+    motion.specific_force_mps2.x_m = body->tyre_x_mps2();
+    motion.specific_force_mps2.y_m = body->tyre_y_mps2();
+    return motion;
+  }
   motion.specific_force_mps2.y_m += speed_mps * rate_radps;  // towards the middle of the turn
   return motion;
 }

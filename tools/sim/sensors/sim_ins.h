@@ -73,6 +73,8 @@ struct BodyMotion {
 
 // The motion of a vehicle whose wheels stand on the world's ground.
 BodyMotion MotionOf(const SimVehicle& vehicle, const world::World& world);
+// Of one whose body has that pose.
+BodyMotion MotionAt(const SimVehicle& vehicle, const world::BodyPose& pose);
 
 class SimIns {
  public:

@@ -47,6 +47,30 @@ SimVehicle::SimVehicle(const VehicleSettings& settings, uint64_t start_ns)
   right_.LeaveMotor();
 }
 
+GroundUnder GroundOf(const world::World& world, const Pose& pose,
+                     const world::Footprint& footprint) {
+  if (!world.has_friction()) return {};
+  const world::BodyPose stands =
+      world::StandingPose(world, pose.x_m, pose.y_m, pose.theta_rad, footprint);
+  const world::Turn pitch = world::TurnOf(stands.pitch_rad);
+  const world::Turn roll = world::TurnOf(stands.roll_rad);
+  return {.friction =
+              world::FrictionUnder(world, pose.x_m, pose.y_m, pose.theta_rad, footprint),
+          .up_forward = -pitch.sin,
+          .up_left = roll.sin * pitch.cos,
+          .press = roll.cos * pitch.cos};
+}
+
+void SimVehicle::SetGround(const GroundUnder& ground) {
+  if (steered_) steered_->SetGround(ground);
+  if (model_) model_->SetGround(ground);
+}
+
+const BodyOnGround* SimVehicle::body() const {
+  if (steered_) return &steered_->body();
+  return model_ ? &model_->body() : nullptr;
+}
+
 void SimVehicle::TakeFrame(const CanFrame& frame, uint64_t now_ns) {
   StepTo(now_ns);
   if (controller_) return controller_->TakeFrame(frame, now_ns);

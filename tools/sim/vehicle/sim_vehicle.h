@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hal/can_frame.h"
+#include "tools/sim/vehicle/body_on_ground.h"
 #include "tools/sim/vehicle/pose.h"
 #include "tools/sim/vehicle/sevcon_drive.h"
 #include "tools/sim/vehicle/steered_model.h"
@@ -13,7 +14,8 @@
 #include "tools/sim/vehicle/vehicle_model.h"
 #include "tools/sim/world/contact.h"
 
-// Two simulated drives, and the motion of a skid-steered vehicle on level ground from their wheels:
+// Two simulated drives, and the motion of a skid-steered vehicle from their wheels, on level ground
+// that holds unless it has a model and SetGround says otherwise:
 //   v = ground_per_wheel r (w_l + w_r) / 2,  w = r (w_r - w_l) / baseline
 // or, if VehicleSettings has a model, by that model (vehicle_model.h), which then also moves the
 // wheels. Otherwise no wheel slips; there are no collisions. A vehicle may have a motion controller
@@ -39,6 +41,10 @@ struct VehicleSettings {
   std::optional<SteeredModelParams> steered;  // in place of `model`
 };
 
+// Under a vehicle that stands in a world. In one without friction: level ground that holds.
+GroundUnder GroundOf(const world::World& world, const Pose& pose,
+                     const world::Footprint& footprint);
+
 // Both drives at their nodes 2 and 3.
 VehicleSettings DefaultVehicle();
 
@@ -63,6 +69,11 @@ class SimVehicle {
   // Share of the wheels' motion that moves the vehicle from now on: 1 all of it, 0 none (they spin
   // in place).
   void SetTraction(double share) { traction_ = share; }
+
+  // What it stands on from now on; a vehicle without a model stands on level ground that holds.
+  void SetGround(const GroundUnder& ground);
+  // Null without a model.
+  const BodyOnGround* body() const;
 
   SevconDrive& drive(Side side) { return side == Side::kLeft ? left_ : right_; }
   const SevconDrive& drive(Side side) const { return side == Side::kLeft ? left_ : right_; }

@@ -13,6 +13,7 @@ SteeredModel::SteeredModel(const SteeredModelParams& params, const Pose& start, 
       step_s_(step_s),
       speed_setpoint_(params.dead_time_speed_s, step_s),
       steering_setpoint_(params.dead_time_steering_s, step_s),
+      body_({.wheelbase_m = params.wheelbase_m, .track_m = params.track_m}, step_s),
       pose_(start) {}
 
 void SteeredModel::Step(const SteeredSetpoints& setpoints) {
@@ -25,11 +26,12 @@ void SteeredModel::Drive(const SteeredSetpoints& setpoints) {
   const double wanted_mps =
       std::clamp(speed_setpoint_.Step(setpoints.driven ? setpoints.speed_mps : 0.0),
                  -params_.max_speed_mps, params_.max_speed_mps);
-  double change_mps2 = (wanted_mps - speed_mps_) / params_.time_constant_speed_s;
-  if (!setpoints.driven) change_mps2 = -speed_mps_ / step_s_;
-  const bool brakes = change_mps2 * speed_mps_ < 0.0;
+  double change_mps2 = (wanted_mps - wheels_mps_) / params_.time_constant_speed_s;
+  if (!setpoints.driven) change_mps2 = -wheels_mps_ / step_s_;
+  const bool brakes = change_mps2 * wheels_mps_ < 0.0;
   const double most_mps2 = brakes ? params_.max_deceleration_mps2 : params_.max_acceleration_mps2;
-  speed_mps_ += std::clamp(change_mps2, -most_mps2, most_mps2) * step_s_;
+  wheels_mps_ += std::clamp(change_mps2, -most_mps2, most_mps2) * step_s_;
+  speed_mps_ = body_.Along(speed_mps_, body_.Crept(wheels_mps_), yaw_rate_radps_);
 }
 
 void SteeredModel::Steer(const SteeredSetpoints& setpoints) {
@@ -50,8 +52,9 @@ void SteeredModel::Move() {
   const double share = std::min(1.0, step_s_ / std::max(step_s_, params_.yaw_time_constant_s));
   yaw_rate_radps_ += share * (target_radps - yaw_rate_radps_);
   const SinCosOf heading = ExactSinCos(pose_.theta_rad + 0.5 * yaw_rate_radps_ * step_s_);
-  pose_.x_m += heading.cos * speed_mps_ * step_s_;
-  pose_.y_m += heading.sin * speed_mps_ * step_s_;
+  const double left_mps = body_.slip_left_mps();
+  pose_.x_m += (heading.cos * speed_mps_ - heading.sin * left_mps) * step_s_;
+  pose_.y_m += (heading.sin * speed_mps_ + heading.cos * left_mps) * step_s_;
   pose_.theta_rad += yaw_rate_radps_ * step_s_;
   driven_m_ += std::abs(speed_mps_) * step_s_;
 }

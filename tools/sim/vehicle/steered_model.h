@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "tools/sim/vehicle/body_on_ground.h"
 #include "tools/sim/vehicle/pose.h"
 #include "tools/sim/vehicle/steered_model_params.h"
 #include "tools/sim/vehicle/wheel_dynamics.h"
 
-// A vehicle with steered front wheels (Ackermann) on level ground. With v the speed of the rear
+// A vehicle with steered front wheels (Ackermann), on level ground that holds or on what SetGround
+// says (body_on_ground.h). With v the wheels' speed and, where they hold, that of the rear
 // axle's middle, delta the mean steering angle, L the wheelbase, and u the setpoint of each after
 // its dead time:
 //
@@ -31,6 +33,8 @@ class SteeredModel {
   // Standing at `start`, wheels straight. The parameters have passed CheckVehicleModel.
   SteeredModel(const SteeredModelParams& params, const Pose& start, double step_s);
 
+  // What it stands on from now on.
+  void SetGround(const GroundUnder& ground) { body_.SetGround(ground); }
   void Step(const SteeredSetpoints& setpoints);
 
   const SteeredModelParams& params() const { return params_; }
@@ -39,8 +43,9 @@ class SteeredModel {
   double yaw_rate_radps() const { return yaw_rate_radps_; }
   double driven_m() const { return driven_m_; }
   // As measured by its own sensors.
-  double measured_speed_mps() const { return params_.measured_speed_share * speed_mps_; }
+  double measured_speed_mps() const { return params_.measured_speed_share * wheels_mps_; }
   double steering_rad() const { return steering_rad_; }
+  const BodyOnGround& body() const { return body_; }
 
  private:
   void Drive(const SteeredSetpoints& setpoints);
@@ -51,7 +56,9 @@ class SteeredModel {
   double step_s_;
   DelayLine speed_setpoint_;
   DelayLine steering_setpoint_;
+  BodyOnGround body_;
   Pose pose_;
+  double wheels_mps_ = 0.0;
   double speed_mps_ = 0.0;
   double steering_rad_ = 0.0;
   double yaw_rate_radps_ = 0.0;

@@ -8,7 +8,7 @@
 namespace hardpack::sim {
 
 VehicleModel::VehicleModel(const VehicleModelParams& params, const Pose& start, double step_s)
-    : params_(params), step_s_(step_s), wheels_(params, step_s), pose_(start) {}
+    : params_(params), step_s_(step_s), wheels_(params, step_s), body_({}, step_s), pose_(start) {}
 
 double VehicleModel::GroundSpeed_mps() const {
   const double common_radps = wheels_.speeds().common_radps();
@@ -66,10 +66,12 @@ void VehicleModel::StepBody(const WheelSpeeds& speeds) {
 void VehicleModel::MoveBody() {
   const double speed_before_mps = speed_mps_;
   const double lateral_before_mps = lateral_speed_mps_;
-  speed_mps_ = Followed(speed_mps_, GroundSpeed_mps(), params_.speed_time_constant_s);
+  const double level_mps =
+      Followed(speed_mps_, body_.Crept(GroundSpeed_mps()), params_.speed_time_constant_s);
+  speed_mps_ = body_.Along(speed_mps_, level_mps, yaw_rate_radps_);
   yaw_rate_radps_ =
       Followed(yaw_rate_radps_, KinematicYawRate_radps(), params_.yaw_time_constant_s);
-  lateral_speed_mps_ = LateralSpeed_mps();
+  lateral_speed_mps_ = LateralSpeed_mps() + body_.slip_left_mps();
   // The body's axes turn, so that a steady turn has a centripetal part.
   acceleration_x_mps2_ =
       (speed_mps_ - speed_before_mps) / step_s_ - yaw_rate_radps_ * lateral_speed_mps_;

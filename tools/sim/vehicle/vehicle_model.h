@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "tools/sim/vehicle/body_on_ground.h"
 #include "tools/sim/vehicle/pose.h"
 #include "tools/sim/vehicle/vehicle_model_params.h"
 #include "tools/sim/vehicle/wheel_dynamics.h"
 
-// A skid-steered vehicle on level ground, from the setpoints of its wheels to its pose: the wheels
-// of wheel_dynamics.h, and a body that they move. With c and d the common and the differential
+// A skid-steered vehicle, from the setpoints of its wheels to its pose: the wheels of
+// wheel_dynamics.h, and a body that they move, on level ground that holds or on what SetGround says
+// (body_on_ground.h: what follows is the speed then that its tyres are asked for). With c and d the common and the differential
 // wheel speed, r the wheels' radius:
 //
 //   v_x follows ground_per_wheel r c (1 - turn_slip d^2 / (c^2 + d^2))  after a first-order lag
@@ -35,6 +37,8 @@ class VehicleModel {
   // As if it had driven for a while with its wheels at `speeds` and the setpoints at `command`.
   void Settle(const WheelSpeeds& speeds, const WheelSpeeds& command);
   void Settle(const WheelSpeeds& speeds, const WheelSpeeds& command, double integral_radps);
+  // What it stands on from now on.
+  void SetGround(const GroundUnder& ground) { body_.SetGround(ground); }
   void Step(const WheelSetpoints& setpoints);
   // The same step for the body only, with its wheels turning at `speeds`.
   void StepBody(const WheelSpeeds& speeds);
@@ -50,6 +54,7 @@ class VehicleModel {
   double acceleration_x_mps2() const { return acceleration_x_mps2_; }
   double acceleration_y_mps2() const { return acceleration_y_mps2_; }
   double driven_m() const { return driven_m_; }  // distance covered, forwards or backwards
+  const BodyOnGround& body() const { return body_; }
 
  private:
   void SettleBody();
@@ -63,6 +68,7 @@ class VehicleModel {
   VehicleModelParams params_;
   double step_s_;
   WheelDynamics wheels_;
+  BodyOnGround body_;
   Pose pose_;
   double speed_mps_ = 0.0;
   double lateral_speed_mps_ = 0.0;

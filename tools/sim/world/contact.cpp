@@ -161,7 +161,35 @@ Wheels WheelsAt(const World& world, double x_m, double y_m, double yaw_rad,
   return WheelsOf(world, OutlineOf(x_m, y_m, yaw_rad, footprint.wheels_m, footprint), footprint);
 }
 
+// The highest ground between the wheels, against the underside above the plane.
+double BellyClearance_m(const World& world, const Outline& around_wheels, const Plane& plane,
+                        const Footprint& footprint) {
+  constexpr int kSteps = 4;  // to either side of the middle
+  double least_m = Contact::kFar_m;
+  for (int i = -kSteps; i <= kSteps; ++i) {
+    for (int k = -kSteps; k <= kSteps; ++k) {
+      const double along_m = footprint.half_wheelbase_m * i / kSteps;
+      const double left_m = footprint.half_track_m * k / kSteps;
+      const Point2 place = around_wheels.ToWorld(along_m, left_m);
+      const double under_m = plane.middle_m + plane.left * left_m +
+                             plane.forward * (along_m + footprint.wheels_m - footprint.middle_m) +
+                             footprint.clearance_m;
+      least_m = std::min(least_m, under_m - world.GroundHeight_m(place.x_m, place.y_m));
+    }
+  }
+  return least_m;
+}
+
 }  // namespace
+
+double FrictionUnder(const World& world, double x_m, double y_m, double yaw_rad,
+                     const Footprint& footprint) {
+  double friction = 0.0;
+  for (const Point2& wheel : WheelsAt(world, x_m, y_m, yaw_rad, footprint).places) {
+    friction += 0.25 * world.FrictionAt(wheel.x_m, wheel.y_m);
+  }
+  return friction;
+}
 
 BodyPose StandingPose(const World& world, double x_m, double y_m, double yaw_rad,
                       const Footprint& footprint) {
@@ -187,6 +215,10 @@ Contact ContactOf(const World& world, double x_m, double y_m, double yaw_rad, do
     for (const Ditch& ditch : world.ditches()) {
       contact.in_ditch |= ditch.Depth_m(wheel.x_m, wheel.y_m) >= ditch.depth_m / 2.0;
     }
+  }
+  if (world.has_friction()) {
+    contact.belly_m = BellyClearance_m(
+        world, OutlineOf(x_m, y_m, yaw_rad, footprint.wheels_m, footprint), plane, footprint);
   }
   const double reach_m = outline.half_length_m + outline.half_width_m;
   for (const Body& body : world.bodies()) {

@@ -25,11 +25,15 @@ struct Footprint {
   double half_wheelbase_m = 0.46;
   double half_track_m = 0.56;
   double wheels_m = 0.0;  // the middle of the wheelbase
+  double clearance_m = 0.254;  // of the underside above the plane it stands on
 };
 
 // On the plane through the ground heights under the four wheels (the plane closest to all of them).
 BodyPose StandingPose(const World& world, double x_m, double y_m, double yaw_rad,
                       const Footprint& footprint = {});
+// What its four wheels stand on, on average.
+double FrictionUnder(const World& world, double x_m, double y_m, double yaw_rad,
+                     const Footprint& footprint = {});
 
 struct Contact {
   // Distance between the outline and the nearest one, seen from above; negative: the overlap. At
@@ -42,10 +46,14 @@ struct Contact {
   double slope = 0.0;        // rise over run of the plane it stands on
   double under_wheel = 0.0;  // the steepest ground under a wheel
   bool in_ditch = false;     // a wheel is halfway down, or deeper
+  // Between the underside and the highest ground between the wheels; negative: it rests on it. At
+  // most kFar_m. Only in worlds with friction.
+  double belly_m = kFar_m;
 
   bool touches() const { return hard_m < 0.0 || person_m < 0.0; }
   // Beyond the vehicle's capability: 45 degrees.
   bool too_steep() const { return slope > 1.0; }
+  bool grounds() const { return belly_m < 0.0; }
 };
 
 Contact ContactOf(const World& world, double x_m, double y_m, double yaw_rad, double time_s,

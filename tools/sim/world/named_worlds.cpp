@@ -2,6 +2,7 @@
 #include "tools/sim/world/named_worlds.h"
 
 #include <algorithm>
+#include <charconv>
 #include <iterator>
 
 #include "tools/sim/world/back_out.h"
@@ -9,8 +10,10 @@
 #include "tools/sim/world/corner.h"
 #include "tools/sim/world/features.h"
 #include "tools/sim/world/low_world.h"
+#include "tools/sim/world/slopes.h"
 #include "tools/sim/world/thicket.h"
 #include "tools/sim/world/tight_start.h"
+#include "tools/sim/world/tilt.h"
 
 namespace hardpack::world {
 namespace {
@@ -308,25 +311,75 @@ const std::vector<std::string>& WorldNames() {
   return names;
 }
 
-ReadOutcome MakeScenario(std::string_view name, uint64_t seed, Scenario& scenario) {
-  std::string names;
+std::string_view BaseName(std::string_view name) {
+  return name.substr(0, name.find(':'));
+}
+
+namespace {
+
+// Without a tilt. False: there is no such world.
+bool Make(std::string_view base, uint64_t seed, std::optional<double> angle_deg,
+          Scenario& scenario) {
   for (const Maker& maker : kMakers) {
-    if (name == maker.name) {
-      scenario = Scenario{};
-      scenario.name = maker.name;
-      maker.make(seed, scenario);
-      scenario.start = StandingPose(scenario.world, 0.0, 0.0, 0.0);
-      return {};
+    if (base != maker.name) continue;
+    scenario = Scenario{};
+    scenario.name = maker.name;
+    maker.make(seed, scenario);
+    return true;
+  }
+  return MakeSlope(base, seed, angle_deg, scenario) || MakeBlind(base, seed, scenario);
+}
+
+bool IsSlope(std::string_view base) {
+  const std::vector<std::string>& slopes = SlopeNames();
+  return std::find(slopes.begin(), slopes.end(), base) != slopes.end();
+}
+
+// In a direction drawn by the seed.
+void TiltBy(double angle_deg, uint64_t seed, Scenario& scenario) {
+  Draws draws(seed, 4);
+  const Turn tilt = TurnOf(angle_deg * kPi / 180.0);
+  const Turn towards = TurnOf(draws.Uniform(-kPi, kPi));
+  const double steep = tilt.sin / tilt.cos;
+  GiveFriction(seed, scenario.world);
+  Tilt(steep * towards.cos, steep * towards.sin, scenario);
+}
+
+ReadOutcome NoSuchWorld(std::string_view name) {
+  std::string message = "there is no world '" + std::string(name) + "'; worlds: ";
+  const char* between = "";
+  for (const std::vector<std::string>& names : {WorldNames(), BlindNames(), SlopeNames()}) {
+    for (const std::string& known : names) {
+      message += between + known;
+      between = ", ";
     }
-    names += (names.empty() ? "" : ", ") + std::string(maker.name);
   }
-  if (MakeBlind(name, seed, scenario)) {
-    scenario.start = StandingPose(scenario.world, 0.0, 0.0, 0.0);
-    return {};
+  return {Status::kInvalidArgument, message};
+}
+
+}  // namespace
+
+ReadOutcome MakeScenario(std::string_view name, uint64_t seed, Scenario& scenario) {
+  const std::string_view base = BaseName(name);
+  const bool is_slope = IsSlope(base);
+  std::optional<double> angle_deg;
+  if (base.size() < name.size()) {
+    const char* end = name.data() + name.size();
+    double value_deg = -1.0;
+    const auto read = std::from_chars(name.data() + base.size() + 1, end, value_deg);
+    const double most_deg = is_slope ? kMaxSteepness_deg : kMaxTilt_deg;
+    if (read.ec != std::errc() || read.ptr != end || !(value_deg >= 0.0 && value_deg <= most_deg)) {
+      return {Status::kInvalidArgument,
+              "world '" + std::string(name) + "': the angle after the colon is in degrees, 0 to " +
+                  std::to_string(static_cast<int>(most_deg))};
+    }
+    angle_deg = value_deg;
   }
-  for (const std::string& blind : BlindNames()) names += ", " + blind;
-  return {Status::kInvalidArgument,
-          "there is no world '" + std::string(name) + "'; worlds: " + names};
+  if (!Make(base, seed, angle_deg, scenario)) return NoSuchWorld(name);
+  if (angle_deg && !is_slope) TiltBy(*angle_deg, seed, scenario);
+  scenario.name = name;
+  scenario.start = StandingPose(scenario.world, 0.0, 0.0, 0.0);
+  return {};
 }
 
 }  // namespace hardpack::world

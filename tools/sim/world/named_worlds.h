@@ -43,10 +43,17 @@ struct Scenario {
 };
 
 // gap, rock_pile, hill, forest, corridor, crossing, dead_end, ditch, open, thicket, tight_start,
-// back_out, low, low_bare, corner, corner_ditch.
+// back_out, low, low_bare, corner, corner_ditch. Others: BlindNames (blind.h), SlopeNames (slopes.h).
 const std::vector<std::string>& WorldNames();
 
-// kInvalidArgument: no such world; the message lists them.
+// A world's name without what follows a colon in it.
+std::string_view BaseName(std::string_view name);
+
+// After a colon the name may have an angle in degrees, `gap:10`: the steepness of a world of
+// slopes.h, up to kMaxSteepness_deg; any other stands on a plane that is tilted by it, up to
+// kMaxTilt_deg, in a direction drawn by the seed, and has friction. kInvalidArgument: no such world
+// or angle; the message says which there are.
+inline constexpr double kMaxTilt_deg = 20.0;
 ReadOutcome MakeScenario(std::string_view name, uint64_t seed, Scenario& scenario);
 
 // The passage of the world `gap`: between these two points, the fence's and the boat's.

@@ -194,6 +194,17 @@ void World::TellDistances(int first_column, int last_column, int first_row, int 
   }
 }
 
+double World::FrictionAt(double x_m, double y_m) const {
+  if (!has_friction()) return 0.0;
+  double friction = friction_;
+  for (const Patch& patch : patches_) {
+    const double dx_m = x_m - patch.middle.x_m;
+    const double dy_m = y_m - patch.middle.y_m;
+    if (dx_m * dx_m + dy_m * dy_m < patch.radius_m * patch.radius_m) friction = patch.friction;
+  }
+  return friction;
+}
+
 Point2 World::PersonAt(size_t person, double time_s) const {
   const Point2 place = people_[person].At(time_s);
   return {place.x_m + detours_[person].x_m, place.y_m + detours_[person].y_m};

@@ -103,6 +103,13 @@ struct Ditch {
   double Depth_m(double x_m, double y_m) const;
 };
 
+// A round patch of ground that holds less, or more, than what is around it.
+struct Patch {
+  Point2 middle;
+  double radius_m = 0.0;
+  double friction = 0.0;
+};
+
 struct Ray {
   Vector origin;
   Vector direction;  // length 1
@@ -143,6 +150,17 @@ class World {
   void SetDetour(size_t person, Point2 detour) { detours_[person] = detour; }
   // For contact.h: the terrain has it already.
   void AddDitch(const Ditch& ditch) { ditches_.push_back(ditch); }
+
+  // How much the ground holds: the share of the weight on it that a tyre can push with. 0, as at
+  // first: everything, and gravity does nothing to a vehicle (tools/sim/vehicle/body_on_ground.h).
+  void SetFriction(double friction) { friction_ = friction; }
+  // Where patches overlap the last one counts. Without SetFriction they do not.
+  void AddPatch(const Patch& patch) { patches_.push_back(patch); }
+  bool has_friction() const { return friction_ > 0.0; }
+  double friction() const { return friction_; }
+  Label ground_label() const { return ground_label_; }
+  double FrictionAt(double x_m, double y_m) const;
+  const std::vector<Patch>& patches() const { return patches_; }
 
   // Where a person is: on their way, or beside it by their detour.
   Point2 PersonAt(size_t person, double time_s) const;
@@ -208,6 +226,8 @@ class World {
   std::vector<Person> people_;
   std::vector<Point2> detours_;  // of the people
   std::vector<Ditch> ditches_;
+  double friction_ = 0.0;
+  std::vector<Patch> patches_;
 };
 
 }  // namespace hardpack::world
