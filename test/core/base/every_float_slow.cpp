@@ -44,8 +44,7 @@ Worst OverBits(uint64_t first, uint64_t end, Visit visit) {
 
 void Report(const char* name, const Worst& worst) {
   testing::Test::RecordProperty(name, std::to_string(worst.error));
-  std::printf("%s: largest error %.4e at %.9g\n", name, worst.error,
-              static_cast<double>(worst.at));
+  std::printf("%s: largest error %.4e at %.9g\n", name, worst.error, static_cast<double>(worst.at));
 }
 
 // Negative angles give the same, as their symmetry is checked for each.

@@ -9,8 +9,8 @@
 #include "core/base/math.h"
 
 // The elementary functions against those of double, and where over a set of floats they are worst.
-// The quick tests take samples, the slow ones every float of the range. Double's own errors are less
-// than a hundred-millionth of the bounds.
+// The quick tests take samples, the slow ones every float of the range. Double's own errors are
+// less than a hundred-millionth of the bounds.
 
 namespace hardpack::exact {
 

@@ -286,9 +286,8 @@ uint64_t DigestOf(const MissionSettings& settings) {
 
 Outcome WantedOutcome(const std::string& world) {
   const std::string_view base = world::BaseName(world);
-  const bool is_closed =
-      base.starts_with("blind_") || base == "dead_end" || base == "corner_ditch" ||
-      base == "downhill_stop";
+  const bool is_closed = base.starts_with("blind_") || base == "dead_end" ||
+                         base == "corner_ditch" || base == "downhill_stop";
   return is_closed ? Outcome::kSaid : Outcome::kReached;
 }
 

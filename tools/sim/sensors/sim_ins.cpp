@@ -74,8 +74,8 @@ InsErrors Vn300Errors() {
 
 BodyMotion MotionOf(const SimVehicle& vehicle, const world::World& world) {
   const Pose& at = vehicle.pose();
-  return MotionAt(vehicle, world::StandingPose(world, at.x_m, at.y_m, at.theta_rad,
-                                               vehicle.footprint()));
+  return MotionAt(vehicle,
+                  world::StandingPose(world, at.x_m, at.y_m, at.theta_rad, vehicle.footprint()));
 }
 
 BodyMotion MotionAt(const SimVehicle& vehicle, const world::BodyPose& pose) {

@@ -32,8 +32,8 @@ double BodyOnGround::Along(double speed_mps, double level_mps, double yaw_rate_r
   const double need_x_mps2 = (level_mps - speed_mps) / step_s_ + up_mps2;
   tyre_x_mps2_ = std::clamp(need_x_mps2, -room_mps2, room_mps2);
   load_ += (tyre_x_mps2_ / most_mps2 - load_) * (step_s_ / kCreepLag_s);
-  const double drifts_mps = chassis_.side_slip_rad * std::abs(speed_mps) +
-                            chassis_.tyre_arm_m * std::abs(yaw_rate_radps);
+  const double drifts_mps =
+      chassis_.side_slip_rad * std::abs(speed_mps) + chassis_.tyre_arm_m * std::abs(yaw_rate_radps);
   slip_left_mps_ =
       slide_mps_ - std::clamp(kGravity_mps2 * ground_.up_left / most_mps2, -1.0, 1.0) * drifts_mps;
   slides_ = std::abs(need_y_mps2) > most_mps2 || std::abs(need_x_mps2) > left_mps2;

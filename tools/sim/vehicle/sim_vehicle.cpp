@@ -54,8 +54,7 @@ GroundUnder GroundOf(const world::World& world, const Pose& pose,
       world::StandingPose(world, pose.x_m, pose.y_m, pose.theta_rad, footprint);
   const world::Turn pitch = world::TurnOf(stands.pitch_rad);
   const world::Turn roll = world::TurnOf(stands.roll_rad);
-  return {.friction =
-              world::FrictionUnder(world, pose.x_m, pose.y_m, pose.theta_rad, footprint),
+  return {.friction = world::FrictionUnder(world, pose.x_m, pose.y_m, pose.theta_rad, footprint),
           .up_forward = -pitch.sin,
           .up_left = roll.sin * pitch.cos,
           .press = roll.cos * pitch.cos};

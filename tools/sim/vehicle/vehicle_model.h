@@ -8,8 +8,8 @@
 
 // A skid-steered vehicle, from the setpoints of its wheels to its pose: the wheels of
 // wheel_dynamics.h, and a body that they move, on level ground that holds or on what SetGround says
-// (body_on_ground.h: what follows is the speed then that its tyres are asked for). With c and d the common and the differential
-// wheel speed, r the wheels' radius:
+// (body_on_ground.h: what follows is the speed then that its tyres are asked for). With c and d the
+// common and the differential wheel speed, r the wheels' radius:
 //
 //   v_x follows ground_per_wheel r c (1 - turn_slip d^2 / (c^2 + d^2))  after a first-order lag
 //   w   follows 2 r d / skid_baseline                                    after a first-order lag

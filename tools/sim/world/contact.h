@@ -24,7 +24,7 @@ struct Footprint {
   double middle_m = 0.0;  // of the outline
   double half_wheelbase_m = 0.46;
   double half_track_m = 0.56;
-  double wheels_m = 0.0;  // the middle of the wheelbase
+  double wheels_m = 0.0;       // the middle of the wheelbase
   double clearance_m = 0.254;  // of the underside above the plane it stands on
 };
 

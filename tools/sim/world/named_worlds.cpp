@@ -369,9 +369,9 @@ ReadOutcome MakeScenario(std::string_view name, uint64_t seed, Scenario& scenari
     const auto read = std::from_chars(name.data() + base.size() + 1, end, value_deg);
     const double most_deg = is_slope ? kMaxSteepness_deg : kMaxTilt_deg;
     if (read.ec != std::errc() || read.ptr != end || !(value_deg >= 0.0 && value_deg <= most_deg)) {
-      return {Status::kInvalidArgument,
-              "world '" + std::string(name) + "': the angle after the colon is in degrees, 0 to " +
-                  std::to_string(static_cast<int>(most_deg))};
+      return {Status::kInvalidArgument, "world '" + std::string(name) +
+                                            "': the angle after the colon is in degrees, 0 to " +
+                                            std::to_string(static_cast<int>(most_deg))};
     }
     angle_deg = value_deg;
   }

@@ -43,7 +43,8 @@ struct Scenario {
 };
 
 // gap, rock_pile, hill, forest, corridor, crossing, dead_end, ditch, open, thicket, tight_start,
-// back_out, low, low_bare, corner, corner_ditch. Others: BlindNames (blind.h), SlopeNames (slopes.h).
+// back_out, low, low_bare, corner, corner_ditch. Others: BlindNames (blind.h), SlopeNames
+// (slopes.h).
 const std::vector<std::string>& WorldNames();
 
 // A world's name without what follows a colon in it.

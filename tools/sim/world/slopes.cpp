@@ -117,8 +117,7 @@ void MakeWashout(Making& making, Scenario& scenario) {
   const double askew_m = making.draws.Uniform(-2.0, 2.0);
   const double half_width_m = making.draws.Uniform(0.7, 1.4);
   const double depth_m = making.draws.Uniform(0.7, 1.2);
-  const Ditch ditch = {
-      {x_m, side * end_m}, {x_m + askew_m, -side * 60.0}, half_width_m, depth_m};
+  const Ditch ditch = {{x_m, side * end_m}, {x_m + askew_m, -side * 60.0}, half_width_m, depth_m};
   Lay(scenario, kBounds, [&](double place_x_m, double place_y_m) {
     return (steep < 0.0 ? -1.0 : 1.0) * Ramp_m(place_x_m - 6.0, 28.0, std::abs(steep)) -
            ditch.Depth_m(place_x_m, place_y_m);

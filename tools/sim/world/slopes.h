@@ -9,9 +9,9 @@
 
 #include "tools/sim/world/named_worlds.h"
 
-// Worlds whose ground has slope, with gravity and a friction that no vehicle is told: the seed draws
-// it from kLeastFriction to kMostFriction. Each has a steepness in degrees, drawn as well where
-// none is given.
+// Worlds whose ground has slope, with gravity and a friction that no vehicle is told: the seed
+// draws it from kLeastFriction to kMostFriction. Each has a steepness in degrees, drawn as well
+// where none is given.
 //
 //   side_slope     a hillside across the way, with level ground along its foot
 //   downhill_stop  down to a wall that closes the way

@@ -65,11 +65,11 @@ void Tilt(double rise_x, double rise_y, Scenario& scenario) {
   if (rise_x == 0.0 && rise_y == 0.0) return;
   const Slope slope = {rise_x, rise_y};
   const World& level = scenario.world;
-  World tilted(level.bounds(), Terrain(level.bounds(),
-                                       [&](double x_m, double y_m) {
-                                         return level.GroundHeight_m(x_m, y_m) +
-                                                slope.At(x_m, y_m);
-                                       }),
+  World tilted(level.bounds(),
+               Terrain(level.bounds(),
+                       [&](double x_m, double y_m) {
+                         return level.GroundHeight_m(x_m, y_m) + slope.At(x_m, y_m);
+                       }),
                level.ground_label());
   for (const Body& body : level.bodies()) {
     const double up_m = slope.At(body.x_m, body.y_m);

@@ -90,7 +90,8 @@ TEST(BodyOnGround, StandsOnASlopeWithItsWheelsHeld) {
   EXPECT_FALSE(body.slides());
 }
 
-// Uphill its wheels spin where mu cos a < sin a; where they hold, the drives have to be strong enough.
+// Uphill its wheels spin where mu cos a < sin a; where they hold, the drives have to be strong
+// enough.
 TEST(BodyOnGround, ClimbsWhatItsTyresAndItsDrivesCan) {
   BodyOnGround slippery(Stiff(), kStep_s);
   slippery.SetGround(Uphill(20.0, 0.3));
@@ -117,8 +118,8 @@ TEST(BodyOnGround, SlidesSidewaysOffASteepSideSlope) {
   body.SetGround(LeftUp(30.0, 0.4));
   double speed_mps = 0.0;
   Roll(body, speed_mps, 0.0, 1.0);
-  const double slides_mps2 = kGravity_mps2 * (std::sin(30.0 * kDegree_rad) -
-                                              0.4 * std::cos(30.0 * kDegree_rad));
+  const double slides_mps2 =
+      kGravity_mps2 * (std::sin(30.0 * kDegree_rad) - 0.4 * std::cos(30.0 * kDegree_rad));
   EXPECT_NEAR(body.slip_left_mps(), -slides_mps2, 1.0e-6);
   EXPECT_TRUE(body.slides());
   body.SetGround(LeftUp(10.0, 0.4));
@@ -143,7 +144,8 @@ TEST(BodyOnGround, BrakesLessOnASideSlope) {
   Roll(body, speed_mps, 0.0, 0.001);
   const double most = 0.5 * std::cos(20.0 * kDegree_rad);
   const double across = std::sin(20.0 * kDegree_rad);
-  EXPECT_NEAR(-body.tyre_x_mps2(), kGravity_mps2 * std::sqrt(most * most - across * across), 1.0e-9);
+  EXPECT_NEAR(-body.tyre_x_mps2(), kGravity_mps2 * std::sqrt(most * most - across * across),
+              1.0e-9);
 }
 
 // tan b = B / (2 h): 51.2 degrees for 1.12 m and 0.45 m.

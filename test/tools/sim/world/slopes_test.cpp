@@ -94,9 +94,9 @@ TEST(Slopes, MudIsSlipperyWithinItsPatchOnly) {
   EXPECT_LE(patch.friction, 0.2);
   EXPECT_EQ(scenario.world.FrictionAt(patch.middle.x_m, patch.middle.y_m), patch.friction);
   EXPECT_EQ(scenario.world.FrictionAt(0.0, 0.0), scenario.world.friction());
-  EXPECT_NEAR(FrictionUnder(scenario.world, patch.middle.x_m + patch.radius_m, patch.middle.y_m,
-                            0.0),
-              0.5 * (patch.friction + scenario.world.friction()), 1.0e-9)
+  EXPECT_NEAR(
+      FrictionUnder(scenario.world, patch.middle.x_m + patch.radius_m, patch.middle.y_m, 0.0),
+      0.5 * (patch.friction + scenario.world.friction()), 1.0e-9)
       << "two wheels on each";
 }
 
