@@ -23,6 +23,11 @@ class World(CommandTest):
             with self.subTest(name):
                 self.assertTrue(self.draw(name).startswith(b"\x89PNG"))
 
+    def test_with_slope(self):
+        for name in ("side_slope", "downhill_stop:15", "gap:10"):
+            with self.subTest(name):
+                self.assertTrue(self.draw(name).startswith(b"\x89PNG"))
+
     def test_the_same_for_the_same_seed_only(self):
         first = self.draw("rock_pile", "--seed", 3)
         self.assertEqual(first, self.draw("rock_pile", "--seed", 3))
@@ -35,6 +40,7 @@ class World(CommandTest):
 
     def test_names_what_is_wrong(self):
         self.expect_bad_input(["world", "moon", "--out", self.out], "moon", "rock_pile")
+        self.expect_bad_input(["world", "gap:99", "--out", self.out], "gap:99", "degrees")
         self.expect_bad_input(["world", "absent.yaml", "--out", self.out], "absent.yaml")
         self.expect_bad_input(["world", self.map_file(), "--start", "x", "--out", self.out],
                               "--start")

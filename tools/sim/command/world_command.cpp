@@ -9,6 +9,7 @@
 #include "port_linux/command_line/command.h"
 #include "tools/sim/command/scenario_argument.h"
 #include "tools/sim/command/world_picture.h"
+#include "tools/sim/world/slopes.h"
 
 namespace hardpack::command {
 namespace {
@@ -36,11 +37,14 @@ void Run(const WorldOptions& options) {
 void AddWorldCommand(CLI::App& app) {
   std::string names;
   for (const std::string& name : world::WorldNames()) names += " " + name;
+  std::string slopes;
+  for (const std::string& name : world::SlopeNames()) slopes += " " + name;
   CLI::App* command = app.add_subcommand(
       "world",
       "Draw a world of the simulation, with one revolution of its lidar, as world.png.\n"
       "Worlds:" +
-          names + "; or a ROS map_server map (FILE.yaml).");
+          names + "; or a ROS map_server map (FILE.yaml).\nWith slope:" + slopes +
+          "; with their steepness, side_slope:20. Any other on a tilted plane, gap:10 (degrees).");
   const auto options = std::make_shared<WorldOptions>();
   command->add_option("name", options->name, "World or FILE.yaml")->required();
   command->add_option("--out", options->out, "Folder to write to; created if missing")->required();

@@ -17,7 +17,7 @@
 // speed at full load; across, a rolling vehicle drifts by side_slip_rad of its speed, and one that
 // turns on the spot, whose tyres slide anyway, by the load's share of the speed at which they do.
 //
-// The tyres' loads say when it tips, quasi-static ([TERRAIN], docs/simulation.md): with the centre
+// The tyres' loads say when it tips, as if nothing moved (docs/simulation.md): with the centre
 // of mass at height h over a track B, at |tyre_y| h = g p B / 2; along likewise with the wheelbase.
 //
 // Explicit Euler steps; the same calls give the same bits on every processor.

@@ -103,7 +103,7 @@ struct Ditch {
   double Depth_m(double x_m, double y_m) const;
 };
 
-// A round patch of ground that holds less, or more, than what is around it.
+// A round patch of ground that holds less, or more, than what is around it; friction > 0.
 struct Patch {
   Point2 middle;
   double radius_m = 0.0;

@@ -55,7 +55,7 @@ TEST(BodyOnGround, WithoutFrictionItIsAsFastAsItsWheels) {
   EXPECT_EQ(body.tipping(), 0.0);
 }
 
-// v^2 / (2 g (mu cos a - sin a)) from 5 m/s with wheels that stand: [TERRAIN].
+// v^2 / (2 g (mu cos a - sin a)) from 5 m/s with wheels that stand.
 TEST(BodyOnGround, StopsDownhillAsFrictionAndGradeAllow) {
   for (const double down_deg : {0.0, 9.0, 16.0}) {
     for (const double friction : {0.4, 0.6}) {
