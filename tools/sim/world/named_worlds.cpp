@@ -9,6 +9,7 @@
 #include "tools/sim/world/blind.h"
 #include "tools/sim/world/corner.h"
 #include "tools/sim/world/features.h"
+#include "tools/sim/world/height_net.h"
 #include "tools/sim/world/low_world.h"
 #include "tools/sim/world/slopes.h"
 #include "tools/sim/world/thicket.h"
@@ -32,29 +33,13 @@ class Roughness {
       : key_(KeyOf(seed, Stream::kWorld)), amplitude_m_(amplitude_m) {}
 
   double At(double x_m, double y_m) const {
-    const double height_m = 0.8 * Net(x_m / 9.0, y_m / 9.0, 1) + 0.2 * Net(x_m / 2.3, y_m / 2.3, 2);
+    const double height_m = 0.8 * HeightNet(key_, 1, x_m / 9.0, y_m / 9.0) +
+                            0.2 * HeightNet(key_, 2, x_m / 2.3, y_m / 2.3);
     const double from_start_m = std::sqrt(x_m * x_m + y_m * y_m);
     return amplitude_m_ * height_m * std::clamp((from_start_m - 2.0) / 6.0, 0.0, 1.0);
   }
 
  private:
-  double Knot(double x, double y, uint64_t net) const {
-    const auto column = static_cast<uint64_t>(static_cast<int64_t>(x) + 100'000);
-    const auto row = static_cast<uint64_t>(static_cast<int64_t>(y) + 100'000);
-    return 2.0 * DrawUniform(key_, net << 40 | column << 20 | row) - 1.0;
-  }
-  double Net(double x, double y, uint64_t net) const {
-    const double column = std::floor(x);
-    const double row = std::floor(y);
-    const auto ease = [](double u) { return u * u * (3.0 - 2.0 * u); };
-    const double u = ease(x - column);
-    const double v = ease(y - row);
-    const double low = Knot(column, row, net) * (1.0 - u) + Knot(column + 1.0, row, net) * u;
-    const double high =
-        Knot(column, row + 1.0, net) * (1.0 - u) + Knot(column + 1.0, row + 1.0, net) * u;
-    return low * (1.0 - v) + high * v;
-  }
-
   uint64_t key_;
   double amplitude_m_;
 };

@@ -6,17 +6,12 @@
 #include <iterator>
 
 #include "tools/sim/world/features.h"
+#include "tools/sim/world/height_net.h"
 
 namespace hardpack::world {
 namespace {
 
 constexpr Bounds kBounds = {-30.0, -50.0, 90.0, 50.0};
-
-// From 0 to 1, level at both ends.
-double Eased(double share) {
-  const double u = std::clamp(share, 0.0, 1.0);
-  return u * u * (3.0 - 2.0 * u);
-}
 
 double TanOf(double angle_deg) {
   const Turn turn = TurnOf(angle_deg * kPi / 180.0);
@@ -141,22 +136,6 @@ void MakeRuts(Making& making, Scenario& scenario) {
   });
 }
 
-// Heights at the knots of a net, joined smoothly.
-double Net(uint64_t key, double x, double y) {
-  const auto knot = [key](double column, double row) {
-    const auto across = static_cast<uint64_t>(static_cast<int64_t>(column) + 100'000);
-    const auto up = static_cast<uint64_t>(static_cast<int64_t>(row) + 100'000);
-    return 2.0 * DrawUniform(key, across << 20 | up) - 1.0;
-  };
-  const double column = std::floor(x);
-  const double row = std::floor(y);
-  const double u = Eased(x - column);
-  const double v = Eased(y - row);
-  const double low = knot(column, row) * (1.0 - u) + knot(column + 1.0, row) * u;
-  const double high = knot(column, row + 1.0) * (1.0 - u) + knot(column + 1.0, row + 1.0) * u;
-  return low * (1.0 - v) + high * v;
-}
-
 void MakeRough(Making& making, Scenario& scenario) {
   scenario.description = "Rough ground: waves of random heights, a few metres long.";
   scenario.goal = {44.0, 0.0};
@@ -167,7 +146,8 @@ void MakeRough(Making& making, Scenario& scenario) {
   const double amplitude_m = steep * kWave_m / 3.0;
   Lay(scenario, kBounds, [=](double x_m, double y_m) {
     const double from_start_m = std::sqrt(x_m * x_m + y_m * y_m);
-    return amplitude_m * Net(key, x_m / kWave_m, y_m / kWave_m) * Eased((from_start_m - 2.0) / 4.0);
+    return amplitude_m * HeightNet(key, 0, x_m / kWave_m, y_m / kWave_m) *
+           Eased((from_start_m - 2.0) / 4.0);
   });
 }
 
@@ -196,7 +176,8 @@ void MakeRolling(Making& making, Scenario& scenario) {
   constexpr Bounds kLong = {-30.0, -50.0, 170.0, 50.0};
   Lay(scenario, kLong, [=](double x_m, double y_m) {
     const double from_start_m = std::sqrt(x_m * x_m + y_m * y_m);
-    return amplitude_m * Net(key, x_m / wave_m, y_m / wave_m) * Eased((from_start_m - 2.0) / 8.0);
+    return amplitude_m * HeightNet(key, 0, x_m / wave_m, y_m / wave_m) *
+           Eased((from_start_m - 2.0) / 8.0);
   });
 }
 
