@@ -16,6 +16,7 @@ constexpr float kMaxWheel_radps = 500.0f;
 constexpr float kMaxGroundSpeed_mps = 100.0f;
 // The least cosine of the pitch at which a turn about the vertical is told.
 constexpr float kMinCosPitch = 0.5f;
+constexpr float kAsideLag_s = 0.5f;
 // The INS's speed errors last: more often it says nothing new.
 constexpr uint64_t kGroundSpeedPeriod_ns = 200'000'000;
 // What one sensor ranges over while another says the same, for that to be frozen, ...
@@ -71,7 +72,7 @@ Status Odometry::TakeIns(const InsSample& sample, uint64_t time_ns) {
   if (time_ns > ins_ns_) ins_ns_ = time_ns;
   PredictTo(time_ns);
   if (sample.has_angular_rate) TakeRate(rate, time_ns);
-  if (sample.has_attitude && sample.has_velocity) TakeGroundSpeed(sample, time_ns);
+  if (sample.has_attitude && sample.has_velocity) TakeVelocity(sample, time_ns);
   return Status::kOk;
 }
 
@@ -119,18 +120,37 @@ void Odometry::TakeRate(const AngularRate& rate, uint64_t time_ns) {
 }
 
 // Only what the INS stands by: its speed drifts without satellites.
-void Odometry::TakeGroundSpeed(const InsSample& sample, uint64_t time_ns) {
+void Odometry::TakeVelocity(const InsSample& sample, uint64_t time_ns) {
   const bool is_good = sample.has_status && sample.status.mode == InsMode::kTracking &&
                        sample.status.gnss_fix && !sample.status.gnss_error &&
                        !sample.status.imu_error;
   if (!is_good) return;
+  const VelocityNed& velocity = sample.velocity_ned;
   const SinCosPair heading = SinCos(BodyAttitudeOf(sample, body_from_ins_).heading_rad);
-  const float measured_mps =
-      sample.velocity_ned.east_mps * heading.cos + sample.velocity_ned.north_mps * heading.sin;
-  if (!(Abs(measured_mps) <= kMaxGroundSpeed_mps)) {
+  const float measured_mps = velocity.east_mps * heading.cos + velocity.north_mps * heading.sin;
+  if (!(Abs(measured_mps) <= kMaxGroundSpeed_mps &&
+        Abs(velocity.down_mps) <= kMaxGroundSpeed_mps)) {
     ++counters_.refused;
     return;
   }
+  const float left_mps = velocity.north_mps * heading.cos - velocity.east_mps * heading.sin;
+  NoteDrift(left_mps, -velocity.down_mps, time_ns);
+  TakeGroundSpeed(measured_mps, time_ns);
+}
+
+// What no wheel tells. At rest there is none.
+void Odometry::NoteDrift(float left_mps, float climb_mps, uint64_t time_ns) {
+  if (time_ns < climb_ns_) return;
+  const bool goes_on = climb_ns_ != 0 && time_ns - climb_ns_ <= uint64_t{kMaxStep_ns} && !at_rest_;
+  const float dt_s = goes_on ? SecondsBetween(climb_ns_, time_ns) : 0.0f;
+  const float turns_mps = -state_[kStateYawRate] * TurningPoint_m();
+  if (!goes_on) aside_mps_ = 0.0f;
+  aside_mps_ += dt_s / (dt_s + kAsideLag_s) * (left_mps - turns_mps - aside_mps_);
+  climb_ns_ = time_ns;
+  climb_mps_ = climb_mps;
+}
+
+void Odometry::TakeGroundSpeed(float measured_mps, uint64_t time_ns) {
   ground_speed_mps_ = measured_mps;
   const bool is_new =
       ground_speed_ns_ == 0 ||

@@ -115,6 +115,26 @@ float Odometry::TurningPoint_m() const {
   return params_.turning_point_m * speed_mps / Sqrt(speed_mps * speed_mps + knee_mps * knee_mps);
 }
 
+// Upwards. The body's pitch is positive with its nose down.
+float Odometry::Climb_mps() const {
+  const float speed_mps = state_[kStateSpeed];
+  const float by_pitch_mps = -speed_mps * Sin(pose_.pitch_rad);
+  const bool is_told = climb_ns_ != 0 && filter_ns_ <= climb_ns_ + uint64_t{kMaxStep_ns};
+  if (!is_told) return by_pitch_mps;
+  const float apart_mps = kClimbShare * Abs(speed_mps);
+  return Clamp(climb_mps_, by_pitch_mps - apart_mps, by_pitch_mps + apart_mps);
+}
+
+// To the left. On a bank that falls to the left, the left side is down: the roll is negative.
+float Odometry::Slide_mps() const {
+  const bool is_told = climb_ns_ != 0 && filter_ns_ <= climb_ns_ + uint64_t{kMaxStep_ns};
+  if (!is_told) return 0.0f;
+  const float falls_left = -kSlideShare * Sin(pose_.roll_rad);
+  const float most_mps =
+      falls_left * (Abs(state_[kStateSpeed]) + kTurnArm_m * Abs(state_[kStateYawRate]));
+  return Clamp(aside_mps_, Min(most_mps, 0.0f), Max(most_mps, 0.0f));
+}
+
 // Equations of odometry.h. Without wheel speeds for too long, and at rest, the pose is held.
 void Odometry::Propagate(float dt_s) {
   const bool moves =
@@ -128,8 +148,9 @@ void Odometry::Propagate(float dt_s) {
     const float aside_m = -level_s * TurningPoint_m();  // for each rad/s
     step.x_by_speed = level_s * middle.cos;
     step.y_by_speed = level_s * middle.sin;
-    const float dx_m = speed_mps * step.x_by_speed - rate_radps * aside_m * middle.sin;
-    const float dy_m = speed_mps * step.y_by_speed + rate_radps * aside_m * middle.cos;
+    const float left_m = rate_radps * aside_m + Slide_mps() * dt_s;
+    const float dx_m = speed_mps * step.x_by_speed - left_m * middle.sin;
+    const float dy_m = speed_mps * step.y_by_speed + left_m * middle.cos;
     step.x_by_yaw = -dy_m;
     step.y_by_yaw = dx_m;
     step.x_by_rate = -dy_m * dt_s / 2.0f - aside_m * middle.sin;
@@ -138,6 +159,7 @@ void Odometry::Propagate(float dt_s) {
     state_[kStateX] += dx_m;
     state_[kStateY] += dy_m;
     state_[kStateYaw] = WrapAngle(state_[kStateYaw] + rate_radps * dt_s);
+    pose_.position.z_m += Climb_mps() * dt_s;
     driven_m_ += Abs(speed_mps) * dt_s;
   }
   const auto walked = [dt_s](float per_s) { return per_s * per_s * dt_s; };
@@ -281,6 +303,8 @@ Status Odometry::Advance(uint64_t now_ns, const WheelFeedback& wheels) {
   pose_.time_ns = now_ns;
   pose_.position.x_m = state_[kStateX];
   pose_.position.y_m = state_[kStateY];
+  if (pose_.position.z_m > kMaxHeight_m) pose_.position.z_m -= kMaxHeight_m;
+  if (pose_.position.z_m < -kMaxHeight_m) pose_.position.z_m += kMaxHeight_m;
   pose_.yaw_rad = state_[kStateYaw];
   if (moves) return Status::kOk;
   return are_fine ? Status::kStale : Status::kNotFinite;

@@ -13,11 +13,17 @@
 // The pose body -> odom by an extended Kalman filter of gyroscope, wheel speeds and the INS's
 // ground speed. odom is the local frame since the start: smooth, never corrected towards a position
 // on earth (REP-105, REFERENCES.md; core/odometry/map_from_odom.h does that). Roll and pitch come
-// from the INS; the height stays 0.
+// from the INS; the height is the integral of the climb since the start.
 //
 //   x' = x + v cos(pitch) dt cos(yaw + w dt / 2), y' alike with the sine, yaw' = yaw + w dt
 //     plus sideways motion of -w t v / sqrt(v^2 + v_t^2) dt: a moving vehicle turns about a
 //     point ahead of its centre, by up to t
+//     and across a bank b, downhill, of what the INS says of it up to kSlideShare sin(b)
+//     (|v| + kTurnArm_m |w|): tyres creep under a load, and no wheel tells
+//   z' = z + c dt, c: the INS's vertical speed while it stands by it, otherwise, and never further
+//     than kClimbShare |v| from it, -v sin(pitch): the nose dips when the vehicle brakes, and an
+//     INS's vertical speed is wrong by a while's bias. Heights beyond kMaxHeight_m begin at 0
+//     again, in one step, which the map takes over (core/autonomy/mapper.h)
 //   v, w, gyro bias b, wheel scale k, baseline B: random walks
 //   gyro:   z = w + b                    about the vertical, by roll and pitch
 //   wheels: r (w_r + w_l) / 2 = v / k    and  r (w_r - w_l) = w B
@@ -54,6 +60,13 @@ class Odometry {
   // A gap in the ticks or in the wheel speeds longer than this is not bridged: the pose stays where
   // it was, and it counts as a gap.
   static constexpr int64_t kMaxStep_ns = 200'000'000;
+
+  static constexpr float kMaxHeight_m = 90.0f;
+  // Tyres that roll on a bank creep by less (docs/simulation.md has a tenth of their load).
+  static constexpr float kSlideShare = 0.5f;
+  static constexpr float kTurnArm_m = 0.5f;
+  // The nose dips by up to 6 degrees.
+  static constexpr float kClimbShare = 0.1f;
 
   // At the origin, at rest. kParameterOutOfRange: odometry or ins; `vehicle` was checked before.
   Status Configure(const VehicleParams& vehicle, const OdometryParams& odometry,
@@ -145,6 +158,8 @@ class Odometry {
   bool IsGyroFresh(uint64_t now_ns) const;
   void PredictTo(uint64_t time_ns);
   float TurningPoint_m() const;
+  float Climb_mps() const;
+  float Slide_mps() const;
   void Propagate(float dt_s);
   void Correct(const Innovation& innovation);
   // Whether it was accepted. `opened`: the state that is doubted if it persists; kOdometryStates:
@@ -159,7 +174,9 @@ class Odometry {
   // Its inputs (measurements.cpp).
   void TakeAttitude(const InsSample& sample);
   void TakeRate(const AngularRate& rate, uint64_t time_ns);
-  void TakeGroundSpeed(const InsSample& sample, uint64_t time_ns);
+  void TakeVelocity(const InsSample& sample, uint64_t time_ns);
+  void NoteDrift(float left_mps, float climb_mps, uint64_t time_ns);
+  void TakeGroundSpeed(float measured_mps, uint64_t time_ns);
   static bool AreWheelSpeeds(const WheelFeedback& wheels);
   bool AreFrozen(const WheelFeedback& wheels);
   void FollowRims(const WheelFeedback& wheels);
@@ -191,6 +208,9 @@ class Odometry {
   float rate_radps_ = 0.0f;       // that rate, about the vertical, including its bias
   uint64_t ground_speed_ns_ = 0;  // of the newest that was used
   float ground_speed_mps_ = 0.0f;
+  uint64_t climb_ns_ = 0;  // of the INS's newest vertical speed; 0: none
+  float climb_mps_ = 0.0f;
+  float aside_mps_ = 0.0f;  // to the left, beyond what a turn does: over the last kAsideLag_s
   uint64_t wheels_ns_ = 0;
   uint64_t rims_ns_ = 0;       // of the four below; 0: none yet
   float rim_mps_ = 0.0f;       // r (w_r + w_l) / 2

@@ -70,10 +70,11 @@ Status SightWatch::Configure(const LidarMountParams& mount, const SafetyParams& 
   sectors_ = ClampInt(columns / columns_per_packet, kLeastSectors, kMaxSectors);
   window_mm_ = static_cast<uint32_t>(RoundToInt(mount.min_range_m * kMillisecondsPerSecond));
   limit_ns_ = Limit_ns(safety.max_look_age_s);
-  const Vec3 sensor = BodyFromSensor(mount).Apply(model.sensor_from_lidar.translation);
-  sensor_body_ = {sensor.x_m, sensor.y_m};
-  LaySectors(mount, safety, model, first, last);
-  ExpectGround(mount, model);
+  body_from_sensor_ = BodyFromSensor(mount);
+  sensor_body_ = body_from_sensor_.Apply(model.sensor_from_lidar.translation);
+  least_fall_ = sensor_body_.z_m / kNear_m;
+  LaySectors(safety, model, first, last);
+  ExpectGround(model);
   configured_ = true;
   return Status::kOk;
 }
@@ -105,12 +106,11 @@ void SightWatch::Forget() {
   }
 }
 
-void SightWatch::LaySectors(const LidarMountParams& mount, const SafetyParams& safety,
-                            const BeamModel& model, int first, int last) {
-  const Transform3 body_from_sensor = BodyFromSensor(mount);
+void SightWatch::LaySectors(const SafetyParams& safety, const BeamModel& model, int first,
+                            int last) {
   HP_LOOP_BOUND(kMaxColumnsPerRevolution)
   for (int id = 0; id < columns_; ++id) {
-    const Vec3 direction = Turned(body_from_sensor, LevelDirection(model, id));
+    const Vec3 direction = Turned(body_from_sensor_, LevelDirection(model, id));
     const int sector = SectorOf(Atan2(direction.y_m, direction.x_m), sectors_);
     sector_of_[id] = static_cast<uint8_t>(sector);
     const bool in_window = first <= last ? id >= first && id <= last : id >= first || id <= last;
@@ -126,39 +126,74 @@ void SightWatch::LaySectors(const LidarMountParams& mount, const SafetyParams& s
 
 // The rows that would meet the plane on which the vehicle stands, by the last column of each
 // sector.
-void SightWatch::ExpectGround(const LidarMountParams& mount, const BeamModel& model) {
-  const Transform3 body_from_sensor = BodyFromSensor(mount);
-  const float height_m = body_from_sensor.Apply(model.sensor_from_lidar.translation).z_m;
-  int16_t last[kMaxSectors];
-  HP_LOOP_BOUND(kMaxSectors)
-  for (int16_t& id : last) id = -1;
+void SightWatch::ExpectGround(const BeamModel& model) {
   HP_LOOP_BOUND(kMaxColumnsPerRevolution)
   for (int id = 0; id < columns_; ++id) {
-    const int sector = sector_of_[id];
-    if (sector_of_[Wrapped(id + 1, columns_)] != sector) last[sector] = static_cast<int16_t>(id);
-  }
-  HP_LOOP_BOUND(kMaxSectors)
-  for (int sector = 0; sector < sectors_; ++sector) {
-    if (last[sector] < 0) continue;
-    const SinCosPair encoder = EncoderSinCos(model, last[sector]);
-    HP_LOOP_BOUND(kMaxBeams)
-    for (int row = 0; row < beams_; ++row) {
-      constexpr uint32_t kFar_mm = 100'000;
-      const Vec3 far = body_from_sensor.Apply(PointInSensor(model, encoder, row, kFar_mm));
-      const float fall_m = height_m - far.z_m;
-      const float x_m = far.x_m - sensor_body_.x_m;
-      const float y_m = far.y_m - sensor_body_.y_m;
-      // On its way to `far` it falls by height_m at this share of the level distance.
-      const float level_m = Sqrt(x_m * x_m + y_m * y_m);
-      if (!(fall_m > 0.0f) || height_m * level_m > kNear_m * fall_m) continue;
-      meets_ground_[sector][row / 64] |= uint64_t{1} << (static_cast<uint32_t>(row) % 64u);
+    Sector& sector = sector_[sector_of_[id]];
+    if (sector_of_[Wrapped(id + 1, columns_)] != sector_of_[id]) {
+      sector.last_id = static_cast<int16_t>(id);
     }
   }
+  HP_LOOP_BOUND(kMaxSectors)
+  for (int index = 0; index < sectors_; ++index) {
+    const int last_id = sector_[index].last_id;
+    if (last_id < 0) continue;
+    HP_LOOP_BOUND(kMaxBeams)
+    for (int row = 0; row < beams_; ++row) {
+      if (!(FallOf(model, last_id, row) >= least_fall_)) continue;
+      meets_ground_[index][row / 64] |= uint64_t{1} << (static_cast<uint32_t>(row) % 64u);
+    }
+  }
+  HP_LOOP_BOUND(kMaxBeams)
+  for (int rank = 0; rank < beams_; ++rank) {
+    rank_[model.by_altitude[rank]] = static_cast<uint8_t>(rank);
+  }
+}
+
+// How much a beam falls per metre along the body's plane; 0 for one that does not.
+float SightWatch::FallOf(const BeamModel& model, int last_id, int row) const {
+  constexpr uint32_t kFar_mm = 100'000;
+  const Vec3 far =
+      body_from_sensor_.Apply(PointInSensor(model, EncoderSinCos(model, last_id), row, kFar_mm));
+  const float fall_m = sensor_body_.z_m - far.z_m;
+  const float x_m = far.x_m - sensor_body_.x_m;
+  const float y_m = far.y_m - sensor_body_.y_m;
+  const float level2_m2 = x_m * x_m + y_m * y_m;
+  if (!(fall_m > 0.0f) || !(level2_m2 > 0.0f)) return 0.0f;
+  return fall_m / Sqrt(level2_m2);
+}
+
+// Of beams from the lowest up, each falls less than the one before, but for their own azimuths on a
+// mount that leans: the first that falls too little is found by halves. Not inlined: its calls are
+// counted (config/timing.toml).
+[[gnu::noinline]] void SightWatch::ExpectKnown(int index, float least_fall,
+                                               const BeamModel& model) {
+  if (!configured_ || model.beams != beams_) return;
+  Sector& sector = sector_[index];
+  if (sector.last_id < 0) return;
+  const float least = Max(least_fall, least_fall_);
+  int beams = 0;
+  static_assert(kMaxBeams <= 128);
+  HP_LOOP_BOUND(8)
+  for (int step = 128; step > 0; step /= 2) {
+    const int more = beams + step;
+    const bool falls =
+        more <= beams_ && FallOf(model, sector.last_id, model.by_altitude[more - 1]) >= least;
+    if (falls) beams = more;
+  }
+  sector.known_beams = static_cast<uint8_t>(beams);
+}
+
+Vec2 SightWatch::DirectionOf(int sector) const {
+  const float turns = (static_cast<float>(sector) + 0.5f) / static_cast<float>(sectors_);
+  const SinCosPair angle = SinCos(turns * kTwoPi - kPi);
+  return {angle.cos, angle.sin};
 }
 
 SightWatch::Seen SightWatch::LookAt(const LidarColumn& column, int sector) const {
   Seen seen;
   seen.digest = 2166136261u;
+  const int known_beams = sector_[sector].known_beams;
   HP_LOOP_BOUND_BEAMS(kMaxBeams)
   for (int row = 0; row < beams_; ++row) {
     const uint32_t range_mm = NearestRange(column, row);
@@ -167,12 +202,24 @@ SightWatch::Seen SightWatch::LookAt(const LidarColumn& column, int sector) const
     const bool is_at_window = returned && range_mm < window_mm_;
     const uint64_t bits = meets_ground_[sector][row / 64];
     const bool meets = (bits >> (static_cast<uint32_t>(row) % 64u) & 1u) != 0;
+    const bool meets_known = rank_[row] < known_beams;
+    const bool comes = returned && !is_at_window;
     seen.returns += returned ? 1 : 0;
     seen.at_window += is_at_window ? 1 : 0;
     seen.beams += meets ? 1 : 0;
-    seen.came += meets && returned && !is_at_window ? 1 : 0;
+    seen.came += meets && comes ? 1 : 0;
+    seen.known_beams += meets_known ? 1 : 0;
+    seen.known_came += meets_known && comes ? 1 : 0;
   }
   return seen;
+}
+
+// So few of its beams came back that it is not a look.
+bool SightWatch::IsEmpty(const Sector& sector, const Seen& seen) const {
+  const bool is_level = seen.came * kShareOfLook >= seen.beams;
+  if (is_level) return false;
+  if (seen.known_beams < kLeastKnown) return !sector.is_proven;
+  return seen.known_came * kShareOfLook < seen.known_beams;
 }
 
 bool SightWatch::IsRepeated(const LidarColumn& column, const Seen& seen) {
@@ -225,19 +272,33 @@ void SightWatch::MeasureRevolution(const LidarColumn& column, uint64_t time_ns) 
   const Seen seen = LookAt(column, index);
   const bool is_repeated = IsRepeated(column, seen);
   const bool is_covered = seen.at_window * 2 > beams_;
-  const bool is_empty = seen.came * kShareOfLook < seen.beams;
+  const bool is_empty = IsEmpty(sector, seen);
   Pass& pass = sector.pass;
   ++pass.columns;
   pass.covered = static_cast<uint16_t>(pass.covered + (is_covered ? 1 : 0));
   pass.repeated = static_cast<uint16_t>(pass.repeated + (is_repeated ? 1 : 0));
   pass.beams = static_cast<uint16_t>(pass.beams + seen.beams);
   pass.came = static_cast<uint16_t>(pass.came + seen.came);
+  pass.known_beams = static_cast<uint16_t>(pass.known_beams + seen.known_beams);
+  pass.known_came = static_cast<uint16_t>(pass.known_came + seen.known_came);
   sector.column_ns = time_ns;
   if (is_repeated || is_covered || is_empty) return;
   ++pass.looks;
   if (pass.looks * kShareOfLook < sector.columns) return;
   if (time_ns > sector.look_ns) sector.look_ns = time_ns;
   if (time_ns > newest_ns_) newest_ns_ = time_ns;
+}
+
+// Of a pass that has ended. A frozen image was a look when it was new.
+void SightWatch::JudgeProof(Sector& sector) {
+  const Pass& pass = sector.pass;
+  const bool is_level = pass.beams > 0 && pass.came * kShareOfLook >= pass.beams;
+  const bool is_known = pass.known_beams >= kLeastKnown * pass.columns;
+  if (is_level) {
+    sector.is_proven = true;
+  } else if (is_known) {
+    sector.is_proven = pass.known_came * kShareOfLook >= pass.known_beams;
+  }
 }
 
 void SightWatch::EndPass(Sector& sector, uint64_t time_ns) {
@@ -258,6 +319,7 @@ void SightWatch::EndPass(Sector& sector, uint64_t time_ns) {
     covered_ += count(cause == SightCause::kCovered, sector.cause == SightCause::kCovered);
     frozen_ += count(cause == SightCause::kFrozen, sector.cause == SightCause::kFrozen);
   }
+  JudgeProof(sector);
   const bool is_faulty = (covered_ + frozen_) * kFaultyShare >= sectors_;
   if (is_faulty && faulty_since_ns_ == 0) faulty_since_ns_ = time_ns;
   if (!is_faulty) faulty_since_ns_ = 0;
@@ -342,8 +404,9 @@ SightWatch::Shares SightWatch::SharesOf(int part, uint64_t now_ns) const {
     if (cause > shares.cause && !sector.is_masked && sector.columns > 0) shares.cause = cause;
     if (cause == SightCause::kSilent && sector.column_ns + limit_ns_ < now_ns) continue;
     columns += sector.last.columns;
-    beams += sector.last.beams;
-    came += sector.last.came;
+    const bool is_known = sector.last.known_beams >= kLeastKnown * sector.last.columns;
+    beams += is_known ? sector.last.known_beams : sector.last.beams;
+    came += is_known ? sector.last.known_came : sector.last.came;
   }
   const bool leaves_out = fired_ < columns_;
   shares.columns_permille = Permille(columns, leaves_out ? expected * fired_ / columns_ : expected);

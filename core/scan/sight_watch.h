@@ -17,12 +17,16 @@
 // The directions around the vehicle are divided into sectors as wide as one lidar packet. A sector
 // has been looked along if at least a quarter of its columns arrived and are looks. A column is not
 // a look if it is
-//   empty    fewer than a quarter of the beams returned that would hit the ground on which the
-//            vehicle stands within kNear_m; beams towards the sky do not count
+//   empty    fewer than a quarter of the beams returned that would hit the ground within kNear_m:
+//            neither of those that would on level ground, nor of those that should by the map;
+//            beams towards the sky do not count
 //   covered  most of its beams end nearer than the usable range: at the window
 //   frozen   all of its ranges equal those of one of the two previous revolutions or of the
 //            previous column: measured ranges never repeat
-// With a mount where no beam hits the ground within kNear_m, only arrival can be checked.
+// With a mount where no beam hits the ground within kNear_m, only arrival can be checked. So it is
+// where the map knows of nothing within kNear_m, as before a crest, in a sector that has lately
+// returned what it should: it keeps that proof until the map knows of something there, and it does
+// not come. What no beam has ever come from is not known, and so never driven on.
 //
 // An occasional lost packet leaves one sector old. So a sector's age is that of the younger of
 // itself and its younger neighbour, or half its own age if that is more. With one packet in ten
@@ -44,6 +48,8 @@ class SightWatch {
   static constexpr int kMaxSectors = 128;
   static constexpr int kLeastSectors = 16;
   static constexpr float kNear_m = 10.0f;
+  // Fewer beams than this that should meet something known prove nothing.
+  static constexpr int kLeastKnown = 4;
   // With fewer returns a column may equal another one by chance.
   static constexpr int kLeastReturns = 4;
   // One in this many sectors covered or frozen is a fault, in whatever direction.
@@ -54,6 +60,14 @@ class SightWatch {
   // Cost: kMaxColumnsPerRevolution angles; kMaxSectors x kMaxBeams directions.
   Status Configure(const LidarMountParams& mount, const SafetyParams& safety,
                    const BeamModel& model, int columns_per_packet, int first, int last);
+
+  // What the map knows in a sector's direction: its beams should come back that fall by more than
+  // least_fall per metre along the body's plane (core/autonomy/known_ground.h), but for those that
+  // would not on level ground. Without effect before Configure. model: as there. Precondition: 0 <=
+  // sector < sectors(). Cost: 7 beams.
+  void ExpectKnown(int sector, float least_fall, const BeamModel& model);
+  // A sector's middle in the body frame, as a direction of length 1. Precondition as above.
+  Vec2 DirectionOf(int sector) const;
 
   // Takes a column that the map has accepted. One that does not fit the model changes nothing.
   // Cost: its beams.
@@ -99,8 +113,10 @@ class SightWatch {
     uint16_t looks = 0;
     uint16_t covered = 0;
     uint16_t repeated = 0;
-    uint16_t beams = 0;  // beams expected to return ...
-    uint16_t came = 0;   // ... and those that did
+    uint16_t beams = 0;        // beams that should return, on level ground ...
+    uint16_t came = 0;         // ... and those that did
+    uint16_t known_beams = 0;  // the same by the map
+    uint16_t known_came = 0;
   };
   struct Sector {
     uint64_t look_ns = 0;    // 0: never
@@ -108,6 +124,9 @@ class SightWatch {
     uint16_t columns = 0;    // per revolution, within the window
     uint16_t frame_id = 0;
     bool is_masked = false;
+    bool is_proven = false;   // what should come back from there did, when last it was known
+    uint8_t known_beams = 0;  // of all from the lowest up, those that should meet something known
+    int16_t last_id = -1;     // of its columns; -1: none
     SightCause cause = SightCause::kNone;  // of the last whole pass
     Pass pass;
     Pass last;
@@ -117,17 +136,21 @@ class SightWatch {
     int at_window = 0;
     int beams = 0;
     int came = 0;
+    int known_beams = 0;
+    int known_came = 0;
     uint32_t digest = 0;
   };
 
   void Forget();
   Seen LookAt(const LidarColumn& column, int sector) const;
   bool IsRepeated(const LidarColumn& column, const Seen& seen);
+  static void JudgeProof(Sector& sector);
   void EndPass(Sector& sector, uint64_t time_ns);
   void MeasureRevolution(const LidarColumn& column, uint64_t time_ns);
-  void LaySectors(const LidarMountParams& mount, const SafetyParams& safety, const BeamModel& model,
-                  int first, int last);
-  void ExpectGround(const LidarMountParams& mount, const BeamModel& model);
+  void LaySectors(const SafetyParams& safety, const BeamModel& model, int first, int last);
+  void ExpectGround(const BeamModel& model);
+  float FallOf(const BeamModel& model, int last_id, int row) const;
+  bool IsEmpty(const Sector& sector, const Seen& seen) const;
   int SectorAt(Vec2 point_body) const;
   void LookAlong(int sector, uint64_t now_ns, SightLook& oldest) const;
   SightCause CauseOf(const Sector& sector, uint64_t now_ns) const;
@@ -140,7 +163,10 @@ class SightWatch {
   int32_t sectors_ = 0;
   uint32_t window_mm_ = 0;  // anything nearer is at the window
   uint64_t limit_ns_ = 0;
-  Vec2 sensor_body_;
+  Vec3 sensor_body_;
+  float least_fall_ = 0.0f;  // of a beam that meets level ground within kNear_m
+  Transform3 body_from_sensor_;
+  uint8_t rank_[kMaxBeams] = {};  // of a row, from the lowest beam up
   uint64_t newest_ns_ = 0;
   uint64_t revolution_ns_ = 0;
   uint64_t column_ns_ = 0;  // of the previous column ...

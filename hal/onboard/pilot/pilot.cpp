@@ -155,6 +155,7 @@ void Pilot::FinishMap() {
   ReleaseLeftPlace();
   LookForLost();
   AdvanceMount();
+  ExpectReturns();
 }
 
 // Where the vehicle went in a gap nobody knows: what was mapped before it no longer has a place.

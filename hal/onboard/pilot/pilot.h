@@ -263,6 +263,7 @@ class Pilot {
   bool MayWatchMount(int slot) const;
   void WatchMount(int slot);
   void AdvanceMount();
+  void ExpectReturns();
   void LookAt(const PathState& state, SightLook& oldest) const;
   StopReason BlindBy(const SightLook& look) const;
 
@@ -342,6 +343,7 @@ class Pilot {
   ReactionMeter reaction_;
   SightWatch sight_;
   MountWatch mount_;
+  int32_t expected_sector_ = 0;            // the last whose returns were told
   int32_t mount_columns_ = 0;              // watched in this tick
   StopReason no_way_ = StopReason::kNone;  // as the last round found
   uint32_t round_tick_ = 0;                // in which the round began

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/autonomy/assured_sight.h"
+#include "core/autonomy/known_ground.h"
 #include "core/base/footprint.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
@@ -15,6 +16,8 @@ namespace {
 // The way to a stop is looked along at so many places.
 constexpr int kPlaces = 12;
 constexpr uint32_t kGroundReach_mm = 12'000;
+// 128 sectors in 0.16 s at 100 ticks a second.
+constexpr int kExpectedInTick = 8;
 // A turn on the spot within so many points is the next thing that is driven.
 constexpr int kTurnAhead = 3;
 
@@ -114,6 +117,21 @@ bool Pilot::MayWatchMount(int slot) const {
     const float dx_m = point.x_m - here.position.x_m;
     const float dy_m = point.y_m - here.position.y_m;
     mount_.Add({body.cos * dx_m + body.sin * dy_m, body.cos * dy_m - body.sin * dx_m}, step_m);
+  }
+}
+
+// Some sectors in each tick, one after the other: what the map knows in their directions.
+void Pilot::ExpectReturns() {
+  const int sectors = sight_.sectors();
+  const Transform3 odom_from_body = TransformFrom(odometry_.pose());
+  const Vec3 sensor =
+      BodyFromSensor(config_.perception.mount).Apply(beam_model_.sensor_from_lidar.translation);
+  HP_LOOP_BOUND(kExpectedInTick)
+  for (int i = 0; i < kExpectedInTick && sectors > 0; ++i) {
+    expected_sector_ = expected_sector_ + 1 < sectors ? expected_sector_ + 1 : 0;
+    const float fall = LeastFallToKnown(mapper_.heights(), odom_from_body, sensor,
+                                        sight_.DirectionOf(expected_sector_));
+    sight_.ExpectKnown(expected_sector_, fall, beam_model_);
   }
 }
 

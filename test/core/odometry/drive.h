@@ -43,8 +43,11 @@ class KnownDrive {
     const double middle_rad = yaw_rad + w_radps * dt_s / 2.0;
     const double left_mps =
         -w_radps * flaws.turning_point_m * v_mps / std::hypot(v_mps, flaws.turning_point_speed_mps);
-    x_m += dt_s * (v_mps * std::cos(middle_rad) - left_mps * std::sin(middle_rad));
-    y_m += dt_s * (v_mps * std::sin(middle_rad) + left_mps * std::cos(middle_rad));
+    const double level_s = dt_s * std::cos(grade_rad);
+    aside_mps = left_mps + slide_mps;
+    x_m += level_s * (v_mps * std::cos(middle_rad) - aside_mps * std::sin(middle_rad));
+    y_m += level_s * (v_mps * std::sin(middle_rad) + aside_mps * std::cos(middle_rad));
+    z_m += dt_s * v_mps * std::sin(grade_rad);
     yaw_rad += w_radps * dt_s;
     driven_m += std::fabs(v_mps) * dt_s;
     now_ns += kHalfTick_ns;
@@ -63,10 +66,17 @@ class KnownDrive {
                                                 flaws.gyro_noise_radps * normal_(random_)))};
     sample.has_attitude = true;
     sample.yaw_rad = static_cast<float>(std::remainder(north_rad - yaw_rad, 2.0 * M_PI));
+    sample.pitch_rad = static_cast<float>(grade_rad - dip_rad);
     sample.has_velocity = sample.has_status = flaws.has_ground_speed;
-    const double speed_mps = v_mps + flaws.ground_speed_noise_mps * normal_(random_);
-    sample.velocity_ned = {static_cast<float>(speed_mps * std::cos(north_rad - yaw_rad)),
-                           static_cast<float>(speed_mps * std::sin(north_rad - yaw_rad)), 0.0f};
+    const double speed_mps =
+        v_mps * std::cos(grade_rad) + flaws.ground_speed_noise_mps * normal_(random_);
+    const double climb_mps = v_mps * std::sin(grade_rad) + climb_error_mps;
+    const double cos = std::cos(north_rad - yaw_rad);
+    const double sin = std::sin(north_rad - yaw_rad);
+    sample.roll_rad = static_cast<float>(-bank_rad);
+    sample.velocity_ned = {static_cast<float>(speed_mps * cos + aside_mps * sin),
+                           static_cast<float>(speed_mps * sin - aside_mps * cos),
+                           static_cast<float>(-climb_mps)};
     sample.status.mode = InsMode::kTracking;
     sample.status.gnss_fix = true;
     return sample;
@@ -119,6 +129,13 @@ class KnownDrive {
   double north_rad = 0.6;  // of x, clockwise from north
   double x_m = 0.0;
   double y_m = 0.0;
+  double z_m = 0.0;
+  double grade_rad = 0.0;  // of the ground along its heading, upwards
+  double bank_rad = 0.0;   // of the ground to the left of its heading, downwards
+  double slide_mps = 0.0;  // to the left, beyond what a turn does
+  double dip_rad = 0.0;    // of its nose, against the ground
+  double climb_error_mps = 0.0;
+  double aside_mps = 0.0;  // to the left, all of it
   double yaw_rad = 0.0;
   double v_mps = 0.0;
   double w_radps = 0.0;

@@ -82,6 +82,104 @@ TEST(Odometry, TurnsAboutTheVerticalOnASlope) {
   EXPECT_LT(std::fabs(drive.YawError()), 0.03);
 }
 
+// Up and down, forward and backward, by the INS's vertical speed and without it.
+TEST(Odometry, ItsHeightFollowsTheGround) {
+  for (const bool has_velocity : {true, false}) {
+    for (const double grade_rad : {0.35, -0.2}) {
+      for (const double speed_mps : {3.0, -1.0}) {
+        SCOPED_TRACE(::testing::Message() << has_velocity << ' ' << grade_rad << ' ' << speed_mps);
+        KnownDrive drive({.has_ground_speed = has_velocity});
+        drive.Ticks(100, 0.0, 0.0);
+        drive.grade_rad = grade_rad;
+        drive.Ticks(1000, speed_mps, 0.0);
+        EXPECT_GT(std::fabs(drive.z_m), 1.5);
+        EXPECT_NEAR(drive.odometry.pose().position.z_m, drive.z_m, 0.02 * std::fabs(drive.z_m));
+        if (has_velocity) {
+          EXPECT_LT(drive.PositionError(), 0.015 * drive.driven_m);
+        }
+      }
+    }
+  }
+}
+
+// A nose that dips on level ground is no slope, as long as the INS tells; and what the INS says of
+// a vertical speed that no pitch bears out does not lift the vehicle off.
+TEST(Odometry, ANoseThatDipsIsNoSlopeAndAVerticalSpeedNoLift) {
+  KnownDrive drive;
+  drive.Ticks(100, 0.0, 0.0);
+  drive.dip_rad = 0.05;
+  drive.Ticks(1000, 2.0, 0.0);
+  EXPECT_LT(std::fabs(drive.odometry.pose().position.z_m), 0.02f);
+  drive.dip_rad = 0.0;
+  drive.climb_error_mps = 3.0;
+  drive.driven_m = 0.0;
+  const float before_m = drive.odometry.pose().position.z_m;
+  drive.Ticks(300, 2.0, 0.0);
+  const float lifted_m = drive.odometry.pose().position.z_m - before_m;
+  EXPECT_LT(lifted_m, 1.05f * Odometry::kClimbShare * static_cast<float>(drive.driven_m));
+  drive.Ticks(300, 0.0, 0.0);
+  const float stood_m = drive.odometry.pose().position.z_m;
+  drive.Ticks(1000, 0.0, 0.0);
+  EXPECT_EQ(drive.odometry.pose().position.z_m, stood_m) << "at rest";
+}
+
+// Tyres on a bank creep downhill, which no wheel tells; uphill they do not, and on level ground not
+// either, whatever an INS says whose heading is wrong.
+TEST(Odometry, CreepsDownhillOnABankAndNowhereElse) {
+  for (const double bank_rad : {0.25, -0.25, 0.0}) {
+    for (const double slide_mps : {0.1, -0.1}) {
+      SCOPED_TRACE(::testing::Message() << bank_rad << ' ' << slide_mps);
+      KnownDrive drive({.ground_speed_noise_mps = 0.02});
+      drive.Ticks(100, 0.0, 0.0);
+      drive.bank_rad = bank_rad;
+      drive.slide_mps = slide_mps;
+      drive.Ticks(1000, 2.0, 0.0);
+      const bool is_downhill = bank_rad * slide_mps > 0.0;
+      const double aside_m =
+          -(drive.x_m * std::sin(drive.yaw_rad)) + drive.y_m * std::cos(drive.yaw_rad);
+      EXPECT_GT(std::fabs(aside_m), 0.9);
+      const double found_m = static_cast<double>(drive.odometry.pose().position.y_m);
+      EXPECT_NEAR(found_m, is_downhill ? aside_m : 0.0, 0.15);
+      // No more than tyres do that still roll.
+      drive.slide_mps *= 100.0;
+      drive.Ticks(100, 2.0, 0.0);
+      const double moved_m = static_cast<double>(drive.odometry.pose().position.y_m) - found_m;
+      EXPECT_LT(std::fabs(moved_m), 1.1 * 0.5 * 2.0 * std::sin(0.25));
+    }
+  }
+}
+
+// An INS that stopped telling how fast it climbs told the past.
+TEST(Odometry, AVerticalSpeedThatIsOldIsNotUsed) {
+  KnownDrive drive({.ground_speed_noise_mps = 0.0});
+  drive.Ticks(100, 0.0, 0.0);
+  drive.grade_rad = 0.1;
+  drive.Ticks(300, 2.0, 0.0);
+  drive.flaws.has_ground_speed = false;
+  drive.grade_rad = 0.0;
+  drive.Ticks(500, 2.0, 0.0);
+  EXPECT_NEAR(drive.odometry.pose().position.z_m, drive.z_m, 0.05);
+}
+
+TEST(Odometry, ItsHeightBeginsAnewBeyondItsLimit) {
+  for (const double grade_rad : {0.5, -0.5}) {
+    KnownDrive drive;
+    drive.grade_rad = grade_rad;
+    float most_m = 0.0f;
+    int steps = 0;
+    for (int tick = 0; tick < 6000; ++tick) {
+      const float before_m = drive.odometry.pose().position.z_m;
+      drive.Ticks(1, 5.0, 0.0);
+      const float step_m = drive.odometry.pose().position.z_m - before_m;
+      most_m = std::max(most_m, std::fabs(drive.odometry.pose().position.z_m));
+      if (std::fabs(step_m) > 1.0f) ++steps;
+    }
+    EXPECT_GT(std::fabs(drive.z_m), double{Odometry::kMaxHeight_m});
+    EXPECT_LE(most_m, Odometry::kMaxHeight_m);
+    EXPECT_EQ(steps, 1);
+  }
+}
+
 TEST(Odometry, LearnsTheGyrosBiasAtRest) {
   for (const double bias_radps : {0.02, -0.02}) {
     KnownDrive drive({.gyro_bias_radps = bias_radps});

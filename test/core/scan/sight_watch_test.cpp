@@ -39,6 +39,7 @@ class Lidar {
       ground_mm[beam] = fall > 0.012 ? static_cast<uint32_t>(1000.0 * kHeight_m / fall) : 0u;
     }
     EXPECT_EQ(watch->Configure({}, safety, *model, kPacketColumns, 0, columns - 1), Status::kOk);
+    Know(kHeight_m / 10.0);
     column->beams = kBeams;
     column->valid = true;
   }
@@ -49,6 +50,13 @@ class Lidar {
   double Angle_deg(int id) const {
     const double deg = 180.0 - 360.0 * id / columns_;
     return deg;
+  }
+
+  // How little a beam may fall that meets something the map knows, all around.
+  void Know(double least_fall) {
+    for (int sector = 0; sector < watch->sectors(); ++sector) {
+      watch->ExpectKnown(sector, static_cast<float>(least_fall), *model);
+    }
   }
 
   // One revolution; `says` may change a column, and says whether it comes.
@@ -220,6 +228,72 @@ TEST(SightWatch, ACoveredWindowIsNoLook) {
     EXPECT_EQ(lidar.Ahead().cause, range_mm == 0 ? SightCause::kEmpty : SightCause::kCovered);
     EXPECT_EQ(lidar.watch->covered_sectors() > 0, range_mm != 0);
     EXPECT_LT(lidar.watch->SharesOf(8, lidar.now_ns).returns_permille, 100);
+  }
+}
+
+constexpr double kNothing = 1.0e6;
+
+void NothingAhead(Lidar& lidar, int revolutions) {
+  for (int turn = 0; turn < revolutions; ++turn) {
+    lidar.Revolution([&](int id, LidarColumn& column) {
+      if (!IsAhead(lidar.Angle_deg(id), 46.0)) return true;
+      for (uint32_t& range : column.range_mm) range = 0;
+      return true;
+    });
+  }
+}
+
+// SR-SEE02: before a crest the map knows of nothing that a beam should meet: none is missing.
+TEST(SightWatch, WhereNothingIsKnownNothingIsMissing) {
+  Lidar lidar;
+  lidar.Revolutions(3);
+  lidar.Know(kNothing);
+  NothingAhead(lidar, 10);
+  EXPECT_LT(lidar.AgeAhead_s(), 0.11);
+  EXPECT_EQ(lidar.watch->OldSectors(lidar.now_ns, 0.42f), 0);
+  EXPECT_EQ(lidar.watch->SharesOf(8, lidar.now_ns).cause, SightCause::kNone);
+}
+
+// SR-SEE03: but only as long as what was known last came; a window covered before anything came
+// from there proves nothing, and neither does one that was seen to be covered.
+TEST(SightWatch, AWindowThatWasCoveredIsNoLookUntilSomethingComes) {
+  Lidar lidar;
+  lidar.Know(kNothing);
+  NothingAhead(lidar, 10);
+  EXPECT_EQ(lidar.Ahead().time_ns, 0u);
+  lidar.Revolutions(2);
+  EXPECT_LT(lidar.AgeAhead_s(), 0.11);
+  NothingAhead(lidar, 3);
+  EXPECT_LT(lidar.AgeAhead_s(), 0.11);
+  lidar.Know(kHeight_m / 10.0);
+  NothingAhead(lidar, 3);
+  EXPECT_GT(lidar.AgeAhead_s(), 0.3);
+  lidar.Know(kNothing);
+  NothingAhead(lidar, 3);
+  EXPECT_GT(lidar.AgeAhead_s(), 0.6);
+  EXPECT_EQ(lidar.Ahead().cause, SightCause::kEmpty);
+  EXPECT_LT(lidar.watch->SharesOf(8, lidar.now_ns).returns_permille, 100);
+}
+
+// Ground that is known as far as 5 m: two of the beams that should meet it are a look, two others
+// are not.
+TEST(SightWatch, ExpectsTheBeamsThatFallToWhatIsKnown) {
+  for (const bool are_known : {true, false}) {
+    Lidar lidar;
+    lidar.Revolutions(3);
+    lidar.Know(kHeight_m / 5.0);
+    const int first = are_known ? kBeams - 2 : kBeams - 12;
+    for (int turn = 0; turn < 10; ++turn) {
+      lidar.Revolution([&](int id, LidarColumn& column) {
+        if (!IsAhead(lidar.Angle_deg(id), 46.0)) return true;
+        for (int beam = 0; beam < kBeams; ++beam) {
+          if (beam != first && beam != first + 1) column.range_mm[beam] = 0;
+        }
+        return true;
+      });
+    }
+    EXPECT_EQ(lidar.AgeAhead_s() < 0.11, are_known);
+    EXPECT_EQ(lidar.watch->SharesOf(8, lidar.now_ns).returns_permille > 200, are_known);
   }
 }
 
