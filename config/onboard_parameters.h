@@ -128,6 +128,9 @@ struct SafetyParams {
   float sweep_margin_m = 0.05f;     // beyond the outline, during a stop (motion_sweep.h)
   // The final limits of a command (core/safety/command_gate.h).
   float max_wheel_acceleration_radps2 = 200.0f;
+  // Of the body, now or soon (core/safety/tilt_watch.h); 0: no limit.
+  float max_roll_rad = 0.45f;
+  float max_pitch_rad = 0.5f;
   // Motion against command (core/safety/motion_watch.h).
   float motion_speed_margin_mps = 1.0f;
   float motion_yaw_margin_radps = 0.6f;

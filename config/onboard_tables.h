@@ -238,6 +238,10 @@ inline constexpr std::array kSafetyTable = {
               "The same for the operator's last command or key press; 0: no operator required."),
     HP_SAFETY(max_stop_s, 0.5f, 30.0f,
               "A safe stop along the path that takes longer becomes zero speed."),
+    HP_SAFETY(max_roll_rad, 0.0f, 1.5f,
+              "A body that rolls further, or is about to, stops the vehicle, and keeps it from "
+              "setting out; 0: none does. Friction of 0.5 ends at 0.46."),
+    HP_SAFETY(max_pitch_rad, 0.0f, 1.5f, "The same for its pitch."),
     HP_SAFETY(hard_age_factor, 1.0f, 20.0f,
               "An age beyond this many times its limit: zero speed at once."),
     HP_SAFETY(corridor_margin_m, 0.0f, 0.5f,

@@ -131,7 +131,20 @@ inline constexpr std::array kCostmapTable = {
         "Cost of a cell whose ground was not observed, added to the cost of both layers (ours)."),
     HP_COSTMAP(near_unknown_cost, 0.0f, 39.0f,
                "Added where the outline would cover ground that was not observed, near something "
-               "hard and about as near to the lidar as it cannot see the ground; 0: none (ours).")};
+               "hard and about as near to the lidar as it cannot see the ground; 0: none (ours)."),
+    HP_COSTMAP(
+        max_grade, 0.0f, 1.9f,
+        "Ground that rises by more than this per metre, in any direction, is an obstacle: 0.5 "
+        "is 27 degrees, where friction of 0.5 ends; 0: none is, and grade and roughness cost "
+        "nothing (ours)."),
+    HP_COSTMAP(free_grade, 0.0f, 1.9f, "A grade up to this costs nothing (ours)."),
+    HP_COSTMAP(grade_cost, 0.0f, 100.0f,
+               "Cost of the grade beyond costmap.free_grade, per metre of rise in a metre (ours)."),
+    HP_COSTMAP(free_roughness_m, 0.0f, 1.0f,
+               "Roughness up to this costs nothing: the standard deviation of the ground's heights "
+               "from the plane through a square of 1 m (ours)."),
+    HP_COSTMAP(roughness_cost_per_m, 0.0f, 1000.0f,
+               "Cost of the roughness beyond costmap.free_roughness_m (ours).")};
 #undef HP_COSTMAP
 
 #define HP_ASTAR(...) HP_ENTRY("astar", AstarParams, __VA_ARGS__)

@@ -56,8 +56,13 @@ struct CostmapParams {
   float hard_slope_per_m = 12.0f;    // ... and its growth with the depth inside
   float soft_edge_cost = 1.5f;       // soft layer: the same
   float soft_slope_per_m = 3.0f;
-  float unknown_cost = 1.0f;       // added where the ground was not observed
-  float near_unknown_cost = 9.0f;  // likewise near the lidar (core/costmap/near_unknown.h)
+  float unknown_cost = 1.0f;           // added where the ground was not observed
+  float near_unknown_cost = 9.0f;      // likewise near the lidar (core/costmap/near_unknown.h)
+  float max_grade = 0.5f;              // rise per metre: steeper ground is hard; 0: none is
+  float free_grade = 0.15f;            // up to here the grade costs nothing ...
+  float grade_cost = 10.0f;            // ... and this much more per unit beyond
+  float free_roughness_m = 0.04f;      // about the plane of 1 m of ground; likewise
+  float roughness_cost_per_m = 20.0f;  // up to 15 altogether (core/costmap/terrain.h)
 };
 
 struct AstarParams {

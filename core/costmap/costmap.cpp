@@ -49,6 +49,7 @@ bool Within(float value, float low, float high) {
 
 Status CheckCostmapParams(const CostmapParams& params) {
   constexpr float kMaxHeight_m = 327.0f;  // what a HeightGrid can tell apart
+  constexpr float kMaxTerrainCost = 1000.0f;
   const bool rule_known = params.obstacle_rule == ObstacleRule::kInCell ||
                           params.obstacle_rule == ObstacleRule::kLocalGround;
   const bool heights_fit = Within(params.obstacle_height_m, 0.0f, kMaxHeight_m) &&
@@ -75,6 +76,12 @@ Status CheckCostmapParams(const CostmapParams& params) {
                          hard <= kMaxCost && soft <= kMaxCost && Within(unknown, 0.0f, kMaxCost) &&
                          Within(near, 0.0f, kMaxCost) &&
                          Quantized(hard) + Quantized(soft) + Quantized(unknown) <= kMaxCost_q8;
+  const bool terrain_fits = Within(params.max_grade, 0.0f, Terrain::kMaxGrade) &&
+                            Within(params.free_grade, 0.0f, Terrain::kMaxGrade) &&
+                            Within(params.grade_cost, 0.0f, kMaxTerrainCost) &&
+                            Within(params.free_roughness_m, 0.0f, kMaxHeight_m) &&
+                            Within(params.roughness_cost_per_m, 0.0f, kMaxTerrainCost);
+  if (!terrain_fits) return Status::kParameterOutOfRange;
   return costs_fit ? Status::kOk : Status::kParameterOutOfRange;
 }
 
@@ -118,7 +125,10 @@ void CostmapBuilder::Start(const GridWindow& window, const CostmapParams& params
   soft_row_.FillMargins();
   HP_LOOP_BOUND(kPaddedRows)
   for (auto& row : padded_) row.FillMargins();
-  if (from_heights_) StartHeights();
+  if (from_heights_) {
+    terrain_.Begin(params);
+    StartHeights();
+  }
 }
 
 void CostmapBuilder::SetCell(int index, uint8_t flags) {

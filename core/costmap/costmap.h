@@ -13,6 +13,7 @@
 #include "core/costmap/height_grid.h"
 #include "core/costmap/near_unknown.h"
 #include "core/costmap/padded_row.h"
+#include "core/costmap/terrain.h"
 
 // From heights to costs ([OS] Cost Map Creation; docs/algorithm.md section 1): obstacle rule; then,
 // for the hard and the soft layer alike, dilation by the planning radius, a cost that grows with
@@ -33,6 +34,7 @@
 //   the low returns here are firm (HeightGrid)              hard: a rock, a log, a kerb, a wire
 //   a person among the hard returns                         hard, standing or lying
 //   no observed ground in the square                        hard: its height is unknown
+//   the ground itself is too steep (core/costmap/terrain.h) hard
 //   otherwise                                               not hard: grass, a root
 // Low returns were compared with the ground line of their own direction, so a slope is not low. A
 // cell that is not hard is soft if highest soft - ground > growth_height, and free otherwise; free
@@ -109,9 +111,10 @@ struct ChordSteps {
 // gives the same map.
 class CostmapBuilder {
  public:
-  // From heights, a row is classed once the rows that its ground may come from have been loaded.
+  // From heights, first the terrain is fitted. Then a row is classed once the rows that its ground
+  // may come from have been loaded.
   static constexpr int kLag_cells = kMaxGroundWindow_cells / 2;
-  static constexpr int kHeightUnits = kMapSize_cells + kLag_cells;
+  static constexpr int kHeightUnits = Terrain::kUnits + kMapSize_cells + kLag_cells;
   // Then three sweeps: upwards, back, and upwards again.
   static constexpr int kSweeps = 3;
   static constexpr int kCellUnits = kSweeps * kMapSize_cells;
@@ -174,6 +177,8 @@ class CostmapBuilder {
 
   // Valid once Step has returned kDone and until the next Begin.
   const Costmap& result() const { return map_; }
+  // Of a build from heights, once they are done; else there is none.
+  const Terrain& terrain() const { return terrain_; }
 
  private:
   // The largest integer whose square is not saturated.
@@ -212,6 +217,7 @@ class CostmapBuilder {
   void EndUnit();
   void HeightUnit(const HeightGrid& heights);
   void StartHeights();
+  void ClassUnit(const HeightGrid& heights, int row);
   void LoadRow(const HeightGrid& heights, int row);
   void LoadNoRow(int row);
   void ClassifyRow(const HeightGrid& heights, int row);
@@ -257,6 +263,7 @@ class CostmapBuilder {
   int32_t radius_cells_ = 0;    // the largest integer within it
   Cover cover_ = {};            // of the far ground's square
   NearUnknown near_;
+  Terrain terrain_;
   int32_t refused_ = 0;
   Cell refused_middle_[kMaxRefused] = {};
   int32_t refused_cells_[kMaxRefused] = {};
@@ -292,7 +299,7 @@ class CostmapBuilder {
   uint16_t near_cost_q8_ = 0;
   int32_t soft_reach_cells_ = 0;  // its costs are constant from this distance on
 };
-static_assert(sizeof(CostmapBuilder) <= 6 * kMapCells + 17 * 1024);
+static_assert(sizeof(CostmapBuilder) <= 6 * kMapCells + 17 * 1024 + sizeof(Terrain));
 static_assert(std::is_trivially_copyable_v<CostmapBuilder>);
 
 // Inline: the optimizer calls it millions of times per second.

@@ -149,16 +149,25 @@ void CostmapBuilder::StartHeights() {
 }
 
 void CostmapBuilder::HeightUnit(const HeightGrid& heights) {
-  if (row_ < kMapSize_cells) {
-    LoadRow(heights, row_);
+  if (row_ < Terrain::kUnits) {
+    terrain_.AddRow(heights, map_.window.origin, row_);
   } else {
-    LoadNoRow(row_);
+    ClassUnit(heights, row_ - Terrain::kUnits);
+  }
+}
+
+// Loads a row, and classes the one kLag_cells before it.
+void CostmapBuilder::ClassUnit(const HeightGrid& heights, int loaded) {
+  if (loaded < kMapSize_cells) {
+    LoadRow(heights, loaded);
+  } else {
+    LoadNoRow(loaded);
   }
   // Blocks of rows that are now complete.
-  if (cover_.cells > 1) SmallestOfRows<1>(ring(0), row_ - 3, RowOf(ring(1), row_ - 3));
-  if (cover_.cells > 4) SmallestOfRows<4>(ring(1), row_ - 15, RowOf(ring(2), row_ - 15));
+  if (cover_.cells > 1) SmallestOfRows<1>(ring(0), loaded - 3, RowOf(ring(1), loaded - 3));
+  if (cover_.cells > 4) SmallestOfRows<4>(ring(1), loaded - 15, RowOf(ring(2), loaded - 15));
   // The columns of the square around the row that is classed next.
-  const int row = row_ - kLag_cells;
+  const int row = loaded - kLag_cells;
   const int half = params_.ground_window_cells / 2;
   CountColumns(RowOf(known_ring(), row + half), RowOf(known_ring(), row - half - 1), known_count_,
                padded_[0].cells());
@@ -194,6 +203,7 @@ void CostmapBuilder::ClassifyRow(const HeightGrid& heights, int row) {
     FindLimits(row);
   }
   FlagRow(row);
+  terrain_.Flag(row, map_.flags + row * kMapSize_cells);
 }
 
 // Where no cell of a block has a hard or a soft return, there is no obstacle.

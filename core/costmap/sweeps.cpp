@@ -213,6 +213,7 @@ void CostmapBuilder::FindCosts(int row) {
     }
   }
   near_.AddCost(row, near_cost_q8_, map_.cost_q8 + begin);
+  if (from_heights_) terrain_.AddCost(row, map_.cost_q8 + begin);
 }
 
 // Squared distances to the edge of the lethal region, from either side. The edge keeps the two

@@ -144,6 +144,7 @@ void Supervisor::StepArmed(const SupervisorInput& input) {
   }
   reason_ = OldInput(input);
   if (reason_ == StopReason::kNone) reason_ = input.area;
+  if (reason_ == StopReason::kNone && input.is_tilted) reason_ = StopReason::kTilted;
   const bool is_held =
       input.held_by == StopReason::kPaused || input.held_by == StopReason::kAtWaypoint;
   if (reason_ == StopReason::kNone && input.has_goal && (!input.has_plan || is_held)) {
@@ -189,6 +190,10 @@ void Supervisor::StepDriving(const SupervisorInput& input) {
   }
   if (input.ground_drops) {
     Change(Mode::kSafeStop, StopReason::kGroundDrops, input.now_ns);
+    return;
+  }
+  if (input.is_tilted) {
+    Change(Mode::kSafeStop, StopReason::kTilted, input.now_ns);
     return;
   }
   if (input.has_plan && IsOlder(input.now_ns, input.plan_checked_ns, params_.max_plan_age_s)) {

@@ -76,8 +76,9 @@ enum class StopReason : uint8_t {
   kAreaBreached,    // it is in a keep-out area, or not inside the fence (core/areas)
   kAreaUnknown,     // not all areas have arrived, or one on earth has no place in odom
   kGroundDrops,     // a wheel drops in ground that was not seen (core/safety/ground_watch.h)
+  kTilted,          // the body leans too far, or is about to (core/safety/tilt_watch.h)
 };
-inline constexpr int kStopReasons = 35;
+inline constexpr int kStopReasons = 36;
 
 // What the drives are told to do.
 enum class Motion : uint8_t {
@@ -137,6 +138,7 @@ struct SupervisorInput {
   // not, it is not armed, does not set out, and stops: where it breaches one, with zero speed.
   StopReason area = StopReason::kNone;
   bool ground_drops = false;  // stops, with zero speed
+  bool is_tilted = false;     // stops along its path, and does not set out
   OperatorWishes wishes;
 };
 

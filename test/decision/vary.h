@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <string_view>
 
 #include "config/parameter_tables.h"
@@ -24,13 +26,16 @@ double NearBy(Random& random, const ParameterEntry<Group>& entry, const Group& g
 }
 
 // Parameters of other vehicles than the one that these decisions are about, of waypoints that are
-// passed, of ground that is hidden, or of driving in reverse. They draw no numbers, so that the
-// decisions of before are the same.
+// passed, of ground that is hidden, of slopes, or of driving in reverse. They draw no numbers, so
+// that the decisions of before are the same.
 inline bool StaysAsItIs(std::string_view full_name) {
-  return full_name == "replan.pass_radius_m" || full_name == "speed.hidden_creep_mps" ||
-         full_name == "costmap.near_unknown_cost" || full_name == "path.reverse_out_m" ||
-         full_name == "speed.max_reverse_mps" || full_name == "vehicle.kinematics" ||
-         full_name == "vehicle.wheelbase_m" || full_name == "vehicle.max_steering_rad" ||
+  constexpr std::array<std::string_view, 13> kNames = {
+      "replan.pass_radius_m",     "speed.hidden_creep_mps",       "costmap.near_unknown_cost",
+      "costmap.max_grade",        "costmap.free_grade",           "costmap.grade_cost",
+      "costmap.free_roughness_m", "costmap.roughness_cost_per_m", "path.reverse_out_m",
+      "speed.max_reverse_mps",    "vehicle.kinematics",           "vehicle.wheelbase_m",
+      "vehicle.max_steering_rad"};
+  return std::ranges::find(kNames, full_name) != kNames.end() ||
          full_name.starts_with("twist_drive.");
 }
 

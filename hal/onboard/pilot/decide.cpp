@@ -60,6 +60,7 @@ SupervisorInput Pilot::Situation(const DriveFeedback& drives, bool bus_is_active
   situation.misbehaves = Misbehaves();
   situation.area = area_;
   situation.ground_drops = ground_drops_;
+  situation.is_tilted = is_tilted_;
   situation.wishes = wishes_;
   return situation;
 }
@@ -73,6 +74,8 @@ void Pilot::Decide(std::span<const uint8_t> command, const DriveFeedback& drives
   FollowPlan();
   WatchMotion(drives.wheels);
   WatchGround();
+  const StampedPose& here = odometry_.pose();
+  is_tilted_ = tilt_.Judge(config_.onboard.safety, now_ns_, here.roll_rad, here.pitch_rad);
   sweep_advice_ = JudgeSweep();
   area_ = JudgeAreas();
   const SupervisorInput situation = Situation(drives, bus_is_active);

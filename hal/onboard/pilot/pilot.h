@@ -26,6 +26,7 @@
 #include "core/safety/motion_watch.h"
 #include "core/safety/reaction_meter.h"
 #include "core/safety/supervisor.h"
+#include "core/safety/tilt_watch.h"
 #include "core/scan/mount_watch.h"
 #include "core/scan/sight_watch.h"
 #include "core/segmentation/label_table.h"
@@ -340,6 +341,8 @@ class Pilot {
   GroundWatch ground_;
   bool ground_drops_ = false;  // in this tick
   bool may_creep_ = true;      // no wheel has dropped since it was last in standby
+  TiltWatch tilt_;
+  bool is_tilted_ = false;
   ReactionMeter reaction_;
   SightWatch sight_;
   MountWatch mount_;

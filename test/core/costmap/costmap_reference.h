@@ -29,10 +29,25 @@ class CostmapReference {
 
   // The cells of `window`, classed by the heights that the grid has now.
   CostmapReference(const HeightGrid& heights, const GridWindow& window, const CostmapParams& params)
-      : params_(params), heights_(kMapCells), flags_(kMapCells) {
+      : params_(params), heights_(kMapCells), terrain_(kMapCells), flags_(kMapCells) {
     for (int i = 0; i < kMapCells; ++i) heights_[Place(i)] = heights.At(window.FromIndex(i));
-    for (int i = 0; i < kMapCells; ++i) flags_[Place(i)] = Classed(i % kSize, i / kSize);
+    for (int i = 0; i < kMapCells; ++i) {
+      terrain_[Place(i)] = TerrainAt(i % kSize, i / kSize);
+      flags_[Place(i)] = Classed(i % kSize, i / kSize);
+      if (terrain_[Place(i)].grade > static_cast<double>(params_.max_grade)) {
+        int& flags = flags_[Place(i)];
+        flags = (flags & ~(Costmap::kSoft | Costmap::kGrowth)) | Costmap::kHard;
+      }
+    }
   }
+
+  struct TerrainValues {
+    double grade_x = 0.0;
+    double grade_y = 0.0;
+    double grade = 0.0;
+    double roughness_m = 0.0;
+  };
+  const TerrainValues& TerrainAt(int index) const { return terrain_[Place(index)]; }
 
   // What CostmapBuilder::Mark does.
   void Mark(int index, int flags) {
@@ -98,6 +113,51 @@ class CostmapReference {
 
   const HeightGrid::CellHeights& HeightsAt(int column, int row) const {
     return heights_[Place(row * kSize + column)];
+  }
+
+  // The plane by least squares, over what is known within 12 m of the lowest height in the same row
+  // of the same 16 columns.
+  TerrainValues TerrainAt(int column, int row) const {
+    const bool exists = params_.max_grade > 0.0f && params_.obstacle_rule != ObstacleRule::kInCell;
+    if (!exists || !HeightsAt(column, row).ground) return {};
+    int lowest_cm = kNone;
+    for (int x = column / 16 * 16; x < column / 16 * 16 + 16; ++x) {
+      if (HeightsAt(x, row).ground)
+        lowest_cm = std::min<int>(lowest_cm, HeightsAt(x, row).lowest_cm);
+    }
+    double n = 0, sx = 0, sy = 0, sz = 0, sxx = 0, sxy = 0, syy = 0, sxz = 0, syz = 0, szz = 0;
+    ForSquare(column, row, 2, [&](int x, int y) {
+      const HeightGrid::CellHeights& cell = HeightsAt(x, y);
+      if (!cell.ground || std::abs(cell.lowest_cm - lowest_cm) > 1200) return;
+      const double dx = x - column;
+      const double dy = y - row;
+      const double z = cell.lowest_cm - lowest_cm;
+      n += 1, sx += dx, sy += dy, sz += z, sxx += dx * dx, sxy += dx * dy, syy += dy * dy;
+      sxz += dx * z, syz += dy * z, szz += z * z;
+    });
+    const double cxx = n * sxx - sx * sx;
+    const double cxy = n * sxy - sx * sy;
+    const double cyy = n * syy - sy * sy;
+    const double cxz = n * sxz - sx * sz;
+    const double cyz = n * syz - sy * sz;
+    const double det = cxx * cyy - cxy * cxy;
+    if (n < 8 || det < 0.8 * n * n * n * n) return {};
+    const double a = (cxz * cyy - cyz * cxy) / det;
+    const double b = (cyz * cxx - cxz * cxy) / det;
+    const double variance = std::max(n * szz - sz * sz - a * cxz - b * cyz, 0.0) / (n * n);
+    return {a / 20.0, b / 20.0, std::hypot(a, b) / 20.0, std::sqrt(variance) / 100.0};
+  }
+
+  // In sixteenths, up to 15; none where it is too steep.
+  int TerrainCost_q8(const TerrainValues& terrain) const {
+    if (terrain.grade > static_cast<double>(params_.max_grade)) return 0;
+    const auto beyond = [](double value, float free, float cost) {
+      return static_cast<double>(cost) * std::max(value - static_cast<double>(free), 0.0);
+    };
+    const double cost =
+        beyond(terrain.grade, params_.free_grade, params_.grade_cost) +
+        beyond(terrain.roughness_m, params_.free_roughness_m, params_.roughness_cost_per_m);
+    return 16 * static_cast<int>(std::lround(16.0 * std::min(cost, 15.0)));
   }
 
   int NearGround_cm(int column, int row) const {
@@ -219,6 +279,7 @@ class CostmapReference {
                            params_.soft_slope_per_m);
     const bool observed = (cell.flags & Costmap::kObserved) != 0;
     if (!observed) cell.cost_q8 += Rounded(params_.unknown_cost * 256.0f);
+    cell.cost_q8 += TerrainCost_q8(terrain_[Place(index)]);
     return cell;
   }
 
@@ -236,6 +297,7 @@ class CostmapReference {
 
   CostmapParams params_;
   std::vector<HeightGrid::CellHeights> heights_;
+  std::vector<TerrainValues> terrain_;
   std::vector<int> flags_;
 };
 

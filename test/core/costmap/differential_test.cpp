@@ -47,6 +47,11 @@ CostmapParams RandomParams(Dice& dice) {
     params.soft_edge_cost = dice.UpTo(6.0f, 0.01f);
     params.soft_slope_per_m = dice.UpTo(10.0f, 0.01f);
     params.unknown_cost = dice.UpTo(5.0f, 0.01f);
+    params.max_grade = dice.OneIn(4) ? 0.0f : dice.UpTo(1.9f, 0.01f);
+    params.free_grade = dice.UpTo(0.5f, 0.01f);
+    params.grade_cost = dice.UpTo(30.0f, 0.01f);
+    params.free_roughness_m = dice.UpTo(0.1f, 0.01f);
+    params.roughness_cost_per_m = dice.UpTo(60.0f, 0.01f);
     if (CheckCostmapParams(params) == Status::kOk) return params;
   }
 }

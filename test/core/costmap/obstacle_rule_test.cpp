@@ -205,10 +205,13 @@ TEST(LocalGroundRule, LeavesADitchUnknownAtItsCost) {
   }
 }
 
+// As far as it is up to the heights above the ground: the grade costs what it costs.
 TEST(LocalGroundRule, LeavesASteepSlopeFree) {
   Scene scene;
   const Field field(scene, kSteep, kNothingMissing);
-  const Costmap& map = scene.Build();
+  CostmapParams params;
+  params.grade_cost = 0.0f;
+  const Costmap& map = scene.Build(params);
   for (int column = Field::kColumn; column < Field::kColumn + Field::kLength; ++column) {
     EXPECT_EQ(map.flags[IndexOf(column, Field::kRow + 20)], Costmap::kObserved) << column;
     EXPECT_EQ(map.cost_q8[IndexOf(column, Field::kRow + 20)], 0) << column;
@@ -248,7 +251,10 @@ TEST(LocalGroundRule, TellsABranchOnASlopeFromOneOverhead) {
 //            ______   height_m
 //           |         its face: hard returns all the way up
 //   ________|
+// Without the terrain, which knows the ledge by itself (terrain_test.cpp).
 TEST(LocalGroundRule, SeesAKerbThatIsTooHigh) {
+  CostmapParams params;
+  params.max_grade = 0.0f;
   for (const float height_m : {0.4f, 0.6f}) {
     Scene scene;
     constexpr int kFace = Field::kColumn + 20;
@@ -261,7 +267,7 @@ TEST(LocalGroundRule, SeesAKerbThatIsTooHigh) {
         scene.Add(column, row, height_m, kGround);
       }
     }
-    const Costmap& map = scene.Build();
+    const Costmap& map = scene.Build(params);
     for (int column = Field::kColumn; column < kFace + 10; ++column) {
       const bool hard = column == kFace && height_m > 0.5f;
       EXPECT_EQ(map.flags[IndexOf(column, Field::kRow + 20)] & kObstacleFlags,
@@ -352,6 +358,7 @@ TEST(ObstacleRules, EqualAPlainReferenceOnRandomReturns) {
       list.At(column, row).push_back({kind, z_m});
     }
     CostmapParams params;
+    params.max_grade = 0.0f;
     params.ground_window_cells = 1 + 2 * static_cast<int>(random() % 16);
     for (const ObstacleRule rule : {ObstacleRule::kInCell, ObstacleRule::kLocalGround}) {
       params.obstacle_rule = rule;

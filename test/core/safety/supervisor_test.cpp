@@ -757,6 +757,27 @@ TEST(Supervisor, AWheelThatDropsStopsItAtOnceAndForGood) {
   EXPECT_EQ(vehicle.supervisor.last_stop(), StopReason::kGroundDrops);
 }
 
+// SR-TLT01: along its path, and it does not set out before it leans less.
+TEST(Supervisor, ABodyThatLeansTooFarStopsItAndKeepsItThere) {
+  Vehicle vehicle;
+  vehicle.Drive();
+  vehicle.input.is_tilted = true;
+  EXPECT_EQ(vehicle.Tick().mode, Mode::kSafeStop);
+  EXPECT_EQ(vehicle.permission.reason, StopReason::kTilted);
+  EXPECT_EQ(vehicle.permission.motion, Motion::kStopAlong);
+  vehicle.input.at_rest = true;
+  EXPECT_EQ(vehicle.Tick().mode, Mode::kArmed);
+  EXPECT_EQ(vehicle.supervisor.last_stop(), StopReason::kTilted);
+  EXPECT_EQ(vehicle.Tick({.go = true}).wish_status, Status::kOk);
+  vehicle.input.has_goal = true;
+  vehicle.input.has_plan = true;
+  vehicle.input.has_path = true;
+  EXPECT_EQ(vehicle.Ticks(100).mode, Mode::kArmed);
+  EXPECT_EQ(vehicle.permission.reason, StopReason::kTilted);
+  vehicle.input.is_tilted = false;
+  EXPECT_EQ(vehicle.Tick().mode, Mode::kDriving);
+}
+
 // SR-ARE03
 TEST(Supervisor, DoesNotArmWhereAnAreaForbidsItToBe) {
   for (const StopReason reason : {StopReason::kAreaBreached, StopReason::kAreaUnknown}) {

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "config/parameters.h"
+#include "core/base/grid.h"
+#include "core/costmap/height_grid.h"
+#include "core/costmap/padded_row.h"
+
+// How steep and how rough the ground is, cell by cell: the plane that fits best, by least squares,
+// through the known heights of the 5 x 5 cells (1 m) around a cell whose own height is known,
+//
+//   z = z_0 + a x + b y,   [a; b] = [Cxx Cxy; Cxy Cyy]^-1 [Cxz; Cyz]
+//   grade = sqrt(a^2 + b^2),   roughness = sqrt((Czz - a Cxz - b Cyz) / n)
+//
+// with C the sums of products about the means. All sums are of whole numbers (cells, centimetres),
+// so they are exact; the rest is in single precision. No plane is told where the known cells are
+// fewer than kLeastCells or lie too close to a line: one ring of a lidar tells no grade across.
+//
+// Ground steeper than max_grade is hard, whatever the direction: on more than its friction's
+// tangent a vehicle slides, along it or across (docs/algorithm.md section 1). What is less costs
+//   grade_cost (grade - free_grade) + roughness_cost_per_m (roughness - free_roughness_m),
+// neither term below 0, together at most kMaxCost. A ledge is steep: one of 0.3 m between cells
+// that are known is a grade of 0.45 in the cells beside it. Ours; a cost for slope and roughness
+// as in REFERENCES.md, [OS] and G-VOM.
+
+namespace hardpack {
+
+class Terrain {
+ public:
+  static constexpr int kReach_cells = 2;
+  static constexpr int kRows = 2 * kReach_cells + 1;
+  // Rows of the map, and those that the last ones wait for.
+  static constexpr int kUnits = kMapSize_cells + kReach_cells;
+  static constexpr int kLeastCells = 8;
+  static constexpr float kMaxCost = 15.0f;
+  static constexpr float kMaxGrade = 1.98f;  // more is told as this
+
+  // Of a cell; all 0 where no plane is told.
+  struct Ground {
+    float grade_x = 0.0f;  // rise per metre along odom's x and y
+    float grade_y = 0.0f;
+    float roughness_m = 0.0f;
+    bool is_too_steep = false;
+  };
+
+  // Begins anew. With max_grade 0, or the rule kInCell, there is no layer: nothing is steep, and
+  // nothing costs. Cost: constant.
+  void Begin(const CostmapParams& params);
+
+  // Loads a row of heights, and fits the planes of the row kReach_cells before it. row: 0 .. kUnits
+  // - 1, each once, in order; the map's first cell is `origin`. Cost: a row.
+  void AddRow(const HeightGrid& heights, Cell origin, int row);
+
+  // In a row whose planes are fitted: sets what is too steep to hard, and adds the costs. [
+  // kMapSize_cells] each, of Costmap::Flag and cost_q8. Precondition: 0 <= row < kMapSize_cells.
+  // Cost: a row.
+  void Flag(int row, uint8_t* flags) const;
+  void AddCost(int row, uint16_t* costs_q8) const;
+
+  // Precondition: 0 <= index < kMapCells, and all rows were added. Constant cost.
+  Ground At(int index) const;
+
+  bool exists() const { return exists_; }
+
+ private:
+  static constexpr int kBlock_cells = 16;  // of a row, fitted together, about one height
+  static constexpr int kColumns = kBlock_cells + 2 * kReach_cells;
+  static constexpr int kMaxRise_cm =
+      1200;  // from that height; what is further from it is not known
+  static constexpr uint8_t kTooSteep = 255;
+  static constexpr float kStepsPerCost = 16.0f;
+  static constexpr float kStepsPerGrade = 64.0f;
+  static constexpr float kStepsPerMetre = 500.0f;  // of roughness
+
+  void FitRow(int row);
+  void SumColumns(int begin, int row, int reference_cm);
+  void FitBlock(int begin, int row);
+  const int16_t* RowAt(int row) const { return rows_[(row + kRows) % kRows].cells(); }
+
+  bool exists_ = false;
+  float max_grade_ = 0.0f;
+  float free_grade_ = 0.0f;
+  float grade_cost_ = 0.0f;
+  float free_roughness_cm_ = 0.0f;
+  float roughness_cost_per_cm_ = 0.0f;
+  // Heights of the last rows, as stored, by row; kNone: not known.
+  PaddedRow<int16_t> rows_[kRows];
+  alignas(16) uint8_t seen_[kMapSize_cells] = {};
+  // Of one column over kRows rows, with y counted from the middle one and z from a reference.
+  alignas(16) int32_t count_[kColumns] = {};
+  alignas(16) int32_t y_[kColumns] = {};
+  alignas(16) int32_t yy_[kColumns] = {};
+  alignas(16) int32_t z_[kColumns] = {};
+  alignas(16) int32_t yz_[kColumns] = {};
+  alignas(16) int32_t zz_[kColumns] = {};
+  // What is told of each cell.
+  int8_t grade_x_[kMapCells] = {};
+  int8_t grade_y_[kMapCells] = {};
+  uint8_t roughness_[kMapCells] = {};
+  uint8_t cost_[kMapCells] = {};  // or kTooSteep
+};
+static_assert(std::is_trivially_copyable_v<Terrain>);
+static_assert(sizeof(Terrain) <= 4 * kMapCells + 8 * 1024 + 512);
+
+}  // namespace hardpack
