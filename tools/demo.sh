@@ -51,6 +51,7 @@ The pictures:
   $root/$out/plan/plan.png                       the plan: base path red, optimized path blue
   $root/$out/plan/costmap.png                    its costmap, step by step
   $root/$out/plan/classes.png                    what each return was taken for
+  $root/$out/plan/terrain.png                    grade and roughness of the ground
   $root/$out/figures/path_around_square.png      a path in world and in actuator space
   $root/$out/figures/perturbation.png            a damped perturbation of a path
   $root/$out/figures/costmap_panels.png          how a costmap is made

@@ -191,6 +191,7 @@ class Planner {
   PlanStage stage() const { return stage_; }
   const Plan& result() const { return plan_; }
   const Costmap& costmap() const { return builder_.result(); }
+  const Terrain& terrain() const { return builder_.terrain(); }
   CostmapBuilder& costmap_builder() { return builder_; }
 
   static constexpr int kPortion_units = 64;

@@ -161,8 +161,9 @@ void Terrain::FitBlock(int begin, int row) {
                        roughness_cost_per_cm_ * Max(roughness_cm - free_roughness_cm_, 0.0f);
     to_x[x] = static_cast<int8_t>(Nearest(kStepsPerGrade * Clamp(grade_x, -kMaxGrade, kMaxGrade)));
     to_y[x] = static_cast<int8_t>(Nearest(kStepsPerGrade * Clamp(grade_y, -kMaxGrade, kMaxGrade)));
-    to_roughness[x] = static_cast<uint8_t>(
-        Nearest(Min(roughness_cm * (kStepsPerMetre / kCentimetersPerMeter), 255.0f)));
+    const int32_t rough =
+        1 + Nearest(Min(roughness_cm * (kStepsPerMetre / kCentimetersPerMeter), 254.0f));
+    to_roughness[x] = static_cast<uint8_t>(is_told ? rough : 0);
     const int32_t steps = Nearest(kStepsPerCost * Min(cost, kMaxCost));
     to_cost[x] = static_cast<uint8_t>(grade > max_grade_ ? int32_t{kTooSteep} : steps);
   }
@@ -191,10 +192,10 @@ void Terrain::AddCost(int row, uint16_t* costs_q8) const {
 }
 
 Terrain::Ground Terrain::At(int index) const {
-  if (!exists_) return {};
-  return {static_cast<float>(grade_x_[index]) / kStepsPerGrade,
+  if (!exists_ || roughness_[index] == 0) return {};
+  return {true, static_cast<float>(grade_x_[index]) / kStepsPerGrade,
           static_cast<float>(grade_y_[index]) / kStepsPerGrade,
-          static_cast<float>(roughness_[index]) / kStepsPerMetre, cost_[index] == kTooSteep};
+          static_cast<float>(roughness_[index] - 1) / kStepsPerMetre, cost_[index] == kTooSteep};
 }
 
 }  // namespace hardpack

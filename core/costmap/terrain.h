@@ -40,6 +40,7 @@ class Terrain {
 
   // Of a cell; all 0 where no plane is told.
   struct Ground {
+    bool is_told = false;
     float grade_x = 0.0f;  // rise per metre along odom's x and y
     float grade_y = 0.0f;
     float roughness_m = 0.0f;
@@ -99,8 +100,8 @@ class Terrain {
   // What is told of each cell.
   int8_t grade_x_[kMapCells] = {};
   int8_t grade_y_[kMapCells] = {};
-  uint8_t roughness_[kMapCells] = {};
-  uint8_t cost_[kMapCells] = {};  // or kTooSteep
+  uint8_t roughness_[kMapCells] = {};  // 1 more than its steps; 0: no plane is told
+  uint8_t cost_[kMapCells] = {};       // or kTooSteep
 };
 static_assert(std::is_trivially_copyable_v<Terrain>);
 static_assert(sizeof(Terrain) <= 4 * kMapCells + 8 * 1024 + 512);

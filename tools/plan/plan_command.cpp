@@ -11,6 +11,7 @@
 #include "tools/picture/class_picture.h"
 #include "tools/picture/cost_panels.h"
 #include "tools/picture/plan_picture.h"
+#include "tools/picture/terrain_picture.h"
 #include "tools/plan/plan_inputs.h"
 #include "tools/plan/plan_json.h"
 
@@ -162,6 +163,17 @@ void WritePictures(const PlanReport& report, const Costmap& map, const std::stri
               .WritePng(folder + "/costmap.png"));
 }
 
+// Around the vehicle, as the classes are.
+void WriteTerrain(const PlanReport& report, const Planner& planner, const std::string& folder) {
+  const Pose2& pose = report.request.start.pose;
+  const auto shown = [](float middle_m) {
+    return picture::Range{double{middle_m}, double{middle_m}}.WidenedBy(picture::kClassesReach_m);
+  };
+  Require(picture::DrawTerrain(planner.terrain(), planner.costmap().window, shown(pose.x_m),
+                               shown(pose.y_m), "The ground, as the lidar measured it")
+              .WritePng(folder + "/terrain.png"));
+}
+
 void WriteClasses(const PlanReport& report, const PlannedInput& input, bool labelled,
                   const std::string& folder) {
   const Pose2& pose = report.request.start.pose;
@@ -201,7 +213,10 @@ void RunPlan(const PlanOptions& options) {
   const nlohmann::json object = PlanToJson(report);
   WriteText(options.out + "/plan.json", object.dump(1) + "\n");
   WritePictures(report, input.planner->costmap(), options.out);
-  if (input.mapper) WriteClasses(report, input, !options.lidar.labels.empty(), options.out);
+  if (input.mapper) {
+    WriteClasses(report, input, !options.lidar.labels.empty(), options.out);
+    WriteTerrain(report, *input.planner, options.out);
+  }
   if (options.json) std::cout << object.dump() << "\n";
   if (!IsUsable(plan.status)) throw FailureOf(plan.status, request);
   if (options.json) return;
@@ -229,7 +244,8 @@ void AddPlanCommand(CLI::App& app) {
                          "Plan a path on one lidar scan, on plain points or on one "
                          "occupancy map; write plan.json,\n"
                          "plan.png, costmap.png and, except with --map, classes.png: the "
-                         "class of each return.\n"
+                         "class of each return,\n"
+                         "and terrain.png: grade and roughness of the ground.\n"
                          "Lengths are metres, angles radians anticlockwise from +x; "
                          "except with --map, the vehicle stands at\n"
                          "--start (default 0,0,0), x ahead, y left.");

@@ -41,7 +41,7 @@ class PlanOnARecording(CommandTest):
     def test_says_so_in_one_line_and_writes_its_files(self):
         stdout = self.expect_done(self.lidar())
         self.assertRegex(stdout, r"^ok: \d+\.\d m, \d+\.\d s, clearance \d\.\d\d m -> .*plan\.png\n$")
-        for name in ("plan.png", "costmap.png", "classes.png"):
+        for name in ("plan.png", "costmap.png", "classes.png", "terrain.png"):
             width, height = png_size(self.out / name)
             self.assertGreater(min(width, height), 800)
         self.assertTrue(json.loads((self.out / "plan.json").read_text())["usable"])
@@ -145,7 +145,7 @@ class PlanOnPoints(CommandTest):
         plan = self.expect_way_through_the_gap(path, "ring", points)
         self.assertEqual(plan["input"]["returns"], len(points))
         self.assertEqual(keys_of(plan), documented_keys()["points"])
-        for name in ("plan.png", "costmap.png", "classes.png"):
+        for name in ("plan.png", "costmap.png", "classes.png", "terrain.png"):
             self.assertGreater(min(png_size(self.out / name)), 800)
 
     def test_binary_pcd_without_rings(self):
