@@ -24,7 +24,7 @@
 //   grade_cost (grade - free_grade) + roughness_cost_per_m (roughness - free_roughness_m),
 // neither term below 0, together at most kMaxCost. A ledge is steep: one of 0.3 m between cells
 // that are known is a grade of 0.45 in the cells beside it. Ours; a cost for slope and roughness
-// as in REFERENCES.md, [OS] and G-VOM.
+// as in REFERENCES.md, [GVOM].
 
 namespace hardpack {
 
