@@ -243,8 +243,13 @@ Progress CostmapBuilder::StepCells(int units) {
   return pass_ == Pass::kDone ? Progress::kDone : Progress::kBusy;
 }
 
+int CostmapBuilder::UnitsOfPass() const {
+  if (pass_ == Pass::kHeights) return kHeightUnits;
+  return pass_ == Pass::kTerrain ? kTerrainUnits : kMapSize_cells;
+}
+
 void CostmapBuilder::EndUnit() {
-  if (++row_ < (pass_ == Pass::kHeights ? kHeightUnits : kMapSize_cells)) return;
+  if (++row_ < UnitsOfPass()) return;
   row_ = 0;
   pass_ = static_cast<Pass>(static_cast<int>(pass_) + 1);
 }

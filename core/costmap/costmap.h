@@ -115,9 +115,12 @@ class CostmapBuilder {
   // may come from have been loaded.
   static constexpr int kLag_cells = kMaxGroundWindow_cells / 2;
   static constexpr int kHeightUnits = Terrain::kUnits + kMapSize_cells + kLag_cells;
-  // Then three sweeps: upwards, back, and upwards again.
+  // Then three sweeps, upwards, back, and upwards again; and the terrain's costs, several rows at a
+  // time.
   static constexpr int kSweeps = 3;
-  static constexpr int kCellUnits = kSweeps * kMapSize_cells;
+  static constexpr int kTerrain_rows = 8;
+  static constexpr int kTerrainUnits = kMapSize_cells / kTerrain_rows;
+  static constexpr int kCellUnits = kSweeps * kMapSize_cells + kTerrainUnits;
   static constexpr int kUnits = kHeightUnits + kCellUnits;
 
   // Rows kept around the one being classed.
@@ -205,7 +208,7 @@ class CostmapBuilder {
   };
   static_assert(kRowBlocks == 16);
 
-  enum class Pass : uint8_t { kHeights, kObstacles, kRegions, kCosts, kDone };
+  enum class Pass : uint8_t { kHeights, kObstacles, kRegions, kCosts, kTerrain, kDone };
 
   static constexpr int kRefusedSide_cells = 2 * kMaxRefused_cells + 1;
   static constexpr int kSavedBytes = 2 * kRefusedSide_cells * kRefusedSide_cells;
@@ -215,6 +218,8 @@ class CostmapBuilder {
   void ForRefused(Cell middle, int radius_cells, const Function& function);
   void Start(const GridWindow& window, const CostmapParams& params, Pass first);
   void EndUnit();
+  int UnitsOfPass() const;
+  void AddTerrain(int unit);
   void HeightUnit(const HeightGrid& heights);
   void StartHeights();
   void ClassUnit(const HeightGrid& heights, int row);

@@ -66,8 +66,19 @@ void CostmapBuilder::CellUnit() {
     SweepObstacles(row_);
   } else if (pass_ == Pass::kRegions) {
     FindRegions(kMapSize_cells - 1 - row_);
-  } else {
+  } else if (pass_ == Pass::kCosts) {
     FindCosts(row_);
+  } else {
+    AddTerrain(row_);
+  }
+}
+
+void CostmapBuilder::AddTerrain(int unit) {
+  if (!from_heights_) return;
+  const int first = unit * kTerrain_rows;
+  HP_LOOP_BOUND(kTerrain_rows)
+  for (int row = first; row < first + kTerrain_rows; ++row) {
+    terrain_.AddCost(row, map_.cost_q8 + row * kMapSize_cells);
   }
 }
 
@@ -213,7 +224,6 @@ void CostmapBuilder::FindCosts(int row) {
     }
   }
   near_.AddCost(row, near_cost_q8_, map_.cost_q8 + begin);
-  if (from_heights_) terrain_.AddCost(row, map_.cost_q8 + begin);
 }
 
 // Squared distances to the edge of the lethal region, from either side. The edge keeps the two

@@ -3,6 +3,7 @@
 
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
+#include "core/base/saturate.h"
 #include "core/base/units.h"
 #include "core/costmap/costmap.h"
 #include "core/costmap/rows.h"
@@ -14,12 +15,123 @@ constexpr int16_t kNone = HeightGrid::kNone;
 constexpr float kCell_cm = 100.0f * kCellSize_m;
 // The determinant of the places' covariance [cells^4] from which on a plane is told: three rows of
 // five cells have 1.33, two 0.5.
-constexpr float kLeastSpread = 0.8f;
+constexpr int32_t kLeastSpread = 4;  // of kSpreadOf
+constexpr int32_t kSpreadOf = 5;
 
 // To the nearest whole number, for numbers of either sign that an int holds: a loop over cells may
 // be vectorised.
 inline int32_t Nearest(float value) {
   return static_cast<int32_t>(value + (value < 0.0f ? -0.5f : 0.5f));
+}
+
+void KeepKnown(const uint8_t* __restrict seen, int16_t* __restrict cells) {
+  HP_LOOP_BOUND(kMapSize_cells)
+  for (int x = 0; x < kMapSize_cells; ++x) {
+    const int16_t height_cm = cells[x];
+    cells[x] = (seen[x] & HeightGrid::kGroundHeightKnown) != 0 ? height_cm : kNone;
+  }
+}
+
+inline int32_t Flagged(bool is) {
+  return static_cast<int32_t>(is);
+}
+
+// What steepness and roughness cost.
+struct Prices {
+  float free_grade;
+  float grade_cost;
+  float free_roughness_cm;
+  float roughness_cost_per_cm;
+  float max_grade;
+};
+
+// Of some cells: the planes' slopes [cm per cell], the deviation from them, and 1 where there is
+// one, else 0, as bytes. Arguments, as the compiler need not ask then whether they overlap.
+template <int kCells>
+[[gnu::noinline]] void Tell(const Prices& prices, const float* __restrict a,
+                            const float* __restrict b, const float* __restrict deviation_cm,
+                            const int32_t* __restrict told, const float* __restrict doubt,
+                            int8_t* __restrict to_x, int8_t* __restrict to_y,
+                            uint8_t* __restrict to_roughness, uint8_t* __restrict to_cost) {
+  const Prices is = prices;
+  HP_LOOP_BOUND(kCells)
+  for (int x = 0; x < kCells; ++x) {
+    const float roughness_cm = deviation_cm[x];
+    const float grade_x = a[x] / kCell_cm;
+    const float grade_y = b[x] / kCell_cm;
+    const float grade = SqrtUnchecked(grade_x * grade_x + grade_y * grade_y);
+    const float cost = is.grade_cost * Max(grade - is.free_grade, 0.0f) +
+                       is.roughness_cost_per_cm * Max(roughness_cm - is.free_roughness_cm, 0.0f);
+    const int32_t rough = 1 + Nearest(Terrain::kStepsPerCm * roughness_cm);
+    const int32_t steps =
+        ClampInt(Nearest(Terrain::kStepsPerCost * cost), 0, Terrain::kMostCost_steps);
+    // kTooSteep has all bits.
+    const int32_t steep = Flagged(grade > is.max_grade + doubt[x]);
+    to_x[x] = static_cast<int8_t>(ClampInt(Nearest(Terrain::kStepsPerGrade * grade_x), -127, 127));
+    to_y[x] = static_cast<int8_t>(ClampInt(Nearest(Terrain::kStepsPerGrade * grade_y), -127, 127));
+    to_roughness[x] = static_cast<uint8_t>(told[x] * ClampInt(rough, 0, 255));
+    to_cost[x] = static_cast<uint8_t>(steps | -steep);
+  }
+}
+
+// Of columns over Terrain::kRows rows, with y counted from the middle one and z from a reference.
+struct ColumnSums {
+  const int32_t* count;
+  const int32_t* y;
+  const int32_t* yy;
+  const int32_t* z;
+  const int32_t* yz;
+  const int32_t* zz;
+};
+
+// The planes about kCells cells: slopes [cm per cell], the deviation from them, 1 where there is
+// one, else 0, and two standard deviations of the grade. Not inlined: together the frames are too
+// large. Each sum is of as many columns as rows.
+template <int kCells>
+[[gnu::noinline]] void Fit(const ColumnSums& is, const int16_t* __restrict middle,
+                           float* __restrict to_a, float* __restrict to_b,
+                           float* __restrict to_deviation_cm, int32_t* __restrict to_told,
+                           float* __restrict to_doubt) {
+  const auto sum = [](const int32_t* from) {
+    return from[0] + from[1] + from[2] + from[3] + from[4];
+  };
+  const auto moment = [](const int32_t* from) {
+    return 2 * (from[4] - from[0]) + from[3] - from[1];
+  };
+  const auto second = [](const int32_t* from) {
+    return 4 * (from[4] + from[0]) + from[3] + from[1];
+  };
+  HP_LOOP_BOUND(kCells)
+  for (int x = 0; x < kCells; ++x) {
+    const int32_t n = sum(is.count + x);
+    const int32_t sx = moment(is.count + x);
+    const int32_t sy = sum(is.y + x);
+    const int32_t sz = sum(is.z + x);
+    const int32_t cxx = n * second(is.count + x) - sx * sx;
+    const int32_t cyy = n * sum(is.yy + x) - sy * sy;
+    const int32_t cxy = n * moment(is.y + x) - sx * sy;
+    const auto cxz = static_cast<float>(n * moment(is.z + x) - sx * sz);
+    const auto cyz = static_cast<float>(n * sum(is.yz + x) - sy * sz);
+    const auto czz = static_cast<float>(n * sum(is.zz + x) - sz * sz);
+    const int32_t det = cxx * cyy - cxy * cxy;
+    const int32_t n2 = n * n;
+    // As a factor: a loop with conditions would not vectorise.
+    const int32_t height_cm = middle[x];
+    const int32_t told = Flagged(height_cm != kNone) & Flagged(n >= Terrain::kLeastCells) &
+                         Flagged(kSpreadOf * det >= kLeastSpread * n2 * n2);
+    const float share = static_cast<float>(told) / static_cast<float>(det + Flagged(det == 0));
+    const float a = share * (cxz * static_cast<float>(cyy) - cyz * static_cast<float>(cxy));
+    const float b = share * (cyz * static_cast<float>(cxx) - cxz * static_cast<float>(cxy));
+    // Not below 0 but for rounding.
+    const float variance = Abs(czz - a * cxz - b * cyz) / static_cast<float>(n2 + Flagged(n2 == 0));
+    constexpr float kNoise_cm2 = Terrain::kNoise_cm * Terrain::kNoise_cm;
+    const float spread = static_cast<float>((cxx + cyy) * n) * share;
+    to_a[x] = a;
+    to_b[x] = b;
+    to_deviation_cm[x] = static_cast<float>(told) * SqrtUnchecked(variance);
+    to_told[x] = told;
+    to_doubt[x] = 2.0f / kCell_cm * SqrtUnchecked((variance + kNoise_cm2) * spread);
+  }
 }
 
 }  // namespace
@@ -38,45 +150,55 @@ void Terrain::Begin(const CostmapParams& params) {
   }
 }
 
-void Terrain::AddRow(const HeightGrid& heights, Cell origin, int row) {
+void Terrain::AddHalfRow(const HeightGrid& heights, Cell origin, int half) {
   if (!exists_) return;
+  const int row = half / 2;
+  const int fitted = row - kReach_cells;
+  if (half % 2 != 0) {
+    if (fitted >= 0) FitHalfRow(fitted, kHalf_cells);
+    return;
+  }
   int16_t* cells = rows_[row % kRows].cells();
   if (row < kMapSize_cells) {
     heights.ReadGround({origin.x, origin.y + row}, HeightGrid::HeightRow(cells, kMapSize_cells),
                        seen_);
-    HP_LOOP_BOUND(kMapSize_cells)
-    for (int x = 0; x < kMapSize_cells; ++x) {
-      const int16_t height_cm = cells[x];
-      cells[x] = (seen_[x] & HeightGrid::kGroundHeightKnown) != 0 ? height_cm : kNone;
-    }
+    KeepKnown(seen_, cells);
   } else {
     FillRow(cells, kNone);
   }
-  if (row >= kReach_cells) FitRow(row - kReach_cells);
+  if (fitted >= 0) FitHalfRow(fitted, 0);
 }
 
 // About the lowest height of each block, so that the sums fit.
-void Terrain::FitRow(int row) {
-  const int16_t* middle = RowAt(row);
-  HP_LOOP_BOUND(kMapSize_cells / kBlock_cells)
-  for (int begin = 0; begin < kMapSize_cells; begin += kBlock_cells) {
+void Terrain::FitHalfRow(int row, int first) {
+  // The largest of the whole numbers: n times a sum of squares, and the square of a sum.
+  static_assert(int64_t{kRows} * kRows * kRows * kRows * kMaxRise_cm * kMaxRise_cm <= INT32_MAX);
+  const int16_t* middle = RowAt(row) + first;
+  HP_LOOP_BOUND(kHalf_cells / kBlock_cells)
+  for (int begin = 0; begin < kHalf_cells; begin += kBlock_cells) {
     int16_t lowest_cm = kNone;
     HP_LOOP_BOUND(kBlock_cells)
     for (int x = begin; x < begin + kBlock_cells; ++x) lowest_cm = Smaller(lowest_cm, middle[x]);
     if (lowest_cm != kNone) {
-      SumColumns(begin, row, lowest_cm);
-      FitBlock(begin, row);
+      SumColumns(first + begin, row, lowest_cm);
+      Fit<kBlock_cells>({count_, y_, yy_, z_, yz_, zz_}, middle + begin, a_ + begin, b_ + begin,
+                        deviation_cm_ + begin, told_ + begin, doubt_ + begin);
       continue;
     }
-    const int first = row * kMapSize_cells + begin;
     HP_LOOP_BOUND(kBlock_cells)
-    for (int cell = first; cell < first + kBlock_cells; ++cell) {
-      grade_x_[cell] = 0;
-      grade_y_[cell] = 0;
-      roughness_[cell] = 0;
-      cost_[cell] = 0;
+    for (int x = begin; x < begin + kBlock_cells; ++x) {
+      a_[x] = 0.0f;
+      b_[x] = 0.0f;
+      deviation_cm_[x] = 0.0f;
+      told_[x] = 0;
+      doubt_[x] = 0.0f;
     }
   }
+  const Prices prices = {free_grade_, grade_cost_, free_roughness_cm_, roughness_cost_per_cm_,
+                         max_grade_};
+  const int cell = row * kMapSize_cells + first;
+  Tell<kHalf_cells>(prices, a_, b_, deviation_cm_, told_, doubt_, grade_x_ + cell, grade_y_ + cell,
+                    roughness_ + cell, cost_ + cell);
 }
 
 void Terrain::SumColumns(int begin, int row, int reference_cm) {
@@ -114,62 +236,7 @@ void Terrain::SumColumns(int begin, int row, int reference_cm) {
   }
 }
 
-// Each sum is of kRows columns.
-void Terrain::FitBlock(int begin, int row) {
-  // The largest of the whole numbers: n times a sum of squares, and the square of a sum.
-  static_assert(kRows * kRows * kRows * kRows * kMaxRise_cm * kMaxRise_cm <= INT32_MAX);
-  const int16_t* middle = RowAt(row) + begin;
-  const int first = row * kMapSize_cells + begin;
-  int8_t* __restrict to_x = grade_x_ + first;
-  int8_t* __restrict to_y = grade_y_ + first;
-  uint8_t* __restrict to_roughness = roughness_ + first;
-  uint8_t* __restrict to_cost = cost_ + first;
-  const auto sum = [](const int32_t* from) {
-    return from[0] + from[1] + from[2] + from[3] + from[4];
-  };
-  const auto moment = [](const int32_t* from) {
-    return 2 * (from[4] - from[0]) + from[3] - from[1];
-  };
-  const auto second = [](const int32_t* from) {
-    return 4 * (from[4] + from[0]) + from[3] + from[1];
-  };
-  HP_LOOP_BOUND(kBlock_cells)
-  for (int x = 0; x < kBlock_cells; ++x) {
-    const int32_t n = sum(count_ + x);
-    const int32_t sx = moment(count_ + x);
-    const int32_t sy = sum(y_ + x);
-    const int32_t sz = sum(z_ + x);
-    const auto cxx = static_cast<float>(n * second(count_ + x) - sx * sx);
-    const auto cyy = static_cast<float>(n * sum(yy_ + x) - sy * sy);
-    const auto cxy = static_cast<float>(n * moment(y_ + x) - sx * sy);
-    const auto cxz = static_cast<float>(n * moment(z_ + x) - sx * sz);
-    const auto cyz = static_cast<float>(n * sum(yz_ + x) - sy * sz);
-    const auto czz = static_cast<float>(n * sum(zz_ + x) - sz * sz);
-    const float det = cxx * cyy - cxy * cxy;
-    const float n2 = static_cast<float>(n * n);
-    const bool is_told =
-        (middle[x] != kNone) & (n >= kLeastCells) & (det >= kLeastSpread * n2 * n2);
-    const float share = is_told ? 1.0f / det : 0.0f;
-    const float a = share * (cxz * cyy - cyz * cxy);  // cm per cell
-    const float b = share * (cyz * cxx - cxz * cxy);
-    const float variance = Max(czz - a * cxz - b * cyz, 0.0f) / Max(n2, 1.0f);
-    const float roughness_cm = is_told ? SqrtUnchecked(variance) : 0.0f;
-    const float grade_x = a / kCell_cm;
-    const float grade_y = b / kCell_cm;
-    const float grade = SqrtUnchecked(grade_x * grade_x + grade_y * grade_y);
-    const float cost = grade_cost_ * Max(grade - free_grade_, 0.0f) +
-                       roughness_cost_per_cm_ * Max(roughness_cm - free_roughness_cm_, 0.0f);
-    to_x[x] = static_cast<int8_t>(Nearest(kStepsPerGrade * Clamp(grade_x, -kMaxGrade, kMaxGrade)));
-    to_y[x] = static_cast<int8_t>(Nearest(kStepsPerGrade * Clamp(grade_y, -kMaxGrade, kMaxGrade)));
-    const int32_t rough =
-        1 + Nearest(Min(roughness_cm * (kStepsPerMetre / kCentimetersPerMeter), 254.0f));
-    to_roughness[x] = static_cast<uint8_t>(is_told ? rough : 0);
-    const int32_t steps = Nearest(kStepsPerCost * Min(cost, kMaxCost));
-    to_cost[x] = static_cast<uint8_t>(grade > max_grade_ ? int32_t{kTooSteep} : steps);
-  }
-}
-
-void Terrain::Flag(int row, uint8_t* flags) const {
+void Terrain::Flag(int row, uint8_t* __restrict flags) const {
   if (!exists_) return;
   const uint8_t* __restrict cost = cost_ + row * kMapSize_cells;
   constexpr uint8_t kNotHard = static_cast<uint8_t>(~(Costmap::kSoft | Costmap::kGrowth));
@@ -180,14 +247,13 @@ void Terrain::Flag(int row, uint8_t* flags) const {
   }
 }
 
-void Terrain::AddCost(int row, uint16_t* costs_q8) const {
+void Terrain::AddCost(int row, uint16_t* __restrict costs_q8) const {
   if (!exists_) return;
   const uint8_t* __restrict cost = cost_ + row * kMapSize_cells;
   constexpr int kPerStep_q8 = kCostOne_q8 / static_cast<int>(kStepsPerCost);
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = 0; x < kMapSize_cells; ++x) {
-    const int more_q8 = cost[x] == kTooSteep ? 0 : cost[x] * kPerStep_q8;
-    costs_q8[x] = static_cast<uint16_t>(costs_q8[x] + more_q8);
+    costs_q8[x] = static_cast<uint16_t>(costs_q8[x] + cost[x] * kPerStep_q8);
   }
 }
 
@@ -195,7 +261,8 @@ Terrain::Ground Terrain::At(int index) const {
   if (!exists_ || roughness_[index] == 0) return {};
   return {true, static_cast<float>(grade_x_[index]) / kStepsPerGrade,
           static_cast<float>(grade_y_[index]) / kStepsPerGrade,
-          static_cast<float>(roughness_[index] - 1) / kStepsPerMetre, cost_[index] == kTooSteep};
+          FromCentimeters(1) * static_cast<float>(roughness_[index] - 1) / kStepsPerCm,
+          cost_[index] == kTooSteep};
 }
 
 }  // namespace hardpack

@@ -20,11 +20,14 @@
 // fewer than kLeastCells or lie too close to a line: one ring of a lidar tells no grade across.
 //
 // Ground steeper than max_grade is hard, whatever the direction: on more than its friction's
-// tangent a vehicle slides, along it or across (docs/algorithm.md section 1). What is less costs
+// tangent a vehicle slides, along it or across (docs/algorithm.md section 1). By more than two
+// standard deviations of the grade, so that neither few heights nor grass make a wall of a slope:
+//   deviation = sqrt((roughness^2 + kNoise^2) / (n lambda)),   lambda = det C / (n^2 tr C)
+// with C of the places alone; lambda is not above their least variance. What is less costs
 //   grade_cost (grade - free_grade) + roughness_cost_per_m (roughness - free_roughness_m),
-// neither term below 0, together at most kMaxCost. A ledge is steep: one of 0.3 m between cells
-// that are known is a grade of 0.45 in the cells beside it. Ours; a cost for slope and roughness
-// as in REFERENCES.md, [GVOM].
+// neither term below 0, together at most kMaxCost. A ledge between cells that are known is steep:
+// one of 0.55 m is hard, one of 0.3 m has a grade of 0.45. Ours; a cost for slope and roughness as
+// in REFERENCES.md, [GVOM].
 
 namespace hardpack {
 
@@ -32,11 +35,18 @@ class Terrain {
  public:
   static constexpr int kReach_cells = 2;
   static constexpr int kRows = 2 * kReach_cells + 1;
-  // Rows of the map, and those that the last ones wait for.
-  static constexpr int kUnits = kMapSize_cells + kReach_cells;
+  // Half rows of the map, and those that the last ones wait for.
+  static constexpr int kUnits = 2 * (kMapSize_cells + kReach_cells);
   static constexpr int kLeastCells = 8;
   static constexpr float kMaxCost = 15.0f;
-  static constexpr float kMaxGrade = 1.98f;  // more is told as this
+  static constexpr float kNoise_cm = 2.0f;   // of a height, at least
+  static constexpr float kMaxGrade = 1.98f;  // about the most that is told
+
+  // The bytes that are kept of each cell.
+  static constexpr float kStepsPerGrade = 64.0f;
+  static constexpr float kStepsPerCm = 5.0f;  // of roughness
+  static constexpr float kStepsPerCost = 16.0f;
+  static constexpr int32_t kMostCost_steps = static_cast<int32_t>(kMaxCost * kStepsPerCost);
 
   // Of a cell; all 0 where no plane is told.
   struct Ground {
@@ -51,13 +61,14 @@ class Terrain {
   // nothing costs. Cost: constant.
   void Begin(const CostmapParams& params);
 
-  // Loads a row of heights, and fits the planes of the row kReach_cells before it. row: 0 .. kUnits
-  // - 1, each once, in order; the map's first cell is `origin`. Cost: a row.
-  void AddRow(const HeightGrid& heights, Cell origin, int row);
+  // Half a row at a time: loads a row of heights with its first half, and fits the planes of that
+  // half of the row kReach_cells before it. half: 0 .. kUnits - 1, each once, in order; the map's
+  // first cell is `origin`. Cost: half a row.
+  void AddHalfRow(const HeightGrid& heights, Cell origin, int half);
 
-  // In a row whose planes are fitted: sets what is too steep to hard, and adds the costs. [
-  // kMapSize_cells] each, of Costmap::Flag and cost_q8. Precondition: 0 <= row < kMapSize_cells.
-  // Cost: a row.
+  // In a row whose planes are fitted: sets what is too steep to hard, and adds the costs; to what
+  // is too steep one that no path pays. [kMapSize_cells] each, of Costmap::Flag and cost_q8.
+  // Precondition: 0 <= row < kMapSize_cells. Cost: a row.
   void Flag(int row, uint8_t* flags) const;
   void AddCost(int row, uint16_t* costs_q8) const;
 
@@ -67,18 +78,15 @@ class Terrain {
   bool exists() const { return exists_; }
 
  private:
-  static constexpr int kBlock_cells = 16;  // of a row, fitted together, about one height
+  static constexpr int kHalf_cells = kMapSize_cells / 2;
+  static constexpr int kBlock_cells = 32;  // of a row, fitted together, about one height
   static constexpr int kColumns = kBlock_cells + 2 * kReach_cells;
-  static constexpr int kMaxRise_cm =
-      1200;  // from that height; what is further from it is not known
+  // From that height; what is further from it is not known. All of a plane of 70 degrees is.
+  static constexpr int kMaxRise_cm = 1800;
   static constexpr uint8_t kTooSteep = 255;
-  static constexpr float kStepsPerCost = 16.0f;
-  static constexpr float kStepsPerGrade = 64.0f;
-  static constexpr float kStepsPerMetre = 500.0f;  // of roughness
 
-  void FitRow(int row);
+  void FitHalfRow(int row, int first);
   void SumColumns(int begin, int row, int reference_cm);
-  void FitBlock(int begin, int row);
   const int16_t* RowAt(int row) const { return rows_[(row + kRows) % kRows].cells(); }
 
   bool exists_ = false;
@@ -97,6 +105,13 @@ class Terrain {
   alignas(16) int32_t z_[kColumns] = {};
   alignas(16) int32_t yz_[kColumns] = {};
   alignas(16) int32_t zz_[kColumns] = {};
+  // Of the half row that is being fitted: cm per cell, cm, and 1 where a plane is told, else 0; and
+  // two standard deviations of the grade.
+  alignas(16) float a_[kHalf_cells] = {};
+  alignas(16) float b_[kHalf_cells] = {};
+  alignas(16) float deviation_cm_[kHalf_cells] = {};
+  alignas(16) int32_t told_[kHalf_cells] = {};
+  alignas(16) float doubt_[kHalf_cells] = {};
   // What is told of each cell.
   int8_t grade_x_[kMapCells] = {};
   int8_t grade_y_[kMapCells] = {};
@@ -104,6 +119,6 @@ class Terrain {
   uint8_t cost_[kMapCells] = {};       // or kTooSteep
 };
 static_assert(std::is_trivially_copyable_v<Terrain>);
-static_assert(sizeof(Terrain) <= 4 * kMapCells + 8 * 1024 + 512);
+static_assert(sizeof(Terrain) <= 4 * kMapCells + 13 * 1024);
 
 }  // namespace hardpack

@@ -89,12 +89,24 @@ void SightWatch::Forget() {
   column_id_ = -1;
   column_offset_rad_ = 0.0f;
   step_ns_ = 0;
+  least_fall_ = 0.0f;
   covered_ = 0;
   frozen_ = 0;
   faulty_since_ns_ = 0;
   HP_LOOP_BOUND(kMaxSectors)
   for (int i = 0; i < kMaxSectors; ++i) {
-    sector_[i] = Sector{};
+    Sector& sector = sector_[i];
+    sector.look_ns = 0;
+    sector.column_ns = 0;
+    sector.columns = 0;
+    sector.frame_id = 0;
+    sector.is_masked = false;
+    sector.is_proven = false;
+    sector.known_beams = 0;
+    sector.last_id = -1;
+    sector.cause = SightCause::kNone;
+    sector.pass = Pass{};
+    sector.last = Pass{};
     meets_ground_[i][0] = 0;
     meets_ground_[i][1] = 0;
   }
@@ -164,10 +176,8 @@ float SightWatch::FallOf(const BeamModel& model, int last_id, int row) const {
 }
 
 // Of beams from the lowest up, each falls less than the one before, but for their own azimuths on a
-// mount that leans: the first that falls too little is found by halves. Not inlined: its calls are
-// counted (config/timing.toml).
-[[gnu::noinline]] void SightWatch::ExpectKnown(int index, float least_fall,
-                                               const BeamModel& model) {
+// mount that leans: the first that falls too little is found by halves.
+void SightWatch::ExpectKnown(int index, float least_fall, const BeamModel& model) {
   if (!configured_ || model.beams != beams_) return;
   Sector& sector = sector_[index];
   if (sector.last_id < 0) return;

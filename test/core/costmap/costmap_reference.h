@@ -34,7 +34,7 @@ class CostmapReference {
     for (int i = 0; i < kMapCells; ++i) {
       terrain_[Place(i)] = TerrainAt(i % kSize, i / kSize);
       flags_[Place(i)] = Classed(i % kSize, i / kSize);
-      if (terrain_[Place(i)].grade > static_cast<double>(params_.max_grade)) {
+      if (terrain_[Place(i)].is_too_steep) {
         int& flags = flags_[Place(i)];
         flags = (flags & ~(Costmap::kSoft | Costmap::kGrowth)) | Costmap::kHard;
       }
@@ -46,6 +46,7 @@ class CostmapReference {
     double grade_y = 0.0;
     double grade = 0.0;
     double roughness_m = 0.0;
+    bool is_too_steep = false;
   };
   const TerrainValues& TerrainAt(int index) const { return terrain_[Place(index)]; }
 
@@ -115,20 +116,20 @@ class CostmapReference {
     return heights_[Place(row * kSize + column)];
   }
 
-  // The plane by least squares, over what is known within 12 m of the lowest height in the same row
-  // of the same 16 columns.
+  // The plane by least squares, over what is known within 18 m of the lowest height in the same row
+  // of the same 32 columns.
   TerrainValues TerrainAt(int column, int row) const {
     const bool exists = params_.max_grade > 0.0f && params_.obstacle_rule != ObstacleRule::kInCell;
     if (!exists || !HeightsAt(column, row).ground) return {};
     int lowest_cm = kNone;
-    for (int x = column / 16 * 16; x < column / 16 * 16 + 16; ++x) {
+    for (int x = column / 32 * 32; x < column / 32 * 32 + 32; ++x) {
       if (HeightsAt(x, row).ground)
         lowest_cm = std::min<int>(lowest_cm, HeightsAt(x, row).lowest_cm);
     }
     double n = 0, sx = 0, sy = 0, sz = 0, sxx = 0, sxy = 0, syy = 0, sxz = 0, syz = 0, szz = 0;
     ForSquare(column, row, 2, [&](int x, int y) {
       const HeightGrid::CellHeights& cell = HeightsAt(x, y);
-      if (!cell.ground || std::abs(cell.lowest_cm - lowest_cm) > 1200) return;
+      if (!cell.ground || std::abs(cell.lowest_cm - lowest_cm) > 1800) return;
       const double dx = x - column;
       const double dy = y - row;
       const double z = cell.lowest_cm - lowest_cm;
@@ -141,16 +142,22 @@ class CostmapReference {
     const double cxz = n * sxz - sx * sz;
     const double cyz = n * syz - sy * sz;
     const double det = cxx * cyy - cxy * cxy;
-    if (n < 8 || det < 0.8 * n * n * n * n) return {};
+    if (n < 8 || 5.0 * det < 4.0 * n * n * n * n) return {};
     const double a = (cxz * cyy - cyz * cxy) / det;
     const double b = (cyz * cxx - cxz * cxy) / det;
     const double variance = std::max(n * szz - sz * sz - a * cxz - b * cyz, 0.0) / (n * n);
-    return {a / 20.0, b / 20.0, std::hypot(a, b) / 20.0, std::sqrt(variance) / 100.0};
+    const double grade = std::hypot(a, b) / 20.0;
+    // Heights are uncertain by 2 cm at least; det C / tr C, over n^2, is not above the places'
+    // least variance.
+    const double lambda = det / (n * n * (cxx + cyy));
+    const double deviation = std::sqrt((variance + 4.0) / (n * lambda)) / 20.0;
+    const bool is_too_steep = grade > static_cast<double>(params_.max_grade) + 2.0 * deviation;
+    return {a / 20.0, b / 20.0, grade, std::sqrt(variance) / 100.0, is_too_steep};
   }
 
-  // In sixteenths, up to 15; none where it is too steep.
+  // In sixteenths, up to 15; where it is too steep all that a byte holds.
   int TerrainCost_q8(const TerrainValues& terrain) const {
-    if (terrain.grade > static_cast<double>(params_.max_grade)) return 0;
+    if (terrain.is_too_steep) return 255 * 16;
     const auto beyond = [](double value, float free, float cost) {
       return static_cast<double>(cost) * std::max(value - static_cast<double>(free), 0.0);
     };
