@@ -13,9 +13,9 @@ namespace {
 
 constexpr int16_t kNone = HeightGrid::kNone;
 constexpr float kCell_cm = 100.0f * kCellSize_m;
-// The determinant of the places' covariance [cells^4] from which on a plane is told: three rows of
-// five cells have 1.33, two 0.5.
-constexpr int32_t kLeastSpread = 4;  // of kSpreadOf
+// The determinant of the places' covariance from which on a plane is told, 4 / 5 cells^4: three
+// rows of five cells have 1.33, two have 0.5.
+constexpr int32_t kLeastSpread = 4;
 constexpr int32_t kSpreadOf = 5;
 
 // To the nearest whole number, for numbers of either sign that an int holds: a loop over cells may
@@ -210,7 +210,7 @@ void Terrain::SumColumns(int begin, int row, int reference_cm) {
     const auto rise = [reference_cm](int16_t height_cm) { return height_cm - reference_cm; };
     // kNone is further than kMaxRise_cm from any height that is stored.
     const auto known = [](int32_t rise_cm) {
-      return (rise_cm <= kMaxRise_cm) & (rise_cm >= -kMaxRise_cm) ? 1 : 0;
+      return Flagged(rise_cm <= kMaxRise_cm) & Flagged(rise_cm >= -kMaxRise_cm);
     };
     const int32_t a = rise(row_at[0][x]);
     const int32_t b = rise(row_at[1][x]);

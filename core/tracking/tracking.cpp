@@ -328,10 +328,16 @@ void Tracker::FollowPath(const TrackingInput& input, bool stops, float dt_s,
 // The heading's error sets the yaw rate, no faster than it can be braked again, and the lags are
 // undone as they are along a path.
 void Tracker::TurnOnTheSpot(const TrackingInput& input, float dt_s, TrackingOutput& output) {
-  speed_mps_ = 0.0f;
   curvature_per_m_ = 0.0f;
   integral_radps_ = 0.0f;
   output = TrackingOutput{};
+  // What is left of its speed where the turn begins goes first, at the ramp.
+  speed_mps_ = Max(speed_mps_ - limits_.max_deceleration_mps2 * dt_s, 0.0f);
+  if (speed_mps_ > 0.0f) {
+    output.speed_mps = reverse_ ? -speed_mps_ : speed_mps_;
+    Command({output.speed_mps / model_.RimWay_m(), 0.0f}, dt_s, output);
+    return;
+  }
   const float error_rad = WrapAngle(input.aim.pose.theta_rad - input.pose.theta_rad);
   const float gain_per_s = params_.heading_gain_per_s;
   if (params_.method == TrackingParams::kPurePursuit) {
