@@ -173,13 +173,24 @@ void Terrain::AddHalfRow(const HeightGrid& heights, Cell origin, int half) {
 void Terrain::FitHalfRow(int row, int first) {
   // The largest of the whole numbers: n times a sum of squares, and the square of a sum.
   static_assert(int64_t{kRows} * kRows * kRows * kRows * kMaxRise_cm * kMaxRise_cm <= INT32_MAX);
+  const int cell = row * kMapSize_cells + first;
+  if (!IsNear(row)) {
+    HP_LOOP_BOUND(kHalf_cells)
+    for (int i = cell; i < cell + kHalf_cells; ++i) {
+      grade_x_[i] = 0;
+      grade_y_[i] = 0;
+      roughness_[i] = 0;
+      cost_[i] = 0;
+    }
+    return;
+  }
   const int16_t* middle = RowAt(row) + first;
   HP_LOOP_BOUND(kHalf_cells / kBlock_cells)
   for (int begin = 0; begin < kHalf_cells; begin += kBlock_cells) {
     int16_t lowest_cm = kNone;
     HP_LOOP_BOUND(kBlock_cells)
     for (int x = begin; x < begin + kBlock_cells; ++x) lowest_cm = Smaller(lowest_cm, middle[x]);
-    if (lowest_cm != kNone) {
+    if (lowest_cm != kNone && IsNear(first + begin)) {
       SumColumns(first + begin, row, lowest_cm);
       Fit<kBlock_cells>({count_, y_, yy_, z_, yz_, zz_}, middle + begin, a_ + begin, b_ + begin,
                         deviation_cm_ + begin, told_ + begin, doubt_ + begin);
@@ -196,7 +207,6 @@ void Terrain::FitHalfRow(int row, int first) {
   }
   const Prices prices = {free_grade_, grade_cost_, free_roughness_cm_, roughness_cost_per_cm_,
                          max_grade_};
-  const int cell = row * kMapSize_cells + first;
   Tell<kHalf_cells>(prices, a_, b_, deviation_cm_, told_, doubt_, grade_x_ + cell, grade_y_ + cell,
                     roughness_ + cell, cost_ + cell);
 }

@@ -38,6 +38,13 @@ class Terrain {
   // Half rows of the map, and those that the last ones wait for.
   static constexpr int kUnits = 2 * (kMapSize_cells + kReach_cells);
   static constexpr int kLeastCells = 8;
+  // Only the middle half of the map's rows and columns is fitted, 25.6 m to each side: farther off
+  // a lidar's rings are wider apart than a plane is.
+  static constexpr int kNearFirst = kMapSize_cells / 4;
+  static constexpr int kNearEnd = 3 * kMapSize_cells / 4;
+  static constexpr bool IsNear(int row_or_column) {
+    return row_or_column >= kNearFirst && row_or_column < kNearEnd;
+  }
   static constexpr float kMaxCost = 15.0f;
   static constexpr float kNoise_cm = 2.0f;   // of a height, at least
   static constexpr float kMaxGrade = 1.98f;  // about the most that is told
@@ -80,6 +87,7 @@ class Terrain {
  private:
   static constexpr int kHalf_cells = kMapSize_cells / 2;
   static constexpr int kBlock_cells = 32;  // of a row, fitted together, about one height
+  static_assert(kNearFirst % kBlock_cells == 0 && kNearEnd % kBlock_cells == 0);
   static constexpr int kColumns = kBlock_cells + 2 * kReach_cells;
   // From that height; what is further from it is not known. All of a plane of 70 degrees is.
   static constexpr int kMaxRise_cm = 1800;

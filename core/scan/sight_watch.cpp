@@ -162,7 +162,7 @@ void SightWatch::ExpectGround(const BeamModel& model) {
   }
 }
 
-// How much a beam falls per metre along the body's plane; 0 for one that does not.
+// How much a beam falls per metre along the body's plane; for one that does not, less than any.
 float SightWatch::FallOf(const BeamModel& model, int last_id, int row) const {
   constexpr uint32_t kFar_mm = 100'000;
   const Vec3 far =
@@ -171,7 +171,8 @@ float SightWatch::FallOf(const BeamModel& model, int last_id, int row) const {
   const float x_m = far.x_m - sensor_body_.x_m;
   const float y_m = far.y_m - sensor_body_.y_m;
   const float level2_m2 = x_m * x_m + y_m * y_m;
-  if (!(fall_m > 0.0f) || !(level2_m2 > 0.0f)) return 0.0f;
+  constexpr float kDoesNotFall = -1.0e6f;
+  if (!(fall_m > 0.0f) || !(level2_m2 > 0.0f)) return kDoesNotFall;
   return fall_m / Sqrt(level2_m2);
 }
 

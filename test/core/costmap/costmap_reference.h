@@ -120,7 +120,9 @@ class CostmapReference {
   // of the same 32 columns.
   TerrainValues TerrainAt(int column, int row) const {
     const bool exists = params_.max_grade > 0.0f && params_.obstacle_rule != ObstacleRule::kInCell;
-    if (!exists || !HeightsAt(column, row).ground) return {};
+    const auto is_near = [](int at) { return at >= 128 && at < 384; };
+    if (!exists || !is_near(column) || !is_near(row)) return {};
+    if (!HeightsAt(column, row).ground) return {};
     int lowest_cm = kNone;
     for (int x = column / 32 * 32; x < column / 32 * 32 + 32; ++x) {
       if (HeightsAt(x, row).ground)
