@@ -60,7 +60,7 @@ struct CostmapParams {
   float near_unknown_cost = 9.0f;      // likewise near the lidar (core/costmap/near_unknown.h)
   float max_grade = 0.5f;              // rise per metre: steeper ground is hard; 0: none is
   float free_grade = 0.15f;            // up to here the grade costs nothing ...
-  float grade_cost = 10.0f;            // ... and this much more per unit beyond
+  float grade_cost = 5.0f;             // ... and this much more per unit beyond
   float free_roughness_m = 0.04f;      // about the plane of 1 m of ground; likewise
   float roughness_cost_per_m = 20.0f;  // up to 15 altogether (core/costmap/terrain.h)
 };

@@ -136,7 +136,7 @@ TEST(Terrain, ALedgeIsHardAndAKerbIsDear) {
     const Ground ground([&](double x_m, double) { return x_m < 3.0 ? 0.0 : -height_m; });
     EXPECT_EQ(ground.IsHard(2.9, 0.0), height_m > 0.3 && height_m < 18.0) << height_m;
     EXPECT_FALSE(ground.IsHard(2.1, 0.0));
-    EXPECT_EQ(ground.Cost(2.9, 0.0) > 0.5, height_m < 18.0) << height_m;
+    EXPECT_EQ(ground.Cost(2.9, 0.0) > 0.3, height_m < 18.0) << height_m;
   }
 }
 
@@ -153,7 +153,7 @@ TEST(Terrain, TheCostBeginsAtNothingAndGrowsWithTheGrade) {
     EXPECT_LT(cost, before + 0.4) << slope;
     before = cost;
   }
-  EXPECT_NEAR(before, 10.0 * (0.48 - 0.15), 0.3);
+  EXPECT_NEAR(before, 5.0 * (0.48 - 0.15), 0.3);
 }
 
 TEST(Terrain, RoughGroundCosts) {
