@@ -69,6 +69,31 @@ void DrawCells(Canvas& canvas, const Axes& axes, const GridWindow& window,
   cairo_restore(context);
 }
 
+void DrawPatches(Canvas& canvas, double left_px, double top_px, std::span<const Patch> patches) {
+  const TextStyle style = {.size_px = 14.5};
+  for (const Patch& patch : patches) {
+    const Rectangle box = {left_px, top_px, 26.0, 15.0};
+    canvas.Fill(box, patch.colour);
+    canvas.Outline(box, kFaintInk, 0.8);
+    canvas.Text(left_px + 34.0, top_px + 13.0, patch.text, style);
+    left_px += 64.0 + canvas.TextWidth(patch.text, style);
+  }
+}
+
+void DrawCostScale(Canvas& canvas, const Rectangle& panel, const std::string& most,
+                   const std::string& what) {
+  const Rectangle bar = {panel.right_px() + 10.0, panel.top_px + 22.0, 12.0, 150.0};
+  for (double row = 0.0; row < bar.height_px; row += 1.0) {
+    canvas.Fill({bar.left_px, bar.bottom_px() - row - 1.0, bar.width_px, 1.5},
+                CostColour(row / bar.height_px));
+  }
+  canvas.Outline(bar, kFaintInk, 0.8);
+  const TextStyle style = {.size_px = 12.0};
+  canvas.Text(bar.right_px() + 4.0, bar.bottom_px() + 4.0, "0", style);
+  canvas.Text(bar.right_px() + 4.0, bar.top_px + 6.0, most, style);
+  canvas.Text(bar.left_px, bar.top_px - 10.0, what, style);
+}
+
 void DrawCostmap(Canvas& canvas, const Axes& axes, const Costmap& map) {
   canvas.Fill(axes.area(), kOffMap);
   DrawCells(canvas, axes, map.window,

@@ -57,46 +57,19 @@ class Panels {
     Draw(index, caption, [&layer, largest](int cell) {
       return CostColour(static_cast<double>(layer.cost_q8[cell]) / kCostOne_q8 / largest);
     });
-    DrawBar(PanelArea(index), largest);
+    DrawCostScale(canvas_, PanelArea(index), TickText(largest, 0.1), "cost");
   }
 
  private:
-  void DrawBar(const Rectangle& panel, double largest) {
-    const Rectangle bar = {panel.right_px() + 10.0, panel.top_px + 22.0, 12.0, 150.0};
-    for (double row = 0.0; row < bar.height_px; row += 1.0) {
-      canvas_.Fill({bar.left_px, bar.bottom_px() - row - 1.0, bar.width_px, 1.5},
-                   CostColour(row / bar.height_px));
-    }
-    canvas_.Outline(bar, kFaintInk, 0.8);
-    const TextStyle style = {.size_px = 12.0};
-    canvas_.Text(bar.right_px() + 4.0, bar.bottom_px() + 4.0, "0", style);
-    canvas_.Text(bar.right_px() + 4.0, bar.top_px + 6.0, TickText(largest, 0.1), style);
-    canvas_.Text(bar.left_px, bar.top_px - 10.0, "cost", style);
-  }
-
   Canvas& canvas_;
   const Costmap& map_;
   Range x_;
   Range y_;
 };
 
-void DrawLegend(Canvas& canvas) {
-  struct Patch {
-    const char* text;
-    Colour colour;
-  };
-  static constexpr std::array<Patch, 6> kPatches = {
-      Patch{"hard obstacle", kHard}, {"person (hard)", kPerson},     {"soft obstacle", kSoft},
-      {"free ground", kFree},        {"not observed", kNotObserved}, {"off the map", kOffMap}};
-  double left_px = 80.0;
-  for (const Patch& patch : kPatches) {
-    const Rectangle box = {left_px, 56.0, 26.0, 15.0};
-    canvas.Fill(box, patch.colour);
-    canvas.Outline(box, kFaintInk, 0.8);
-    canvas.Text(left_px + 34.0, 69.0, patch.text, {.size_px = 14.5});
-    left_px += 64.0 + canvas.TextWidth(patch.text, {.size_px = 14.5});
-  }
-}
+constexpr std::array<Patch, 6> kPatches = {
+    Patch{"hard obstacle", kHard}, {"person (hard)", kPerson},     {"soft obstacle", kSoft},
+    {"free ground", kFree},        {"not observed", kNotObserved}, {"off the map", kOffMap}};
 
 }  // namespace
 
@@ -106,7 +79,7 @@ Canvas DrawCostPanels(const Costmap& map, const CostmapParams& params, Range x, 
   const auto soft = BuildLayer(map, params, Costmap::kSoft);
   Canvas canvas(kWidth_px, kHeight_px);
   canvas.Text(80.0, 38.0, title, {.size_px = 20.0, .bold = true});
-  DrawLegend(canvas);
+  DrawPatches(canvas, 80.0, 56.0, kPatches);
   Panels panels(canvas, map, x, y);
   constexpr uint8_t kShown =
       Costmap::kHard | Costmap::kSoft | Costmap::kPerson | Costmap::kObserved;

@@ -18,37 +18,9 @@ constexpr double kPanel_px = 640.0;
 constexpr double kTop_px = 128.0;
 constexpr double kLeft_px[] = {80.0, 840.0};
 
-void DrawBar(Canvas& canvas, const Rectangle& panel, const std::string& most,
-             const std::string& unit) {
-  const Rectangle bar = {panel.right_px() + 10.0, panel.top_px + 22.0, 12.0, 150.0};
-  for (double row = 0.0; row < bar.height_px; row += 1.0) {
-    canvas.Fill({bar.left_px, bar.bottom_px() - row - 1.0, bar.width_px, 1.5},
-                CostColour(row / bar.height_px));
-  }
-  canvas.Outline(bar, kFaintInk, 0.8);
-  const TextStyle style = {.size_px = 12.0};
-  canvas.Text(bar.right_px() + 4.0, bar.bottom_px() + 4.0, "0", style);
-  canvas.Text(bar.right_px() + 4.0, bar.top_px + 6.0, most, style);
-  canvas.Text(bar.left_px, bar.top_px - 10.0, unit, style);
-}
-
-void DrawLegend(Canvas& canvas) {
-  struct Patch {
-    const char* text;
-    Colour colour;
-  };
-  static constexpr std::array<Patch, 3> kPatches = {Patch{"too steep: an obstacle", kHard},
-                                                    {"no plane: too few heights", kNotObserved},
-                                                    {"off the map", kOffMap}};
-  double left_px = kLeft_px[0];
-  for (const Patch& patch : kPatches) {
-    const Rectangle box = {left_px, 56.0, 26.0, 15.0};
-    canvas.Fill(box, patch.colour);
-    canvas.Outline(box, kFaintInk, 0.8);
-    canvas.Text(left_px + 34.0, 69.0, patch.text, {.size_px = 14.5});
-    left_px += 64.0 + canvas.TextWidth(patch.text, {.size_px = 14.5});
-  }
-}
+constexpr std::array<Patch, 3> kPatches = {Patch{"too steep: an obstacle", kHard},
+                                           {"no plane: too few heights", kNotObserved},
+                                           {"off the map", kOffMap}};
 
 }  // namespace
 
@@ -60,7 +32,7 @@ Canvas DrawTerrain(const Terrain& terrain, const GridWindow& window, Range x, Ra
                    const std::string& title) {
   Canvas canvas(kWidth_px, kHeight_px);
   canvas.Text(kLeft_px[0], 38.0, title, {.size_px = 20.0, .bold = true});
-  DrawLegend(canvas);
+  DrawPatches(canvas, kLeft_px[0], 56.0, kPatches);
   const auto draw = [&](int panel, const std::string& caption,
                         const std::function<double(const Terrain::Ground&)>& share_of) {
     Axes axes = Axes::OfMap(canvas, TerrainPanel(panel), x, y);
@@ -79,8 +51,8 @@ Canvas DrawTerrain(const Terrain& terrain, const GridWindow& window, Range x, Ra
   draw(1, "Roughness: deviation from the plane of 1 m", [](const Terrain::Ground& ground) {
     return double{ground.roughness_m} / kDarkestRoughness_m;
   });
-  DrawBar(canvas, TerrainPanel(0), TickText(kDarkestGrade, 0.1), "grade");
-  DrawBar(canvas, TerrainPanel(1), TickText(kDarkestRoughness_m, 0.1), "[m]");
+  DrawCostScale(canvas, TerrainPanel(0), TickText(kDarkestGrade, 0.1), "grade");
+  DrawCostScale(canvas, TerrainPanel(1), TickText(kDarkestRoughness_m, 0.1), "[m]");
   return canvas;
 }
 
