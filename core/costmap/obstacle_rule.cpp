@@ -150,7 +150,7 @@ void CostmapBuilder::StartHeights() {
 
 void CostmapBuilder::HeightUnit(const HeightGrid& heights) {
   if (row_ < Terrain::kUnits) {
-    terrain_.AddHalfRow(heights, map_.window.origin, row_);
+    terrain_.AddRow(heights, map_.window.origin, row_);
   } else {
     ClassUnit(heights, row_ - Terrain::kUnits);
   }

@@ -15,8 +15,8 @@ constexpr int16_t kNone = HeightGrid::kNone;
 constexpr float kCell_cm = 100.0f * kCellSize_m;
 // The determinant of the places' covariance from which on a plane is told, 4 / 5 cells^4: three
 // rows of five cells have 1.33, two have 0.5.
-constexpr int32_t kLeastSpread = 4;
-constexpr int32_t kSpreadOf = 5;
+constexpr float kLeastSpread = 4.0f;
+constexpr float kSpreadOf = 5.0f;
 
 // To the nearest whole number, for numbers of either sign that an int holds: a loop over cells may
 // be vectorised.
@@ -34,6 +34,13 @@ void KeepKnown(const uint8_t* __restrict seen, int16_t* __restrict cells) {
 
 inline int32_t Flagged(bool is) {
   return static_cast<int32_t>(is);
+}
+
+// Exact for what is not above Terrain::kMaxRise_cm. Processors without a product of whole numbers
+// for several lanes have one of floats.
+inline float Squared(int32_t value) {
+  const auto exact = static_cast<float>(value);
+  return exact * exact;
 }
 
 // What steepness and roughness cost.
@@ -76,11 +83,11 @@ template <int kCells>
 
 // Of columns over Terrain::kRows rows, with y counted from the middle one and z from a reference.
 struct ColumnSums {
-  const int32_t* count;
-  const int32_t* y;
-  const int32_t* yy;
-  const int32_t* z;
-  const int32_t* yz;
+  const float* count;
+  const float* y;
+  const float* yy;
+  const float* z;
+  const float* yz;
   const int32_t* zz;
 };
 
@@ -92,40 +99,41 @@ template <int kCells>
                            float* __restrict to_a, float* __restrict to_b,
                            float* __restrict to_deviation_cm, int32_t* __restrict to_told,
                            float* __restrict to_doubt) {
-  const auto sum = [](const int32_t* from) {
-    return from[0] + from[1] + from[2] + from[3] + from[4];
+  const auto sum = [](const auto* from) { return from[0] + from[1] + from[2] + from[3] + from[4]; };
+  const auto moment = [](const float* from) {
+    return 2.0f * (from[4] - from[0]) + from[3] - from[1];
   };
-  const auto moment = [](const int32_t* from) {
-    return 2 * (from[4] - from[0]) + from[3] - from[1];
-  };
-  const auto second = [](const int32_t* from) {
-    return 4 * (from[4] + from[0]) + from[3] + from[1];
+  const auto second = [](const float* from) {
+    return 4.0f * (from[4] + from[0]) + from[3] + from[1];
   };
   HP_LOOP_BOUND(kCells)
   for (int x = 0; x < kCells; ++x) {
-    const int32_t n = sum(is.count + x);
-    const int32_t sx = moment(is.count + x);
-    const int32_t sy = sum(is.y + x);
-    const int32_t sz = sum(is.z + x);
-    const int32_t cxx = n * second(is.count + x) - sx * sx;
-    const int32_t cyy = n * sum(is.yy + x) - sy * sy;
-    const int32_t cxy = n * moment(is.y + x) - sx * sy;
-    const auto cxz = static_cast<float>(n * moment(is.z + x) - sx * sz);
-    const auto cyz = static_cast<float>(n * sum(is.yz + x) - sy * sz);
-    const auto czz = static_cast<float>(n * sum(is.zz + x) - sz * sz);
-    const int32_t det = cxx * cyy - cxy * cxy;
-    const int32_t n2 = n * n;
+    const float n = sum(is.count + x);
+    const float sx = moment(is.count + x);
+    const float sy = sum(is.y + x);
+    const float sz = sum(is.z + x);
+    const float cxx = n * second(is.count + x) - sx * sx;
+    const float cyy = n * sum(is.yy + x) - sy * sy;
+    const float cxy = n * moment(is.y + x) - sx * sy;
+    const float cxz = n * moment(is.z + x) - sx * sz;
+    const float cyz = n * sum(is.yz + x) - sy * sz;
+    const auto whole_n = static_cast<int32_t>(n);
+    const auto whole_sz = static_cast<int32_t>(sz);
+    const auto czz = static_cast<float>(whole_n * sum(is.zz + x) - whole_sz * whole_sz);
+    const float det = cxx * cyy - cxy * cxy;
+    const float n2 = n * n;
     // As a factor: a loop with conditions would not vectorise.
     const int32_t height_cm = middle[x];
     const int32_t told = Flagged(height_cm != kNone) & Flagged(n >= Terrain::kLeastCells) &
                          Flagged(kSpreadOf * det >= kLeastSpread * n2 * n2);
-    const float share = static_cast<float>(told) / static_cast<float>(det + Flagged(det == 0));
-    const float a = share * (cxz * static_cast<float>(cyy) - cyz * static_cast<float>(cxy));
-    const float b = share * (cyz * static_cast<float>(cxx) - cxz * static_cast<float>(cxy));
+    const float share = static_cast<float>(told) / (det + static_cast<float>(Flagged(det == 0.0f)));
+    const float a = share * (cxz * cyy - cyz * cxy);
+    const float b = share * (cyz * cxx - cxz * cxy);
     // Not below 0 but for rounding.
-    const float variance = Abs(czz - a * cxz - b * cyz) / static_cast<float>(n2 + Flagged(n2 == 0));
+    const float variance =
+        Abs(czz - a * cxz - b * cyz) / (n2 + static_cast<float>(Flagged(n2 == 0.0f)));
     constexpr float kNoise_cm2 = Terrain::kNoise_cm * Terrain::kNoise_cm;
-    const float spread = static_cast<float>((cxx + cyy) * n) * share;
+    const float spread = (cxx + cyy) * n * share;
     to_a[x] = a;
     to_b[x] = b;
     to_deviation_cm[x] = static_cast<float>(told) * SqrtUnchecked(variance);
@@ -150,48 +158,31 @@ void Terrain::Begin(const CostmapParams& params) {
   }
 }
 
-void Terrain::AddHalfRow(const HeightGrid& heights, Cell origin, int half) {
+void Terrain::AddRow(const HeightGrid& heights, Cell origin, int unit) {
   if (!exists_) return;
-  const int row = half / 2;
-  const int fitted = row - kReach_cells;
-  if (half % 2 != 0) {
-    if (fitted >= 0) FitHalfRow(fitted, kHalf_cells);
-    return;
-  }
+  const int row = kFirst - kReach_cells + unit;
   int16_t* cells = rows_[row % kRows].cells();
-  if (row < kMapSize_cells) {
-    heights.ReadGround({origin.x, origin.y + row}, HeightGrid::HeightRow(cells, kMapSize_cells),
-                       seen_);
-    KeepKnown(seen_, cells);
-  } else {
-    FillRow(cells, kNone);
-  }
-  if (fitted >= 0) FitHalfRow(fitted, 0);
+  heights.ReadGround({origin.x, origin.y + row}, HeightGrid::HeightRow(cells, kMapSize_cells),
+                     seen_);
+  KeepKnown(seen_, cells);
+  if (IsNear(row - kReach_cells)) FitRow(row - kReach_cells);
 }
 
 // About the lowest height of each block, so that the sums fit.
-void Terrain::FitHalfRow(int row, int first) {
-  // The largest of the whole numbers: n times a sum of squares, and the square of a sum.
+void Terrain::FitRow(int row) {
+  // The largest of the whole numbers: n times a sum of squares, and the square of a sum. And of
+  // those in single precision: a column's sum of squares, and n times a moment or two such.
   static_assert(int64_t{kRows} * kRows * kRows * kRows * kMaxRise_cm * kMaxRise_cm <= INT32_MAX);
-  const int cell = row * kMapSize_cells + first;
-  if (!IsNear(row)) {
-    HP_LOOP_BOUND(kHalf_cells)
-    for (int i = cell; i < cell + kHalf_cells; ++i) {
-      grade_x_[i] = 0;
-      grade_y_[i] = 0;
-      roughness_[i] = 0;
-      cost_[i] = 0;
-    }
-    return;
-  }
-  const int16_t* middle = RowAt(row) + first;
-  HP_LOOP_BOUND(kHalf_cells / kBlock_cells)
-  for (int begin = 0; begin < kHalf_cells; begin += kBlock_cells) {
+  static_assert(kRows * kMaxRise_cm * kMaxRise_cm < 1 << 24);
+  static_assert(2 * kRows * kRows * kRows * kRows * kReach_cells * kMaxRise_cm < 1 << 24);
+  const int16_t* middle = RowAt(row) + kFirst;
+  HP_LOOP_BOUND(kSide_cells / kBlock_cells)
+  for (int begin = 0; begin < kSide_cells; begin += kBlock_cells) {
     int16_t lowest_cm = kNone;
     HP_LOOP_BOUND(kBlock_cells)
     for (int x = begin; x < begin + kBlock_cells; ++x) lowest_cm = Smaller(lowest_cm, middle[x]);
-    if (lowest_cm != kNone && IsNear(first + begin)) {
-      SumColumns(first + begin, row, lowest_cm);
+    if (lowest_cm != kNone) {
+      SumColumns(kFirst + begin, row, lowest_cm);
       Fit<kBlock_cells>({count_, y_, yy_, z_, yz_, zz_}, middle + begin, a_ + begin, b_ + begin,
                         deviation_cm_ + begin, told_ + begin, doubt_ + begin);
       continue;
@@ -207,7 +198,8 @@ void Terrain::FitHalfRow(int row, int first) {
   }
   const Prices prices = {free_grade_, grade_cost_, free_roughness_cm_, roughness_cost_per_cm_,
                          max_grade_};
-  Tell<kHalf_cells>(prices, a_, b_, deviation_cm_, told_, doubt_, grade_x_ + cell, grade_y_ + cell,
+  const int cell = (row - kFirst) * kSide_cells;
+  Tell<kSide_cells>(prices, a_, b_, deviation_cm_, told_, doubt_, grade_x_ + cell, grade_y_ + cell,
                     roughness_ + cell, cost_ + cell);
 }
 
@@ -232,47 +224,53 @@ void Terrain::SumColumns(int begin, int row, int reference_cm) {
     const int32_t has_c = known(c);
     const int32_t has_d = known(d);
     const int32_t has_e = known(e);
-    const int32_t za = has_a != 0 ? a : 0;
-    const int32_t zb = has_b != 0 ? b : 0;
-    const int32_t zc = has_c != 0 ? c : 0;
-    const int32_t zd = has_d != 0 ? d : 0;
-    const int32_t ze = has_e != 0 ? e : 0;
-    count_[x] = has_a + has_b + has_c + has_d + has_e;
-    y_[x] = 2 * (has_e - has_a) + has_d - has_b;
-    yy_[x] = 4 * (has_e + has_a) + has_d + has_b;
-    z_[x] = za + zb + zc + zd + ze;
-    yz_[x] = 2 * (ze - za) + zd - zb;
-    zz_[x] = za * za + zb * zb + zc * zc + zd * zd + ze * ze;
+    const int32_t za = a & -has_a;
+    const int32_t zb = b & -has_b;
+    const int32_t zc = c & -has_c;
+    const int32_t zd = d & -has_d;
+    const int32_t ze = e & -has_e;
+    count_[x] = static_cast<float>(has_a + has_b + has_c + has_d + has_e);
+    y_[x] = static_cast<float>(2 * (has_e - has_a) + has_d - has_b);
+    yy_[x] = static_cast<float>(4 * (has_e + has_a) + has_d + has_b);
+    z_[x] = static_cast<float>(za + zb + zc + zd + ze);
+    yz_[x] = static_cast<float>(2 * (ze - za) + zd - zb);
+    zz_[x] =
+        static_cast<int32_t>(Squared(za) + Squared(zb) + Squared(zc) + Squared(zd) + Squared(ze));
   }
 }
 
 void Terrain::Flag(int row, uint8_t* __restrict flags) const {
-  if (!exists_) return;
-  const uint8_t* __restrict cost = cost_ + row * kMapSize_cells;
+  if (!exists_ || !IsNear(row)) return;
+  const uint8_t* __restrict cost = cost_ + (row - kFirst) * kSide_cells;
   constexpr uint8_t kNotHard = static_cast<uint8_t>(~(Costmap::kSoft | Costmap::kGrowth));
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) {
-    const uint8_t hard = static_cast<uint8_t>((flags[x] & kNotHard) | Costmap::kHard);
-    flags[x] = cost[x] == kTooSteep ? hard : flags[x];
+  HP_LOOP_BOUND(kSide_cells)
+  for (int x = 0; x < kSide_cells; ++x) {
+    const uint8_t flag = flags[kFirst + x];
+    const uint8_t hard = static_cast<uint8_t>((flag & kNotHard) | Costmap::kHard);
+    flags[kFirst + x] = cost[x] == kTooSteep ? hard : flag;
   }
 }
 
 void Terrain::AddCost(int row, uint16_t* __restrict costs_q8) const {
-  if (!exists_) return;
-  const uint8_t* __restrict cost = cost_ + row * kMapSize_cells;
+  if (!exists_ || !IsNear(row)) return;
+  const uint8_t* __restrict cost = cost_ + (row - kFirst) * kSide_cells;
   constexpr int kPerStep_q8 = kCostOne_q8 / static_cast<int>(kStepsPerCost);
-  HP_LOOP_BOUND(kMapSize_cells)
-  for (int x = 0; x < kMapSize_cells; ++x) {
-    costs_q8[x] = static_cast<uint16_t>(costs_q8[x] + cost[x] * kPerStep_q8);
+  HP_LOOP_BOUND(kSide_cells)
+  for (int x = 0; x < kSide_cells; ++x) {
+    costs_q8[kFirst + x] = static_cast<uint16_t>(costs_q8[kFirst + x] + cost[x] * kPerStep_q8);
   }
 }
 
 Terrain::Ground Terrain::At(int index) const {
-  if (!exists_ || roughness_[index] == 0) return {};
-  return {true, static_cast<float>(grade_x_[index]) / kStepsPerGrade,
-          static_cast<float>(grade_y_[index]) / kStepsPerGrade,
-          FromCentimeters(1) * static_cast<float>(roughness_[index] - 1) / kStepsPerCm,
-          cost_[index] == kTooSteep};
+  const int row = index / kMapSize_cells;
+  const int column = index % kMapSize_cells;
+  if (!exists_ || !IsNear(row) || !IsNear(column)) return {};
+  const int cell = (row - kFirst) * kSide_cells + column - kFirst;
+  if (roughness_[cell] == 0) return {};
+  return {true, static_cast<float>(grade_x_[cell]) / kStepsPerGrade,
+          static_cast<float>(grade_y_[cell]) / kStepsPerGrade,
+          FromCentimeters(1) * static_cast<float>(roughness_[cell] - 1) / kStepsPerCm,
+          cost_[cell] == kTooSteep};
 }
 
 }  // namespace hardpack

@@ -35,16 +35,17 @@ class Terrain {
  public:
   static constexpr int kReach_cells = 2;
   static constexpr int kRows = 2 * kReach_cells + 1;
-  // Half rows of the map, and those that the last ones wait for.
-  static constexpr int kUnits = 2 * (kMapSize_cells + kReach_cells);
   static constexpr int kLeastCells = 8;
   // Only the middle half of the map's rows and columns is fitted, 25.6 m to each side: farther off
   // a lidar's rings are wider apart than a plane is.
-  static constexpr int kNearFirst = kMapSize_cells / 4;
-  static constexpr int kNearEnd = 3 * kMapSize_cells / 4;
+  static constexpr int kSide_cells = kMapSize_cells / 2;
+  static constexpr int kFirst = (kMapSize_cells - kSide_cells) / 2;
+  static constexpr int kEnd = kFirst + kSide_cells;
   static constexpr bool IsNear(int row_or_column) {
-    return row_or_column >= kNearFirst && row_or_column < kNearEnd;
+    return row_or_column >= kFirst && row_or_column < kEnd;
   }
+  // Rows of these, and those that the first and the last ones wait for.
+  static constexpr int kUnits = kSide_cells + 2 * kReach_cells;
   static constexpr float kMaxCost = 15.0f;
   static constexpr float kNoise_cm = 2.0f;   // of a height, at least
   static constexpr float kMaxGrade = 1.98f;  // about the most that is told
@@ -68,10 +69,9 @@ class Terrain {
   // nothing costs. Cost: constant.
   void Begin(const CostmapParams& params);
 
-  // Half a row at a time: loads a row of heights with its first half, and fits the planes of that
-  // half of the row kReach_cells before it. half: 0 .. kUnits - 1, each once, in order; the map's
-  // first cell is `origin`. Cost: half a row.
-  void AddHalfRow(const HeightGrid& heights, Cell origin, int half);
+  // A row at a time: loads the heights of one, and fits the planes of the one kReach_cells before
+  // it. unit: 0 .. kUnits - 1, each once, in order; the map's first cell is `origin`. Cost: a row.
+  void AddRow(const HeightGrid& heights, Cell origin, int unit);
 
   // In a row whose planes are fitted: sets what is too steep to hard, and adds the costs; to what
   // is too steep one that no path pays. [kMapSize_cells] each, of Costmap::Flag and cost_q8.
@@ -85,15 +85,15 @@ class Terrain {
   bool exists() const { return exists_; }
 
  private:
-  static constexpr int kHalf_cells = kMapSize_cells / 2;
+  static constexpr int kCells = kSide_cells * kSide_cells;
   static constexpr int kBlock_cells = 32;  // of a row, fitted together, about one height
-  static_assert(kNearFirst % kBlock_cells == 0 && kNearEnd % kBlock_cells == 0);
+  static_assert(kSide_cells % kBlock_cells == 0);
   static constexpr int kColumns = kBlock_cells + 2 * kReach_cells;
   // From that height; what is further from it is not known. All of a plane of 70 degrees is.
   static constexpr int kMaxRise_cm = 1800;
   static constexpr uint8_t kTooSteep = 255;
 
-  void FitHalfRow(int row, int first);
+  void FitRow(int row);
   void SumColumns(int begin, int row, int reference_cm);
   const int16_t* RowAt(int row) const { return rows_[(row + kRows) % kRows].cells(); }
 
@@ -107,26 +107,26 @@ class Terrain {
   PaddedRow<int16_t> rows_[kRows];
   alignas(16) uint8_t seen_[kMapSize_cells] = {};
   // Of one column over kRows rows, with y counted from the middle one and z from a reference.
-  alignas(16) int32_t count_[kColumns] = {};
-  alignas(16) int32_t y_[kColumns] = {};
-  alignas(16) int32_t yy_[kColumns] = {};
-  alignas(16) int32_t z_[kColumns] = {};
-  alignas(16) int32_t yz_[kColumns] = {};
+  alignas(16) float count_[kColumns] = {};
+  alignas(16) float y_[kColumns] = {};
+  alignas(16) float yy_[kColumns] = {};
+  alignas(16) float z_[kColumns] = {};
+  alignas(16) float yz_[kColumns] = {};
   alignas(16) int32_t zz_[kColumns] = {};
-  // Of the half row that is being fitted: cm per cell, cm, and 1 where a plane is told, else 0; and
+  // Of the row that is being fitted: cm per cell, cm, and 1 where a plane is told, else 0; and
   // two standard deviations of the grade.
-  alignas(16) float a_[kHalf_cells] = {};
-  alignas(16) float b_[kHalf_cells] = {};
-  alignas(16) float deviation_cm_[kHalf_cells] = {};
-  alignas(16) int32_t told_[kHalf_cells] = {};
-  alignas(16) float doubt_[kHalf_cells] = {};
-  // What is told of each cell.
-  int8_t grade_x_[kMapCells] = {};
-  int8_t grade_y_[kMapCells] = {};
-  uint8_t roughness_[kMapCells] = {};  // 1 more than its steps; 0: no plane is told
-  uint8_t cost_[kMapCells] = {};       // or kTooSteep
+  alignas(16) float a_[kSide_cells] = {};
+  alignas(16) float b_[kSide_cells] = {};
+  alignas(16) float deviation_cm_[kSide_cells] = {};
+  alignas(16) int32_t told_[kSide_cells] = {};
+  alignas(16) float doubt_[kSide_cells] = {};
+  // What is told of each of the fitted rows' cells, row by row.
+  int8_t grade_x_[kCells] = {};
+  int8_t grade_y_[kCells] = {};
+  uint8_t roughness_[kCells] = {};  // 1 more than its steps; 0: no plane is told
+  uint8_t cost_[kCells] = {};       // or kTooSteep
 };
 static_assert(std::is_trivially_copyable_v<Terrain>);
-static_assert(sizeof(Terrain) <= 4 * kMapCells + 13 * 1024);
+static_assert(sizeof(Terrain) <= kMapCells + 13 * 1024);
 
 }  // namespace hardpack
