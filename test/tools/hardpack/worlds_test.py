@@ -3,8 +3,8 @@
 """usage: worlds_test.py WORLD
 
 The experiment of one world over HARDPACK_SEEDS seeds (5): every run has a result, its log replays to
-its decisions, one run driven again is the same to the bit, and no fewer runs succeed and no more
-touch something than the table says.
+its decisions, no fewer runs succeed and no more touch something than the table says, and in worlds
+of three kinds one run driven again is the same to the bit.
 """
 
 import json
@@ -42,6 +42,9 @@ LIMITS = {
 # Who is a person is told by a segmentation computer, or without one by how they walk.
 OPTIONS = {"crossing": ["--labels", "100"]}
 WORLDS = {"crossing_unlabelled": "crossing"}
+# What the simulator draws a run's noise and delays by is one code for all worlds; that the vehicle
+# decides the same is what the replays say.
+AGAIN = {"gap", "low", "crossing"}
 
 
 def run(*arguments, codes=(0,)):
@@ -70,10 +73,11 @@ def check(name, out):
         failures.append("a run has no time")
     if not all(one["reaction_s"]["bins"] for one in runs if one["driven_m"] > 0.5):
         failures.append("a run that drove has no reactions")
-    again = json.loads(run("sim", "--world", world, "--seed", 1, "--json", *options,
-                           codes=(0, 1)))
-    if again | {"replayed": True} != runs[0]:
-        failures.append("seed 1 is not the same a second time")
+    if name in AGAIN:
+        again = json.loads(run("sim", "--world", world, "--seed", 1, "--json", *options,
+                               codes=(0, 1)))
+        if again | {"replayed": True} != runs[0]:
+            failures.append("seed 1 is not the same a second time")
     least, most_touches = LIMITS[name]
     # With fewer seeds: as many failures as there may be of five.
     if row["runs"] - row["successes"] > 5 - least:
