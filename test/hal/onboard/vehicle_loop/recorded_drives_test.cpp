@@ -216,8 +216,8 @@ Drive DriveOnce(uint32_t seed) {
 class RecordedDrives : public ::testing::TestWithParam<int> {};
 
 constexpr std::array<uint64_t, 8> kDecided = {
-    0x5db46dbcd46a16bu,  0x91d399df4bf7bcd5u, 0x543dc5c0e3b40ea9u, 0x4dc4ded84a747a63u,
-    0x854f415dd19166f2u, 0xfe81faaca7f8bda8u, 0x9d8b86f4ff99e223u, 0x7e337b12d15c7928u};
+    0x5db46dbcd46a16bu,  0x4105be03dd67f203u, 0x38101c2a42585860u, 0x4dc4ded84a747a63u,
+    0x854f415dd19166f2u, 0x9c111000cc34bb18u, 0x9d8b86f4ff99e223u, 0x5c99b0112281f9fdu};
 
 TEST_P(RecordedDrives, DecideAsTheyDid) {
   const Drive drive = DriveOnce(0x5eed0410u + static_cast<uint32_t>(GetParam()));
