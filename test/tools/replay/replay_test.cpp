@@ -67,7 +67,7 @@ class LoggedDrive {
     configuration.ins.port = 7520;
     configuration_ = ToToml(configuration);
     Prepare();
-    for (int i = 0; i < 1500; ++i) {
+    for (int i = 0; i < 1500 || !IsLastImageWhole(); ++i) {
       now_ns += kTick_ns;
       sim::Outgoing out;
       vehicle.Advance(now_ns, out);
@@ -118,6 +118,16 @@ class LoggedDrive {
     const Status status = onboard_->get()->Tick(input, output_);
     EXPECT_EQ(status, Status::kOk);
     log_.EndTick({index_, status, onboard_->get()->pilot().decision_hash(), 1000, 0}, output_);
+  }
+
+  // The image is written with the file's first ticks: it is when three quarters of the file are.
+  bool IsLastImageWhole() const {
+    uint64_t bytes = 0;
+    for (const MemoryRecorder::Packet& packet : recorder_.files().back()) {
+      bytes += packet.bytes.size();
+    }
+    static_assert(sizeof(VehicleLoop) < kRotateBytes / 2);
+    return bytes >= kRotateBytes / 4 * 3;
   }
 
   // Arms once the drives are ready, and then sends the vehicle off.
