@@ -243,6 +243,10 @@ inline constexpr std::array kSpeedTable = {
              "Limit of the lateral acceleration; the default is the largest recorded above 3 m/s "
              "(ours)."),
     HP_SPEED(
+        friction, 0.1f, 1.5f,
+        "Friction of tyres on the ground: 0.8 of it is relied on for braking and cornering on a "
+        "slope. 0.5 is dry earth and grass, 0.35 the same when wet (ours)."),
+    HP_SPEED(
         max_yaw_rate_radps, 0.05f, 10.0f,
         "Limit of the yaw rate: at most what the drives achieve against scrubbing tyres (ours)."),
     HP_SPEED(max_wheel_speed_share, 0.05f, 1.0f,

@@ -409,7 +409,10 @@ void Planner::StepCheck(int units) {
 
 void Planner::BeginSpeed() {
   stage_ = PlanStage::kSpeed;
-  caps_.Begin(costmap().window, params_.speed, params_.vehicle, plan_.path, own_start_.speed_mps);
+  const GroundAhead ground = LookAtGround(terrain(), costmap().window, params_.speed, plan_.path);
+  speed_params_ = OnGround(params_.speed, ground);
+  caps_.Begin(costmap().window, speed_params_, params_.vehicle, plan_.path, own_start_.speed_mps,
+              {}, nullptr, ground.too_steep_m);
 }
 
 void Planner::TryAgain() {
@@ -445,7 +448,7 @@ void Planner::TryAgain() {
 }
 
 void Planner::StepSpeed(const Source& source, int units) {
-  if (caps_.Step(costmap(), params_.speed, params_.vehicle, plan_.path, units, source.areas) ==
+  if (caps_.Step(costmap(), speed_params_, params_.vehicle, plan_.path, units, source.areas) ==
       Progress::kBusy) {
     return;
   }
@@ -458,7 +461,7 @@ void Planner::StepSpeed(const Source& source, int units) {
   plan_.narrow = caps_.narrow();
   request.cap_mps = caps_.cap_mps();
   const Status status =
-      PlanSpeed(params_.speed, params_.vehicle, plan_.actuator, request, plan_.speed);
+      PlanSpeed(speed_params_, params_.vehicle, plan_.actuator, request, plan_.speed);
   if (!IsUsable(status)) return Fail(status);
   Finish();
 }

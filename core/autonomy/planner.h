@@ -20,6 +20,7 @@
 #include "core/path/path_smoother.h"
 #include "core/path/route.h"
 #include "core/safety/path_check.h"
+#include "core/speed/ground_ahead.h"
 #include "core/speed/speed.h"
 #include "core/speed/speed_caps.h"
 
@@ -374,6 +375,7 @@ class Planner {
   bool is_to_seed_ = false;  // BeginSeed is due
   Optimizer optimizer_;
   PathCheck check_;
+  SpeedParams speed_params_;  // on the path's ground
   SpeedCaps caps_;
 };
 static_assert(std::is_trivially_copyable_v<Planner>);

@@ -246,6 +246,7 @@ class Replanner {
     int32_t lead_points = 0;
     PlanGoal goal;       // the place that it leads to
     int32_t joint = -1;  // point of rest_ where it leaves the committed path; -1: none
+    GroundAhead ground;  // along the path
   };
 
   template <typename StepPlanner>
@@ -305,7 +306,8 @@ class Replanner {
   Status TimeFrom(const PathPlace& place);
 
   PlannerParams params_;
-  SpeedParams caps_params_;  // those of params_, with the reaction time of this round
+  // Those of params_ on the candidate's ground, with the reaction time of this round.
+  SpeedParams caps_params_;
   bool configured_ = false;
   bool has_state_ = false;
   uint64_t now_ns_ = 0;

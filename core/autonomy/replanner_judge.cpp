@@ -222,11 +222,12 @@ void Replanner::Decide() {
     MakeCandidate(decision, ReplanReason::kNone);
   }
   if (candidate_.path.size() < 2) return DropAll();
-  caps_params_ = params_.speed;
+  caps_params_ = OnGround(params_.speed, candidate_.ground);
   caps_params_.reaction_time_s =
       Clamp(state_.reaction_s, params_.speed.reaction_time_s, kMaxReaction_s);
   caps_.Begin(planner_.costmap().window, caps_params_, params_.vehicle, candidate_.path,
-              Abs(state_.driven_mps), state_.lookouts, has_walkers_ ? &walkers_ : nullptr);
+              Abs(state_.driven_mps), state_.lookouts, has_walkers_ ? &walkers_ : nullptr,
+              candidate_.ground.too_steep_m);
   phase_ = Phase::kSpeed;
 }
 
@@ -283,6 +284,8 @@ void Replanner::MakeCandidate(ReplanDecision decision, ReplanReason reason) {
   }
   candidate_.slow_points = ClampInt(candidate_.slow_points, 0, candidate_.path.size());
   candidate_.lead_points = ClampInt(candidate_.lead_points, 0, candidate_.path.size());
+  candidate_.ground =
+      LookAtGround(planner_.terrain(), planner_.costmap().window, params_.speed, candidate_.path);
 }
 
 void Replanner::TakeFresh() {
@@ -327,8 +330,8 @@ int Replanner::StopPoint() const {
   if (committed_.is_stop && RestIsFree()) return last;
   const float speed_mps = state_.speed_mps;
   const PathPlace place = Project(rest_, state_.pose, Stands(), ReachOfRound());
-  const float least_m =
-      place.along_m + speed_mps * speed_mps / (2.0f * params_.speed.max_deceleration_mps2);
+  const float brake_mps2 = OnGround(params_.speed, committed_.ground).max_deceleration_mps2;
+  const float least_m = place.along_m + speed_mps * speed_mps / (2.0f * brake_mps2);
   int point = 0;
   float along_m = 0.0f;
   HP_LOOP_BOUND(kMaxPathPoints)
@@ -346,7 +349,8 @@ bool Replanner::ComesToRest() const {
   if (Stands()) return true;
   const PathPlace place = Project(path, state_.pose, Stands(), ReachOfRound());
   const float way_m = WayTo(path, StandingPoint(path, place.point)) - place.along_m;
-  return speed_mps * speed_mps <= 2.0f * params_.speed.max_deceleration_mps2 * way_m;
+  const float brake_mps2 = OnGround(params_.speed, candidate_.ground).max_deceleration_mps2;
+  return speed_mps * speed_mps <= 2.0f * brake_mps2 * way_m;
 }
 
 }  // namespace hardpack

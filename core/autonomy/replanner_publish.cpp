@@ -68,6 +68,7 @@ void Replanner::Commit(const PathPlace& place) {
     plan.room_m.Resize(plan.room_m.size() + 1);
     plan.room_m.back() = caps_.room_m(k);
   }
+  plan.ground = candidate_.ground;
   plan.narrow = caps_.narrow();
   plan.status = candidate_.status == Status::kNarrowGap ? Status::kOk : candidate_.status;
   if (plan.narrow) plan.status = Graver(plan.status, Status::kNarrowGap);
@@ -144,7 +145,7 @@ Status Replanner::TimeFrom(const PathPlace& place) {
   request.start_speed_mps = state_.speed_mps;
   request.slow_points = plan.slow_points - behind < 0 ? 0 : plan.slow_points - behind;
   request.cap_mps = caps_.cap_mps().subspan(static_cast<size_t>(place.point));
-  SpeedParams speed = params_.speed;
+  SpeedParams speed = caps_params_;
   speed.max_curvature_rate_per_s2 *= TurnShare(behind);
   const Status timed = PlanSpeed(speed, params_.vehicle, timed_, request, plan.speed);
   if (!IsUsable(timed) || behind == 0) return timed;

@@ -14,6 +14,7 @@ namespace hardpack {
 inline constexpr float kCentimetersPerMeter = 100.0f;
 inline constexpr float kMillimetersPerMeter = 1000.0f;
 inline constexpr float kMillisecondsPerSecond = 1000.0f;
+inline constexpr float kStandardGravity_mps2 = 9.80665f;
 
 // To the nearest centimetre, halves away from zero; saturates, and NaN gives 0.
 constexpr int32_t InCentimeters(float length_m) {

@@ -11,6 +11,7 @@
 #include "core/base/status.h"
 #include "core/path/path.h"
 #include "core/path/route.h"
+#include "core/speed/ground_ahead.h"
 #include "core/speed/speed.h"
 
 // The plan being driven: where on it a vehicle is, and what it specifies at each place. It does not
@@ -74,6 +75,7 @@ struct CommittedPlan {
   int32_t slow_points = 0;                    // first points driven slowly, out of an obstacle
   // The first of these, which lead out of a place without room to turn (core/autonomy/lead_out.h).
   int32_t lead_points = 0;
+  GroundAhead ground;         // along it, which its speeds are for
   bool narrow = false;        // has a place with little room, driven at min_speed_mps there
   bool creeps = false;        // over hidden ground (SpeedCaps), at the vehicle's place
   bool is_stop = false;       // cut short to come to rest: it has no goal

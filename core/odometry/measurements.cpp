@@ -134,18 +134,24 @@ void Odometry::TakeVelocity(const InsSample& sample, uint64_t time_ns) {
     return;
   }
   const float left_mps = velocity.north_mps * heading.cos - velocity.east_mps * heading.sin;
-  NoteDrift(left_mps, -velocity.down_mps, time_ns);
+  NoteDrift({measured_mps, left_mps}, -velocity.down_mps, time_ns);
   TakeGroundSpeed(measured_mps, time_ns);
 }
 
 // What no wheel tells. At rest there is none.
-void Odometry::NoteDrift(float left_mps, float climb_mps, uint64_t time_ns) {
+void Odometry::NoteDrift(Vec2 level_mps, float climb_mps, uint64_t time_ns) {
   if (time_ns < climb_ns_) return;
   const bool goes_on = climb_ns_ != 0 && time_ns - climb_ns_ <= uint64_t{kMaxStep_ns} && !at_rest_;
   const float dt_s = goes_on ? SecondsBetween(climb_ns_, time_ns) : 0.0f;
   const float turns_mps = -state_[kStateYawRate] * TurningPoint_m();
-  if (!goes_on) aside_mps_ = 0.0f;
-  aside_mps_ += dt_s / (dt_s + kAsideLag_s) * (left_mps - turns_mps - aside_mps_);
+  if (!goes_on) {
+    aside_mps_ = 0.0f;
+    ahead_mps_ = 0.0f;
+  }
+  const float share = dt_s / (dt_s + kAsideLag_s);
+  aside_mps_ += share * (level_mps.y_m - turns_mps - aside_mps_);
+  const float wheels_mps = Cos(pose_.pitch_rad) * state_[kStateSpeed];
+  ahead_mps_ += share * (level_mps.x_m - wheels_mps - ahead_mps_);
   climb_ns_ = time_ns;
   climb_mps_ = climb_mps;
 }

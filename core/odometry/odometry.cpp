@@ -135,6 +135,15 @@ float Odometry::Slide_mps() const {
   return Clamp(aside_mps_, Min(most_mps, 0.0f), Max(most_mps, 0.0f));
 }
 
+// Forward. Of either sign, so that noise adds nothing.
+float Odometry::Creep_mps() const {
+  const bool is_told = climb_ns_ != 0 && filter_ns_ <= climb_ns_ + uint64_t{kMaxStep_ns};
+  const float steep = Max(Abs(Sin(pose_.pitch_rad)) - kLevelPitch, 0.0f);
+  if (!is_told || !(steep > 0.0f)) return 0.0f;
+  const float most_mps = kSlideShare * steep * Abs(state_[kStateSpeed]);
+  return Clamp(ahead_mps_, -most_mps, most_mps);
+}
+
 // Equations of odometry.h. Without wheel speeds for too long, and at rest, the pose is held.
 void Odometry::Propagate(float dt_s) {
   const bool moves =
@@ -149,8 +158,9 @@ void Odometry::Propagate(float dt_s) {
     step.x_by_speed = level_s * middle.cos;
     step.y_by_speed = level_s * middle.sin;
     const float left_m = rate_radps * aside_m + Slide_mps() * dt_s;
-    const float dx_m = speed_mps * step.x_by_speed - left_m * middle.sin;
-    const float dy_m = speed_mps * step.y_by_speed + left_m * middle.cos;
+    const float ahead_m = Creep_mps() * dt_s;
+    const float dx_m = speed_mps * step.x_by_speed + ahead_m * middle.cos - left_m * middle.sin;
+    const float dy_m = speed_mps * step.y_by_speed + ahead_m * middle.sin + left_m * middle.cos;
     step.x_by_yaw = -dy_m;
     step.y_by_yaw = dx_m;
     step.x_by_rate = -dy_m * dt_s / 2.0f - aside_m * middle.sin;

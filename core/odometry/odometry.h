@@ -20,6 +20,8 @@
 //     point ahead of its centre, by up to t
 //     and across a bank b, downhill, of what the INS says of it up to kSlideShare sin(b)
 //     (|v| + kTurnArm_m |w|): tyres creep under a load, and no wheel tells
+//     and along a grade of pitch p, up to kSlideShare (sin|p| - kLevelPitch) |v| of what the INS
+//     says of it beyond the wheels: the scale k is learned only by and by
 //   z' = z + c dt, c: the INS's vertical speed while it stands by it, otherwise, and never further
 //     than kClimbShare |v| from it, -v sin(pitch): the nose dips when the vehicle brakes, and an
 //     INS's vertical speed is wrong by a while's bias. Heights beyond kMaxHeight_m begin at 0
@@ -65,6 +67,7 @@ class Odometry {
   // Tyres that roll on a bank creep by less (docs/simulation.md has a tenth of their load).
   static constexpr float kSlideShare = 0.5f;
   static constexpr float kTurnArm_m = 0.5f;
+  static constexpr float kLevelPitch = 0.03f;  // nobody creeps on it, and an INS errs by less
   // The nose dips by up to 6 degrees.
   static constexpr float kClimbShare = 0.1f;
 
@@ -160,6 +163,7 @@ class Odometry {
   float TurningPoint_m() const;
   float Climb_mps() const;
   float Slide_mps() const;
+  float Creep_mps() const;
   void Propagate(float dt_s);
   void Correct(const Innovation& innovation);
   // Whether it was accepted. `opened`: the state that is doubted if it persists; kOdometryStates:
@@ -175,7 +179,7 @@ class Odometry {
   void TakeAttitude(const InsSample& sample);
   void TakeRate(const AngularRate& rate, uint64_t time_ns);
   void TakeVelocity(const InsSample& sample, uint64_t time_ns);
-  void NoteDrift(float left_mps, float climb_mps, uint64_t time_ns);
+  void NoteDrift(Vec2 level_mps, float climb_mps, uint64_t time_ns);
   void TakeGroundSpeed(float measured_mps, uint64_t time_ns);
   static bool AreWheelSpeeds(const WheelFeedback& wheels);
   bool AreFrozen(const WheelFeedback& wheels);
@@ -211,6 +215,7 @@ class Odometry {
   uint64_t climb_ns_ = 0;  // of the INS's newest vertical speed; 0: none
   float climb_mps_ = 0.0f;
   float aside_mps_ = 0.0f;  // to the left, beyond what a turn does: over the last kAsideLag_s
+  float ahead_mps_ = 0.0f;  // beyond the wheels' speed, likewise
   uint64_t wheels_ns_ = 0;
   uint64_t rims_ns_ = 0;       // of the four below; 0: none yet
   float rim_mps_ = 0.0f;       // r (w_r + w_l) / 2

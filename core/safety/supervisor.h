@@ -77,8 +77,9 @@ enum class StopReason : uint8_t {
   kAreaUnknown,     // not all areas have arrived, or one on earth has no place in odom
   kGroundDrops,     // a wheel drops in ground that was not seen (core/safety/ground_watch.h)
   kTilted,          // the body leans too far, or is about to (core/safety/tilt_watch.h)
+  kSteepGround,     // on the way down ahead it could not stop (core/speed/ground_ahead.h)
 };
-inline constexpr int kStopReasons = 36;
+inline constexpr int kStopReasons = 37;
 
 // What the drives are told to do.
 enum class Motion : uint8_t {

@@ -57,7 +57,7 @@ float RoomSpeedCap(const SpeedParams& params, float room_m, float bend_per_m) {
 
 void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
                       const VehicleParams& vehicle, const WorldPath& path, float speed_mps,
-                      const Lookouts& lookouts, const Walkers* walkers) {
+                      const Lookouts& lookouts, const Walkers* walkers, float too_steep_m) {
   points_ = path.size();
   speed_mps_ = speed_mps;
   footprint_ = FootprintOf(vehicle);
@@ -89,6 +89,7 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
   track_ = 0;
   look_ = Look{};
   observed_m_ = kFar_m;
+  too_steep_m_ = too_steep_m;
   lookouts_ = lookouts;
   walkers_.Clear();
   if (walkers != nullptr) walkers_ = *walkers;
@@ -134,6 +135,8 @@ Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
     } else {
       const float free_m = observed_m_ - AheadOf_m(point_) - along_m_[point_];
       Lower(point_, ReactionSpeedCap(params, free_m), CapCause::kUnseenGround);
+      const float gentle_m = too_steep_m_ - AheadOf_m(point_) - along_m_[point_];
+      Lower(point_, ReactionSpeedCap(params, gentle_m), CapCause::kSteepGround);
       const int hard2_cells2 = NearestHard2(map, path[point_]);
       if (hard2_cells2 < kMaxDistance2_cells2 &&
           static_cast<float>(hard2_cells2) <= room2_cells2_) {

@@ -78,16 +78,18 @@ enum class CapCause : uint8_t {
   kSpeedZone,
   kHiddenGround,  // no place has shown it: the vehicle creeps
   kReverse,
+  kSteepGround,  // a way down on which it could not stop
 };
 
 class SpeedCaps {
  public:
   // path: as passed by the check, at least one point. speed_mps: the vehicle's present speed; the
   // time to pass somebody is computed from it at every point. walkers: null, or at most
-  // kMaxWalkers. Cost: one pass over its points.
+  // kMaxWalkers. too_steep_m: along the path, before which it stands (core/speed/ground_ahead.h).
+  // Cost: one pass over its points.
   void Begin(const GridWindow& window, const SpeedParams& params, const VehicleParams& vehicle,
              const WorldPath& path, float speed_mps, const Lookouts& lookouts = {},
-             const Walkers* walkers = nullptr);
+             const Walkers* walkers = nullptr, float too_steep_m = kFar_m);
 
   // A unit is one of the walkers, one place on a chord looked at for unobserved ground, on its
   // tracks up to the first where there is some, one row of the map searched for people (each of
@@ -197,6 +199,7 @@ class SpeedCaps {
   int32_t track_ = 0;        // next, at the one after them
   Look look_;                // at that one, so far
   float observed_m_ = 0.0f;  // distance to the end of the observed ground
+  float too_steep_m_ = kFar_m;
   float max_unseen_m_ = 0.0f;
   float growth_speed_mps_ = 0.0f;
   float unseen_margin_m_ = 0.0f;

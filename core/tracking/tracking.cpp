@@ -38,7 +38,8 @@ bool IsFiniteInput(const TrackingInput& input) {
   return IsFinite(input.pose) && IsFinite(input.aim.pose) && IsFinite(input.path) &&
          IsFinite(input.speed_limit_mps) && IsFinite(input.acceleration_mps2) &&
          IsFinite(input.turn_curvature_per_m) && IsFinite(input.wheel_curvature_per_m) &&
-         IsFinite(input.curvature_rate_per_m2) && IsFinite(input.left_m);
+         IsFinite(input.curvature_rate_per_m2) && IsFinite(input.left_m) &&
+         IsFinite(input.deceleration_mps2);
 }
 
 float Limited(float value, float most) {
@@ -105,10 +106,10 @@ float Tracker::WheelAhead_m() const {
   return TurnAhead_m() + model_.params().yaw_rate_lag_s * Abs(predicted_.speed_mps);
 }
 
-float Tracker::EndSpeed(float left_m) const {
+float Tracker::EndSpeed(float left_m, float max_deceleration_mps2) const {
   if (!(left_m > 0.0f)) return 0.0f;
   const float time_s = EndTime_s();
-  const float brake_mps2 = kEndBrakeShare * limits_.max_deceleration_mps2;
+  const float brake_mps2 = kEndBrakeShare * max_deceleration_mps2;
   const float rolling_m = brake_mps2 * time_s * time_s;
   if (left_m <= rolling_m) return left_m / time_s;
   return Sqrt(2.0f * brake_mps2 * (left_m - 0.5f * rolling_m));
@@ -192,7 +193,9 @@ void Tracker::PursueAim(const TrackingInput& input, bool stops, float dt_s,
 // Moves the reference on and returns its change [m/s^2], in the direction of driving.
 float Tracker::Reference(const TrackingInput& input, float off_m, bool stops, float dt_s) {
   const float brake_mps2 = limits_.max_deceleration_mps2;
-  const float end_mps = EndSpeed(input.left_m);
+  const float held_mps2 =
+      input.deceleration_mps2 > 0.0f ? Min(input.deceleration_mps2, brake_mps2) : brake_mps2;
+  const float end_mps = EndSpeed(input.left_m, held_mps2);
   const float slow = Max(
       1.0f - 0.5f * Max(Abs(off_m) - kSlowFrom_m, 0.0f) / (kSlowHalf_m - kSlowFrom_m), kLeastShare);
   float wanted_mps =
@@ -200,7 +203,7 @@ float Tracker::Reference(const TrackingInput& input, float off_m, bool stops, fl
   float change_mps2 = input.acceleration_mps2;
   if (end_mps <= wanted_mps) {
     wanted_mps = end_mps;
-    change_mps2 = -Min(kEndBrakeShare * brake_mps2, end_mps / EndTime_s());
+    change_mps2 = -Min(kEndBrakeShare * held_mps2, end_mps / EndTime_s());
   }
   change_mps2 = Clamp(change_mps2 + kRampGain_per_s * (wanted_mps - speed_mps_), -brake_mps2,
                       limits_.max_acceleration_mps2);

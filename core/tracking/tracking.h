@@ -45,6 +45,8 @@ struct TrackingInput {
   float wheel_curvature_per_m = 0.0f;  // kappa_z ...
   float curvature_rate_per_m2 = 0.0f;  // ... and its change there
   float left_m = 0.0f;                 // distance to the next stop; never negative
+  // What the ground leaves of max_deceleration_mps2 for it (core/speed/ground_ahead.h); 0: all.
+  float deceleration_mps2 = 0.0f;
 };
 
 struct TrackingOutput {
@@ -103,12 +105,12 @@ class Tracker {
   const DriveModel& model() const { return model_; }
   const MotionError& prediction_error() const { return error_.lately(); }
 
-  // The speed from which the vehicle comes to rest within left_m by braking, and then, in the last
-  // stretch, by coasting: no faster than its lag allows without being told to drive backwards. Zero
-  // for values that are not positive.
+  // The speed from which the vehicle comes to rest within left_m by braking with
+  // max_deceleration_mps2, and then, in the last stretch, by coasting: no faster than its lag
+  // allows without being told to drive backwards. Zero for a left_m that is not positive.
   //   v = left / T below a T^2, else sqrt(2 a (left - a T^2 / 2)),
   //   a = kEndBrakeShare max_deceleration, T = kEndLags (common_lag + speed_lag)
-  float EndSpeed(float left_m) const;
+  float EndSpeed(float left_m, float max_deceleration_mps2) const;
 
   // Where PathTarget takes the curvatures of the input, as distances ahead of the predicted place
   // in the direction of driving.

@@ -6,6 +6,7 @@
 #include "core/base/byte_reader.h"
 #include "core/base/loop_bound.h"
 #include "core/base/math.h"
+#include "core/base/units.h"
 #include "hal/ouster/crc64.h"
 
 namespace hardpack::ouster {
@@ -16,7 +17,6 @@ static_assert(std::is_trivially_copyable_v<PacketLayout>);
 static_assert(kMaxPacketBytes <= static_cast<int32_t>(kMaxCrcBytes));
 
 constexpr uint16_t kLidarPacketType = 1;
-constexpr float kStandardGravity_mps2 = 9.80665f;
 
 // Offsets in the packet header of the profiles that have one.
 constexpr size_t kPacketTypeOffset = 0;

@@ -60,9 +60,10 @@ constexpr CodeName kStopReasonNames[] = {
     {"area_unknown", "not all areas have arrived, or one on earth has no place yet", true},
     {"ground_drops", "a wheel drops in ground that was not seen", true},
     {"tilted", "it leans too far, or is about to", true},
+    {"steep_ground", "on the way down ahead it could not stop", true},
 };
 static_assert(std::size(kStopReasonNames) == kStopReasons);
-static_assert(static_cast<int>(StopReason::kTilted) + 1 == kStopReasons);
+static_assert(static_cast<int>(StopReason::kSteepGround) + 1 == kStopReasons);
 
 constexpr CodeName kMotionNames[] = {
     {"off", "", false},        {"hold", "", false}, {"follow", "", false},

@@ -53,7 +53,7 @@ inline constexpr size_t kMaxTapePayload_bytes =
 
 static_assert(sizeof(TapeHead) == 16 && sizeof(TapeTick) == 40 && sizeof(TapeDatagram) == 8);
 static_assert(sizeof(CanFrame) == 24);
-static_assert(sizeof(VehicleConfig) == 52608);
+static_assert(sizeof(VehicleConfig) == 52616);
 static_assert(std::is_trivially_copyable_v<VehicleConfig>);
 
 }  // namespace hardpack

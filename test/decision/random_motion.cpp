@@ -194,7 +194,7 @@ class RandomMotion {
          {g_odometry.pose().position.x_m, g_odometry.pose().yaw_rad, g_odometry.pose().pitch_rad,
           g_odometry.speed_mps(), g_odometry.yaw_rate_radps(), g_odometry.gyro_bias_radps(),
           g_odometry.wheel_scale(), g_odometry.skid_baseline_m(), g_tracker.predicted().pose.x_m,
-          g_tracker.EndSpeed(random_.RealBetween(0.0f, 4.0f)), g_tracker.TurnAhead_m(),
+          g_tracker.EndSpeed(random_.RealBetween(0.0f, 4.0f), 2.0f), g_tracker.TurnAhead_m(),
           g_tracker.WheelAhead_m()}) {
       hash.AddFloat(value);
     }

@@ -244,6 +244,8 @@ class Pilot {
   void LookForLost();
   void ReleaseLeftPlace();
   void FollowPlan();
+  // On the ground along the committed path.
+  SpeedParams SpeedOnGround() const;
   WayAhead Ahead() const;
   float MeasuredYawRate() const;
   MotionSample SampleMotion(const WheelFeedback& wheels) const;

@@ -199,12 +199,16 @@ void Pilot::FollowPlan() {
       corridor_.Build(plan.path, replanner_.place().along_m, SizeOfCorridor(), since));
 }
 
+SpeedParams Pilot::SpeedOnGround() const {
+  return OnGround(config_.planner.speed, replanner_.committed().ground);
+}
+
 WayAhead Pilot::Ahead() const {
   if (replanner_.committed().number == 0) return WayAhead::kClear;
   const PathPlace& place = replanner_.place();
   const bool reverse = IsReversed(replanner_.committed().path, place.point);
   const float driven_mps = odometry_.speed_mps();
-  return corridor_.Ahead(config_.planner.speed, config_.planner.vehicle, place.along_m,
+  return corridor_.Ahead(SpeedOnGround(), config_.planner.vehicle, place.along_m,
                          reverse ? -driven_mps : driven_mps, tracker_.speed_mps(), reverse);
 }
 
@@ -317,7 +321,14 @@ StopReason Pilot::HeldBy() const {
   if (!HasPlan()) return no_way_;
   const ReplanOutcome& outcome = replanner_.outcome();
   if (!outcome.held) return StopReason::kNone;
-  return outcome.held_by == CapCause::kPerson ? StopReason::kPerson : StopReason::kUnseenGround;
+  switch (outcome.held_by) {
+    case CapCause::kPerson:
+      return StopReason::kPerson;
+    case CapCause::kSteepGround:
+      return StopReason::kSteepGround;
+    default:
+      return StopReason::kUnseenGround;
+  }
 }
 
 // How old what is known of the ground ahead will be when a plan that begins now is driven: the age

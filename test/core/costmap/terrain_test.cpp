@@ -10,60 +10,18 @@
 
 #include "core/costmap/costmap.h"
 #include "test/core/costmap/costmap_reference.h"
+#include "test/core/costmap/ground_of_heights.h"
 
 namespace hardpack {
 namespace {
 
-using Height = std::function<double(double x_m, double y_m)>;
-
-// Ground about the middle of the map, where `height` is a number, one return in each cell.
-class Ground {
- public:
-  static constexpr double kHalf_m = 20.0;
-
-  explicit Ground(const Height& height, const CostmapParams& params = {}) : params_(params) {
-    for (double x_m = -kHalf_m + 0.1; x_m < kHalf_m; x_m += 0.2) {
-      for (double y_m = -kHalf_m + 0.1; y_m < kHalf_m; y_m += 0.2) {
-        const double z_m = height(x_m, y_m);
-        if (!std::isfinite(z_m)) continue;
-        EXPECT_EQ(heights_->Insert(
-                      {static_cast<float>(x_m), static_cast<float>(y_m), static_cast<float>(z_m)},
-                      ReturnClass::kGround),
-                  Status::kOk);
-      }
-    }
-    EXPECT_EQ(builder_->Begin(*heights_, params_), Status::kOk);
-    EXPECT_EQ(builder_->Step(*heights_, CostmapBuilder::kUnits), Progress::kDone);
-  }
-
-  static int IndexAt(double x_m, double y_m, const GridWindow& window) {
-    return window.Index(CellAt({static_cast<float>(x_m), static_cast<float>(y_m)}));
-  }
-  Terrain::Ground At(double x_m, double y_m) const {
-    return builder_->terrain().At(IndexAt(x_m, y_m, heights_->window()));
-  }
-  bool IsHard(double x_m, double y_m) const {
-    return (map().flags[IndexAt(x_m, y_m, map().window)] & Costmap::kHard) != 0;
-  }
-  double Cost(double x_m, double y_m) const {
-    return map().cost_q8[IndexAt(x_m, y_m, map().window)] / 256.0;
-  }
-  const Costmap& map() const { return builder_->result(); }
-  const Terrain& terrain() const { return builder_->terrain(); }
-  const HeightGrid& heights() const { return *heights_; }
-  const CostmapParams& params() const { return params_; }
-
- private:
-  CostmapParams params_;
-  std::unique_ptr<HeightGrid> heights_ = std::make_unique<HeightGrid>();
-  std::unique_ptr<CostmapBuilder> builder_ = std::make_unique<CostmapBuilder>();
-};
+using Ground = hardpack::testing::GroundOfHeights;
 
 // Up to the centimetres of the heights.
 TEST(Terrain, FindsTheGradeOfAPlaneInEveryDirection) {
   for (const double slope : {0.0, 0.1, 0.3, 0.466}) {
     for (double toward_rad = 0.0; toward_rad < 6.3; toward_rad += 0.7) {
-      SCOPED_TRACE(testing::Message() << slope << ' ' << toward_rad);
+      SCOPED_TRACE(::testing::Message() << slope << ' ' << toward_rad);
       const double a = slope * std::cos(toward_rad);
       const double b = slope * std::sin(toward_rad);
       const Ground ground([&](double x_m, double y_m) { return a * x_m + b * y_m; });

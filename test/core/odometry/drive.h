@@ -91,10 +91,10 @@ class KnownDrive {
     WheelFeedback wheels;
     wheels.valid = true;
     wheels.time_ns = now_ns;
-    wheels.left_radps =
-        static_cast<float>((v_mps - half_mps) / rim_m + noise_radps * normal_(random_));
-    wheels.right_radps =
-        static_cast<float>((v_mps + half_mps) / rim_m + noise_radps * normal_(random_));
+    wheels.left_radps = static_cast<float>((v_mps / (1.0 + creep) - half_mps) / rim_m +
+                                           noise_radps * normal_(random_));
+    wheels.right_radps = static_cast<float>((v_mps / (1.0 + creep) + half_mps) / rim_m +
+                                            noise_radps * normal_(random_));
     return wheels;
   }
 
@@ -133,6 +133,7 @@ class KnownDrive {
   double grade_rad = 0.0;  // of the ground along its heading, upwards
   double bank_rad = 0.0;   // of the ground to the left of its heading, downwards
   double slide_mps = 0.0;  // to the left, beyond what a turn does
+  double creep = 0.0;      // share by which it is faster than its wheels
   double dip_rad = 0.0;    // of its nose, against the ground
   double climb_error_mps = 0.0;
   double aside_mps = 0.0;  // to the left, all of it

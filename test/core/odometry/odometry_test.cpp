@@ -149,6 +149,30 @@ TEST(Odometry, CreepsDownhillOnABankAndNowhereElse) {
   }
 }
 
+// Tyres creep along a grade at once, and the wheels' scale is learned only by and by.
+TEST(Odometry, CreepsAlongAGradeBeforeItHasLearnedIt) {
+  for (const double grade_rad : {-0.35, 0.35}) {
+    SCOPED_TRACE(grade_rad);
+    KnownDrive drive;
+    drive.Ticks(100, 0.0, 0.0);
+    drive.grade_rad = grade_rad;
+    drive.creep = grade_rad < 0.0 ? 0.1 : -0.1;  // up a grade it falls behind its wheels
+    drive.Ticks(300, 1.5, 0.0);
+    EXPECT_LT(drive.PositionError(), 0.04 * drive.driven_m);
+  }
+}
+
+TEST(Odometry, DoesNotCreepOnLevelGround) {
+  const auto end_m = [](bool has_ground_speed) {
+    KnownDrive drive({.has_ground_speed = has_ground_speed});
+    drive.Ticks(100, 0.0, 0.0);
+    drive.creep = 0.1;
+    drive.Ticks(60, 1.5, 0.0);
+    return drive.odometry.pose().position.x_m;
+  };
+  EXPECT_NEAR(end_m(true), end_m(false), 0.01f) << "too slow for the filter to learn from";
+}
+
 // An INS that stopped telling how fast it climbs told the past.
 TEST(Odometry, AVerticalSpeedThatIsOldIsNotUsed) {
   KnownDrive drive({.ground_speed_noise_mps = 0.0});

@@ -550,5 +550,25 @@ TEST(SpeedCaps, ASpeedZoneCapsWhereTheOutlineMayTouchIt) {
   }
 }
 
+// SR-SLP01
+TEST(SpeedCaps, StandsBeforeGroundThatIsTooSteep) {
+  Ground ground;
+  ground.Caps();
+  constexpr float kSteep_m = 20.0f;
+  ground.caps->Begin(ground.map->window, ground.speed, ground.vehicle, ground.path, 2.0f, {},
+                     nullptr, kSteep_m);
+  while (ground.caps->Step(*ground.map, ground.speed, ground.vehicle, ground.path,
+                           SpeedCaps::kMaxUnits) == Progress::kBusy) {
+  }
+  const float front_m = FootprintOf(ground.vehicle).front_m + ground.speed.unseen_margin_m;
+  for (float x_m = 0.0f; x_m < 29.0f; x_m += 0.275f) {
+    const float free_m = kSteep_m - front_m - x_m;
+    const float most_mps = free_m > 0.0f ? ReactionSpeedCap(ground.speed, free_m) : 0.0f;
+    EXPECT_LE(ground.CapAt(x_m), most_mps + 1.0e-3f) << x_m;
+  }
+  EXPECT_EQ(ground.CapAt(5.5f), ground.speed.max_speed_mps);
+  EXPECT_EQ(ground.CauseAt(18.7f), CapCause::kSteepGround);
+}
+
 }  // namespace
 }  // namespace hardpack

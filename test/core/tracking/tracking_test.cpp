@@ -395,15 +395,38 @@ TEST(Tracker, ComesToRestAtTheEndWithoutBeingToldBackwards) {
 
 TEST(Tracker, KnowsFromWhichSpeedItStops) {
   const Tracker tracker = MakeLagAware();
-  EXPECT_EQ(tracker.EndSpeed(0.0f), 0.0f);
-  EXPECT_EQ(tracker.EndSpeed(-1.0f), 0.0f);
-  EXPECT_EQ(tracker.EndSpeed(kNan), 0.0f);
+  EXPECT_EQ(tracker.EndSpeed(0.0f, 2.0f), 0.0f);
+  EXPECT_EQ(tracker.EndSpeed(-1.0f, 2.0f), 0.0f);
+  EXPECT_EQ(tracker.EndSpeed(kNan, 2.0f), 0.0f);
   float before_mps = 0.0f;
   for (int i = 1; i < 1000; ++i) {
-    const float speed_mps = tracker.EndSpeed(0.01f * static_cast<float>(i));
+    const float speed_mps = tracker.EndSpeed(0.01f * static_cast<float>(i), 2.0f);
     ASSERT_GT(speed_mps, before_mps);
     ASSERT_LT(speed_mps - before_mps, 0.05f);  // no step where its two parts meet
     before_mps = speed_mps;
+  }
+}
+
+// With less than a fifth of its braking left, it begins to stop four times as far away.
+TEST(Tracker, StopsAtTheEndWithWhatTheGroundLeaves) {
+  for (const float held_mps2 : {0.0f, 0.3f}) {
+    Tracker tracker = MakeLagAware();
+    TrackingOutput output;
+    TrackingInput far = Along(0.0f, 2.0f);
+    far.left_m = 100.0f;
+    far.deceleration_mps2 = held_mps2;
+    for (int i = 0; i < 500; ++i) ASSERT_EQ(tracker.Follow(far, kTick_s, output), Status::kOk);
+    EXPECT_NEAR(output.speed_mps, 2.0f, 0.05f);
+    TrackingInput near = far;
+    near.left_m = 3.0f;
+    float before_mps = output.speed_mps;
+    for (int i = 0; i < 100; ++i) {
+      ASSERT_EQ(tracker.Follow(near, kTick_s, output), Status::kOk);
+      before_mps = output.speed_mps;
+    }
+    const float most_mps = tracker.EndSpeed(near.left_m, held_mps2 > 0.0f ? held_mps2 : 2.0f);
+    EXPECT_LT(before_mps, most_mps + 0.05f);
+    EXPECT_GT(before_mps, Min(2.0f, most_mps) - 0.3f);
   }
 }
 

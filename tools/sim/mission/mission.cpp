@@ -286,8 +286,7 @@ uint64_t DigestOf(const MissionSettings& settings) {
 
 Outcome WantedOutcome(const std::string& world) {
   const std::string_view base = world::BaseName(world);
-  const bool is_closed = base.starts_with("blind_") || base == "dead_end" ||
-                         base == "corner_ditch" || base == "downhill_stop";
+  const bool is_closed = base.starts_with("blind_") || base == "dead_end" || base == "corner_ditch";
   return is_closed ? Outcome::kSaid : Outcome::kReached;
 }
 

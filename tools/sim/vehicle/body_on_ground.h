@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+
 // A vehicle's body on ground that is not level and does not hold everything: what its tyres can do
 // about gravity, and what they cannot. Per unit of mass, with s the sine of the grade ahead (uphill
 // positive), q that of the grade to the left, p the share of the weight that presses on the ground,
@@ -35,6 +37,9 @@ struct GroundUnder {
   double press = 1.0;       // p
 
   bool holds_everything() const { return friction <= 0.0; }
+  // What is left of a way along the ground, seen from above.
+  double LevelForward() const { return std::sqrt(1.0 - up_forward * up_forward); }
+  double LevelLeft() const { return std::sqrt(1.0 - up_left * up_left); }
 };
 
 // Estimates for a Warthog without a payload; Clearpath states none of the first five.

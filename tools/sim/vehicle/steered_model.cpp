@@ -52,9 +52,10 @@ void SteeredModel::Move() {
   const double share = std::min(1.0, step_s_ / std::max(step_s_, params_.yaw_time_constant_s));
   yaw_rate_radps_ += share * (target_radps - yaw_rate_radps_);
   const SinCosOf heading = ExactSinCos(pose_.theta_rad + 0.5 * yaw_rate_radps_ * step_s_);
-  const double left_mps = body_.slip_left_mps();
-  pose_.x_m += (heading.cos * speed_mps_ - heading.sin * left_mps) * step_s_;
-  pose_.y_m += (heading.sin * speed_mps_ + heading.cos * left_mps) * step_s_;
+  const double ahead_mps = body_.ground().LevelForward() * speed_mps_;
+  const double left_mps = body_.ground().LevelLeft() * body_.slip_left_mps();
+  pose_.x_m += (heading.cos * ahead_mps - heading.sin * left_mps) * step_s_;
+  pose_.y_m += (heading.sin * ahead_mps + heading.cos * left_mps) * step_s_;
   pose_.theta_rad += yaw_rate_radps_ * step_s_;
   driven_m_ += std::abs(speed_mps_) * step_s_;
 }

@@ -82,8 +82,10 @@ void VehicleModel::MoveBody() {
 
 void VehicleModel::Move() {
   const SinCosOf heading = ExactSinCos(pose_.theta_rad + 0.5 * yaw_rate_radps_ * step_s_);
-  pose_.x_m += (heading.cos * speed_mps_ - heading.sin * lateral_speed_mps_) * step_s_;
-  pose_.y_m += (heading.sin * speed_mps_ + heading.cos * lateral_speed_mps_) * step_s_;
+  const double ahead_mps = body_.ground().LevelForward() * speed_mps_;
+  const double left_mps = body_.ground().LevelLeft() * lateral_speed_mps_;
+  pose_.x_m += (heading.cos * ahead_mps - heading.sin * left_mps) * step_s_;
+  pose_.y_m += (heading.sin * ahead_mps + heading.cos * left_mps) * step_s_;
   pose_.theta_rad += yaw_rate_radps_ * step_s_;
   driven_m_ +=
       std::sqrt(speed_mps_ * speed_mps_ + lateral_speed_mps_ * lateral_speed_mps_) * step_s_;

@@ -61,15 +61,15 @@ void MakeSideSlope(Making& making, Scenario& scenario) {
 }
 
 void MakeDownhillStop(Making& making, Scenario& scenario) {
-  scenario.description = "Down a slope to a wall that closes the way.";
+  scenario.description = "Down a slope to a building that stands on the goal.";
   const double steep = making.Steepness(5.0, 20.0);
-  const double begin_m = making.draws.Uniform(8.0, 12.0);
-  const double length_m = making.draws.Uniform(18.0, 24.0);
-  const double wall_m = begin_m + length_m - 1.0;
-  scenario.goal = {wall_m + 12.0, 0.0};
+  const double begin_m = making.draws.Uniform(-12.0, -8.0);
+  const double wall_m = making.draws.Uniform(26.0, 34.0);
+  const double length_m = wall_m + 1.0 - begin_m;
+  scenario.goal = {wall_m + 0.5, 0.0};
   Lay(scenario, kBounds,
       [=](double x_m, double /*y_m*/) { return -Ramp_m(x_m - begin_m, length_m, steep); });
-  AddBoxOnGround(scenario.world, {wall_m + 0.2, 0.0}, kPi / 2.0, 98.0, 0.4, 1.8, kWall);
+  AddBoxOnGround(scenario.world, {wall_m + 1.5, 0.0}, kPi / 2.0, 98.0, 3.0, 1.8, kWall);
 }
 
 void MakeCrest(Making& making, Scenario& scenario) {

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "config/parameters.h"
+#include "core/base/grid.h"
+#include "core/costmap/terrain.h"
+#include "core/path/path.h"
+
+// What the ground ahead leaves of braking and cornering. On a way down of angle alpha, and across a
+// slope of angle beta, tyres of friction mu hold at most
+//   a = g (mu cos alpha - sin alpha),   a_lateral = g (mu cos beta - sin beta).
+//
+//        o====o                     fall: tan alpha, of the way ahead, over kSmooth_m
+//      /  a ->  \ ____              bank: tan beta, of the same
+//
+// One value of each holds for a whole plan: the steepest of what is ahead of the vehicle on it, so
+// that whoever plans, brakes or judges a stop on it counts with the same. Neither way up makes
+// anything better than on level ground. Ours.
+
+namespace hardpack {
+
+// Of the friction that is configured this much is relied on.
+inline constexpr float kSureFriction = 0.8f;
+
+struct GroundAhead {
+  static constexpr float kFar_m = 1.0e3f;
+  // The length over which a change of the ground is spread: braking takes several metres, and a
+  // seam of 5 cm in the map, as around ground that was assumed at the start, is no slope. And the
+  // least length of which it is said that it is too steep.
+  static constexpr float kSmooth_m = 4.0f;
+  static constexpr float kSure_m = 3.0f;
+  // A vehicle that creeps down stops with this. Where less is left, on a slope that is measured as
+  // too steep by kDoubt even so, it cannot be said to stop.
+  static constexpr float kLeastBraking_mps2 = 0.05f;
+  static constexpr float kDoubt = 0.03f;
+
+  float fall = 0.0f;  // the steepest way down, m/m; not below 0
+  float bank = 0.0f;  // the steepest slope across the way, m/m; not below 0
+  // Along the path, to where it is too steep to stop: what lies behind counts for neither of the
+  // above.
+  float too_steep_m = kFar_m;
+};
+
+// Of a path from its first point on, as far as its ground is told; where it is not, it goes on as
+// before. In reverse the way down is the other way. Cost: one pass.
+GroundAhead LookAtGround(const Terrain& terrain, const GridWindow& window,
+                         const SpeedParams& params, const WorldPath& path);
+
+// The parameters with what the ground leaves of max_deceleration_mps2 and
+// max_lateral_acceleration_mps2, and with the largest speed from which the vehicle stands within
+// the distance that it needs on level ground from max_speed_mps: who looks no farther ahead than
+// that need not look farther on a slope. On level ground, with enough friction, they are the same
+// numbers. Constant cost.
+SpeedParams OnGround(const SpeedParams& params, const GroundAhead& ground);
+
+}  // namespace hardpack
