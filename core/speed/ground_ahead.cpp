@@ -15,8 +15,12 @@ float Holds(const SpeedParams& params, float slope) {
   return kStandardGravity_mps2 * (friction - slope) / Sqrt(1.0f + slope * slope);
 }
 
-bool IsTooSteep(const SpeedParams& params, float falls) {
-  return Holds(params, falls - GroundAhead::kDoubt) < GroundAhead::kLeastBraking_mps2;
+// The steepest way down on which kLeastBraking_mps2 is left, for sure (by the slope of the friction
+// itself, which is a little steeper), and what it may be measured as.
+float MostFall(const SpeedParams& params) {
+  constexpr float kLeast = GroundAhead::kLeastBraking_mps2 / kStandardGravity_mps2;
+  const float friction = kSureFriction * params.friction;
+  return friction - kLeast * Sqrt(1.0f + friction * friction) + GroundAhead::kDoubt;
 }
 
 // The mean of a slope over the last kSmooth_m, each metre less than the one behind it; over all of
@@ -24,14 +28,10 @@ bool IsTooSteep(const SpeedParams& params, float falls) {
 struct Smooth {
   float told_m = 0.0f;
   float slope = 0.0f;
-  bool has = false;
 
   void Take(float next, float driven_m) {
     told_m += driven_m;
-    const float over_m = Min(told_m, GroundAhead::kSmooth_m);
-    const float share = has && over_m > 0.0f ? Min(driven_m / over_m, 1.0f) : 1.0f;
-    slope += share * (next - slope);
-    has = true;
+    slope += Min(driven_m / Min(told_m, GroundAhead::kSmooth_m), 1.0f) * (next - slope);
   }
   // Less says more about two rings of a lidar than about the ground.
   bool IsSure() const { return told_m >= GroundAhead::kSure_m; }
@@ -44,26 +44,24 @@ GroundAhead LookAtGround(const Terrain& terrain, const GridWindow& window,
   GroundAhead ahead;
   Smooth fall;
   Smooth bank;
+  const float most_fall = MostFall(params);
   float along_m = 0.0f;
   float steep_from_m = 0.0f;  // where what is too steep begins, if it is
-  HP_LOOP_BOUND(kMaxPathPoints)
-  for (int k = 0; k < path.size(); ++k) {
-    const int behind = k > 0 ? k - 1 : 0;
-    const float driven_m = PlanarModel::Inverse(path[behind], path[k]).dr_m;
-    along_m += Abs(driven_m);
+  HP_LOOP_BOUND(kMaxPathPoints - 1)
+  for (int k = 1; k < path.size(); ++k) {
+    const Vec2 chord = {path[k].x_m - path[k - 1].x_m, path[k].y_m - path[k - 1].y_m};
+    const float driven_m = Sqrt(chord.x_m * chord.x_m + chord.y_m * chord.y_m);
+    along_m += driven_m;
     const Cell cell = CellAt({path[k].x_m, path[k].y_m});
-    if (!window.Contains(cell)) continue;
+    if (!HasLength(driven_m) || !window.Contains(cell)) continue;
     const Terrain::Ground ground = terrain.At(window.Index(cell));
     if (!ground.is_told) continue;
-    const SinCosPair heading = SinCos(path[k].theta_rad);
-    const bool reverse = IsReversed(path, k + 1 < path.size() ? k : behind);
-    const float rise = ground.grade_x * heading.cos + ground.grade_y * heading.sin;
-    const float falls = reverse ? rise : -rise;
-    fall.Take(falls, Abs(driven_m));
-    bank.Take(ground.grade_y * heading.cos - ground.grade_x * heading.sin, Abs(driven_m));
-    if (!IsTooSteep(params, falls)) steep_from_m = along_m;
+    const float falls = -(ground.grade_x * chord.x_m + ground.grade_y * chord.y_m) / driven_m;
+    fall.Take(falls, driven_m);
+    bank.Take((ground.grade_y * chord.x_m - ground.grade_x * chord.y_m) / driven_m, driven_m);
+    if (falls <= most_fall) steep_from_m = along_m;
     if (!fall.IsSure()) continue;
-    if (IsTooSteep(params, fall.slope)) {
+    if (fall.slope > most_fall) {
       ahead.too_steep_m = steep_from_m;
       return ahead;
     }

@@ -41,8 +41,8 @@ struct GroundAhead {
   float too_steep_m = kFar_m;
 };
 
-// Of a path from its first point on, as far as its ground is told; where it is not, it goes on as
-// before. In reverse the way down is the other way. Cost: one pass.
+// Of a path's chords, whichever way the vehicle heads on them, as far as the ground is told; where
+// it is not, it goes on as before. Cost: one pass.
 GroundAhead LookAtGround(const Terrain& terrain, const GridWindow& window,
                          const SpeedParams& params, const WorldPath& path);
 

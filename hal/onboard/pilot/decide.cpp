@@ -131,7 +131,7 @@ void Pilot::Move() {
                                  .stands = stands};
   TrackingInput target;
   static_cast<void>(PathTarget(replanner_.committed(), follower, config_.onboard.tracking, target));
-  target.deceleration_mps2 = SpeedOnGround().max_deceleration_mps2;
+  target.deceleration_mps2 = speed_on_ground_.max_deceleration_mps2;
   const Status status = follows ? tracker_.Follow(target, tick_s_, tracking_output_)
                                 : tracker_.StopAlong(target, tick_s_, tracking_output_);
   if (!IsUsable(status)) tracker_.Zero(tracking_output_);

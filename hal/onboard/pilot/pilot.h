@@ -244,8 +244,6 @@ class Pilot {
   void LookForLost();
   void ReleaseLeftPlace();
   void FollowPlan();
-  // On the ground along the committed path.
-  SpeedParams SpeedOnGround() const;
   WayAhead Ahead() const;
   float MeasuredYawRate() const;
   MotionSample SampleMotion(const WheelFeedback& wheels) const;
@@ -352,6 +350,7 @@ class Pilot {
   int32_t mount_columns_ = 0;              // watched in this tick
   StopReason no_way_ = StopReason::kNone;  // as the last round found
   uint32_t round_tick_ = 0;                // in which the round began
+  SpeedParams speed_on_ground_;            // along that plan
   uint32_t seen_plan_ = 0;                 // number and check of the corridor's plan
   uint64_t seen_check_ns_ = 0;
 };

@@ -71,7 +71,7 @@ SightLook Pilot::OldestLook() const {
     return oldest;
   }
   const float speed_mps = Max(Abs(odometry_.speed_mps()), tracker_.speed_mps());
-  const float reach_m = StoppingDistance(SpeedOnGround(), speed_mps);
+  const float reach_m = StoppingDistance(speed_on_ground_, speed_mps);
   HP_LOOP_BOUND(kPlaces)
   for (int i = 0; i < kPlaces; ++i) {
     const float ahead_m = reach_m * static_cast<float>(i) / static_cast<float>(kPlaces - 1);

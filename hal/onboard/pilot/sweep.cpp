@@ -72,7 +72,7 @@ WayAhead Pilot::JudgeStop() {
   if (zero.clear) return WayAhead::kClear;
   if (replanner_.committed().number == 0) return WayAhead::kTooNear;
   way.reference_mps = tracker_.reverse() ? -tracker_.speed_mps() : tracker_.speed_mps();
-  way.deceleration_mps2 = SpeedOnGround().max_deceleration_mps2;
+  way.deceleration_mps2 = speed_on_ground_.max_deceleration_mps2;
   CurvaturesFrom(replanner_.committed(), replanner_.place().along_m, StopWay::kStep_m,
                  way.curvature_per_m);
   RollOutStop(model, pose, way, StopKind::kAlong, swept_);

@@ -50,6 +50,7 @@ Status Pilot::ConfigureSafety() {
   reaction_.Reset();
   no_way_ = StopReason::kNone;
   round_tick_ = 0;
+  speed_on_ground_ = config_.planner.speed;
   seen_plan_ = 0;
   seen_check_ns_ = 0;
   Status status =
@@ -190,6 +191,7 @@ void Pilot::FollowPlan() {
   if (plan.number == seen_plan_ && plan.checked_ns == seen_check_ns_) return;
   seen_plan_ = plan.number;
   seen_check_ns_ = plan.checked_ns;
+  speed_on_ground_ = OnGround(config_.planner.speed, plan.ground);
   if (plan.number == 0) return corridor_.Clear();
   // Beside a way out of where there is no room to turn stand things that whole cells would put in
   // the way: it is the sweep that knows better where they are.
@@ -199,16 +201,12 @@ void Pilot::FollowPlan() {
       corridor_.Build(plan.path, replanner_.place().along_m, SizeOfCorridor(), since));
 }
 
-SpeedParams Pilot::SpeedOnGround() const {
-  return OnGround(config_.planner.speed, replanner_.committed().ground);
-}
-
 WayAhead Pilot::Ahead() const {
   if (replanner_.committed().number == 0) return WayAhead::kClear;
   const PathPlace& place = replanner_.place();
   const bool reverse = IsReversed(replanner_.committed().path, place.point);
   const float driven_mps = odometry_.speed_mps();
-  return corridor_.Ahead(SpeedOnGround(), config_.planner.vehicle, place.along_m,
+  return corridor_.Ahead(speed_on_ground_, config_.planner.vehicle, place.along_m,
                          reverse ? -driven_mps : driven_mps, tracker_.speed_mps(), reverse);
 }
 
