@@ -14,7 +14,7 @@
 // where none is given.
 //
 //   side_slope     a hillside across the way, with level ground along its foot
-//   downhill_stop  down to a wall that closes the way
+//   downhill_stop  down to a building that stands on the goal
 //   crest          up, 3 m along the top, and down
 //   ridge          a narrow ridge across the way, with a gap in it
 //   washout        a slope, up or down, with a ditch across it that ends on one side

@@ -38,7 +38,9 @@ TEST(Slopes, HaveFrictionAndRoomAtBothEnds) {
       EXPECT_EQ(scenario.name, name);
       EXPECT_GE(scenario.world.friction(), kLeastFriction);
       EXPECT_LE(scenario.world.friction(), kMostFriction);
-      for (const Point2& end : {Point2{}, scenario.goal}) {
+      // A building stands on the goal of downhill_stop.
+      const Point2 goal = name == "downhill_stop" ? Point2{} : scenario.goal;
+      for (const Point2& end : {Point2{}, goal}) {
         const Contact contact = ContactOf(scenario.world, end.x_m, end.y_m, 0.0, 0.0);
         EXPECT_GT(contact.hard_m, 1.0) << name << " " << seed;
         EXPECT_LT(contact.slope, 0.4) << name << " " << seed;
@@ -60,12 +62,13 @@ TEST(Slopes, AreAsSteepAsTheyAreTold) {
   EXPECT_LT(SteepestOnWay_deg(OnSlope("side_slope:0", 1)), 0.01);
 }
 
-// Its wall stands on the slope, and nothing leads around it.
-TEST(Slopes, ADownhillStopIsClosedByAWallOnTheSlope) {
+// Its building stands on the slope and on the goal, and nothing leads around it.
+TEST(Slopes, ADownhillStopIsClosedByABuildingOnTheSlope) {
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     const Scenario scenario = OnSlope("downhill_stop:15", seed);
     const Body& wall = scenario.world.bodies().front();
-    EXPECT_NEAR(ContactOf(scenario.world, wall.x_m - 1.5, 0.0, 0.0, 0.0).slope,
+    EXPECT_LT(ContactOf(scenario.world, scenario.goal.x_m, 0.0, 0.0, 0.0).hard_m, 0.0);
+    EXPECT_NEAR(ContactOf(scenario.world, wall.x_m - 3.0, 0.0, 0.0, 0.0).slope,
                 std::tan(15.0 * kDegree_rad), 0.03);
     for (const double y_m : {-48.0, -20.0, 0.0, 20.0, 48.0}) {
       EXPECT_LT(ContactOf(scenario.world, wall.x_m, y_m, 0.0, 0.0).hard_m, 0.0);
