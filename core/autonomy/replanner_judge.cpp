@@ -212,8 +212,6 @@ void Replanner::Decide() {
   ReplanReason reason = ReplanReason::kNone;
   ReplanDecision decision = Choose(reason);
   MakeCandidate(decision, reason);
-  candidate_.ground =
-      LookAtGround(planner_.terrain(), planner_.costmap().window, params_.speed, candidate_.path);
   const bool is_new =
       decision == ReplanDecision::kReplaced || decision == ReplanDecision::kExtended;
   if (is_new && !ComesToRest()) {
@@ -222,7 +220,6 @@ void Replanner::Decide() {
     decision = may_keep ? ReplanDecision::kKept
                         : (rest_.empty() ? ReplanDecision::kNone : ReplanDecision::kStop);
     MakeCandidate(decision, ReplanReason::kNone);
-    candidate_.ground = committed_.ground;
   }
   if (candidate_.path.size() < 2) return DropAll();
   caps_params_ = OnGround(params_.speed, candidate_.ground);
@@ -287,6 +284,8 @@ void Replanner::MakeCandidate(ReplanDecision decision, ReplanReason reason) {
   }
   candidate_.slow_points = ClampInt(candidate_.slow_points, 0, candidate_.path.size());
   candidate_.lead_points = ClampInt(candidate_.lead_points, 0, candidate_.path.size());
+  candidate_.ground =
+      LookAtGround(planner_.terrain(), planner_.costmap().window, params_.speed, candidate_.path);
 }
 
 void Replanner::TakeFresh() {
