@@ -135,6 +135,7 @@ nlohmann::ordered_json ToJson(const RunResult& result) {
           {"stops", result.stops},
           {"cross_track_m", ToJson(result.cross_track_m)},
           {"odometry_off_m", result.odometry_off_m},
+          {"vertical_mps2", ToJson(result.vertical_mps2)},
           {"reaction_s", ToJson(result.reaction_s)},
           {"reaction_fast_s", ToJson(result.reaction_fast_s)},
           {"reaction_m", ToJson(result.reaction_m)},
@@ -152,6 +153,8 @@ ReadOutcome FromJson(const nlohmann::json& object, RunResult& result) {
     if (found == std::end(kNames)) return Bad("there is no outcome '" + outcome + "'");
     result.outcome = static_cast<Outcome>(found - std::begin(kNames));
     if (!FromJson(object.at("cross_track_m"), result.cross_track_m) ||
+        (object.contains("vertical_mps2") &&
+         !FromJson(object.at("vertical_mps2"), result.vertical_mps2)) ||
         !FromJson(object.at("reaction_s"), result.reaction_s) ||
         !FromJson(object.at("reaction_fast_s"), result.reaction_fast_s) ||
         !FromJson(object.at("reaction_m"), result.reaction_m)) {

@@ -74,6 +74,9 @@ struct RunResult {
   // The error of its odometry is not included.
   Histogram cross_track_m;
   double odometry_off_m = 0.0;  // largest drift of the odometry since the goal's acceptance
+  // Every tick while moving, in a world with friction: how much the body's vertical speed changes,
+  // on its suspension (tools/sim/script/suspension.h).
+  Histogram vertical_mps2{0.1, 400};
   // As counted by core/safety/reaction_meter.h: time from each lidar column to the first command
   // for which it was considered, and that time times the speed.
   Histogram reaction_s{0.005, 200};
@@ -89,8 +92,8 @@ struct RunResult {
 
 nlohmann::ordered_json ToJson(const RunResult& result);
 
-// kInvalidArgument, with a message: a field is missing or has the wrong type. Only `reasons` may be
-// missing: files written before it existed can still be merged.
+// kInvalidArgument, with a message: a field is missing or has the wrong type. Only `reasons` and
+// `vertical_mps2` may be missing: files written before they existed can still be merged.
 ReadOutcome FromJson(const nlohmann::json& object, RunResult& result);
 
 // Reads lines of JSON; the message of a failure contains the file name and the line number. A run

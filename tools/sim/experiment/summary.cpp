@@ -49,6 +49,7 @@ void Add(const RunResult& result, Row& row) {
                                : std::min(row.person_clearance_m, result.person_clearance_m);
   row.cross_track_m.Add(result.cross_track_m);
   row.odometry_off_m = std::max(row.odometry_off_m, result.odometry_off_m);
+  row.vertical_mps2.Add(result.vertical_mps2);
   for (const auto& [reason, times] : result.reasons) {
     if (IsFaultAlarm(reason)) row.fault_alarms += times;
   }
@@ -217,7 +218,8 @@ std::string WayLine(const Row& row) {
                Number(way.recovery_s, 1), OfAll(way.not_recovered, row),
                OfAll(way.switched_side, row), OfAll(way.replanned_beside, row),
                way.off_middle_m ? Number(*way.off_middle_m, 2) : "-",
-               Number(row.person_clearance_m, 2), Number(row.odometry_off_m, 2)});
+               Number(row.person_clearance_m, 2), Number(row.odometry_off_m, 2),
+               Number(row.vertical_mps2.Quantile(0.95), 1)});
 }
 
 }  // namespace
@@ -248,6 +250,7 @@ nlohmann::ordered_json ToJson(const Row& row) {
           {"cross_track_p95_m", Finite(row.cross_track_m.Quantile(0.95))},
           {"cross_track_p99_m", Finite(row.cross_track_m.Quantile(0.99))},
           {"odometry_off_m", row.odometry_off_m},
+          {"vertical_p95_mps2", Finite(row.vertical_mps2.Quantile(0.95))},
           {"jerk_rms_mps3", row.mean_jerk_mps3},
           {"replans", row.mean_replans},
           {"reaction_median_m", Finite(row.reaction_m.Quantile(0.5))},
@@ -286,10 +289,10 @@ std::string ToMarkdown(const std::vector<Row>& rows) {
                               "failed seeds"});
   for (const Row& row : rows) text += ResultLine(row);
   text.append("\n");
-  text +=
-      Heading({"world", "how", "plan off its base path, least / mean m", "cross-track largest m",
-               "overshoots", "longest recovery s", "not recovered", "side switched",
-               "replanned beside", "off the middle m", "to a person m", "odometry off m"});
+  text += Heading({"world", "how", "plan off its base path, least / mean m",
+                   "cross-track largest m", "overshoots", "longest recovery s", "not recovered",
+                   "side switched", "replanned beside", "off the middle m", "to a person m",
+                   "odometry off m", "vertical p95 m/s^2"});
   for (const Row& row : rows) text += WayLine(row);
   return text;
 }

@@ -48,6 +48,7 @@ struct Row {
   double person_clearance_m = 0.0;
   Histogram cross_track_m;
   double odometry_off_m = 0.0;
+  Histogram vertical_mps2{0.1, 400};
   int64_t fault_alarms = 0;  // times that a reason of IsFaultAlarm began
   double hours = 0.0;        // simulated, from the goal's acceptance
   Histogram reaction_s{0.005, 200};

@@ -17,6 +17,7 @@ constexpr double kRest_mps = 0.03;
 constexpr double kSample_s = 0.05;
 // The jerk is the second difference of speeds this many ticks apart: what passengers feel, not the
 // step of one tick.
+constexpr double kTick_s = 0.01;
 constexpr size_t kJerkTicks = 5;
 
 world::Point2 Here(const Moment& now) {
@@ -162,7 +163,7 @@ void Observer::WatchMotion(const Moment& now, double t_s) {
   const double speed_mps = now.vehicle->vehicle().speed_mps();
   speeds_mps_.push_back(speed_mps);
   if (speeds_mps_.size() > 2 * kJerkTicks) {
-    constexpr double kStep_s = static_cast<double>(kJerkTicks) * 0.01;
+    constexpr double kStep_s = static_cast<double>(kJerkTicks) * kTick_s;
     const double jerk_mps3 =
         (speeds_mps_[2 * kJerkTicks] - 2.0 * speeds_mps_[kJerkTicks] + speeds_mps_[0]) /
         (kStep_s * kStep_s);
@@ -170,6 +171,11 @@ void Observer::WatchMotion(const Moment& now, double t_s) {
     ++jerks_;
     speeds_mps_.pop_front();
   }
+  const double rise_mps = now.vehicle->suspension().rise_mps();
+  if (now.vehicle->world().has_friction() && std::fabs(speed_mps) > 0.1) {
+    result_.vertical_mps2.Add((rise_mps - rise_mps_) / kTick_s);
+  }
+  rise_mps_ = rise_mps;
   way_.Moved(Here(now));
   WatchOdometry(now);
   WatchReaction(now);

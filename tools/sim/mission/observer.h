@@ -108,6 +108,7 @@ class Observer {
   std::optional<WorldFromOdom> first_;  // position of that frame when the goal was accepted
   double cross_track_m_ = 0.0;
   std::deque<double> speeds_mps_;  // of the last ticks, for the jerk
+  double rise_mps_ = 0.0;          // of the body, one tick ago
   double jerk2_sum_ = 0.0;
   int64_t jerks_ = 0;
   double clearance_m_ = 0.0;

@@ -94,6 +94,7 @@ class ScriptedVehicle {
 
   SimVehicle& vehicle() { return vehicle_; }
   const SimVehicle& vehicle() const { return vehicle_; }
+  const Suspension& suspension() const { return suspension_; }
   SimLidar& lidar() { return lidar_; }
   SimIns& ins() { return ins_; }
   std::optional<SimLabels>& labels() { return labels_; }

@@ -29,8 +29,9 @@ BodyMotion Suspension::Follow(const SimVehicle& vehicle, const world::World& wor
   const double pitch_rad = share * (plane.pitch_rad - pose_.pitch_rad);
   pose_.roll_rad += roll_rad;
   pose_.pitch_rad += pitch_rad;
-  const double height_m = pose_.position.z_m + share * (plane.position.z_m - pose_.position.z_m);
-  pose_.position = {plane.position.x_m, plane.position.y_m, height_m};
+  const double rise_m = share * (plane.position.z_m - pose_.position.z_m);
+  rise_mps_ = rise_m / step_s_;
+  pose_.position = {plane.position.x_m, plane.position.y_m, pose_.position.z_m + rise_m};
   pose_.yaw_rad = plane.yaw_rad;
   BodyMotion motion = MotionAt(vehicle, pose_);
   const world::Turn roll = world::TurnOf(pose_.roll_rad);

@@ -24,6 +24,9 @@ class Suspension {
   // The body's motion one step later.
   BodyMotion Step(const SimVehicle& vehicle, const world::World& world);
 
+  // How fast the body rises; 0 in a world without friction.
+  double rise_mps() const { return rise_mps_; }
+
  private:
   double Dip(double speed_mps);
   BodyMotion Follow(const SimVehicle& vehicle, const world::World& world);
@@ -32,6 +35,7 @@ class Suspension {
   double step_s_;
   double dip_rad_ = 0.0;
   double speed_before_mps_ = 0.0;
+  double rise_mps_ = 0.0;
   bool stands_ = false;  // pose_ is known
   world::BodyPose pose_;
 };

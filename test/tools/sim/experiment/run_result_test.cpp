@@ -37,6 +37,7 @@ RunResult Sample(uint64_t seed = 4) {
   result.cross_track_m.Add(0.0999, 3);
   result.cross_track_m.Add(77.0, 2);
   result.odometry_off_m = 0.61;
+  result.vertical_mps2.Add(1.25, 40);
   result.reaction_s.Add(0.064, 1000);
   result.reaction_fast_s.Add(0.051, 400);
   result.reaction_m.Add(0.32, 1000);
@@ -67,6 +68,7 @@ TEST(RunResult, IsTheSameAfterJson) {
   EXPECT_EQ(ToJson(back), ToJson(sample));
   EXPECT_EQ(back.cross_track_m, sample.cross_track_m);
   EXPECT_EQ(back.odometry_off_m, sample.odometry_off_m);
+  EXPECT_EQ(back.vertical_mps2, sample.vertical_mps2);
   EXPECT_EQ(back.reasons, sample.reasons);
   EXPECT_EQ(back.reaction_m, sample.reaction_m);
   EXPECT_EQ(back.reaction_fast_s, sample.reaction_fast_s);
@@ -80,7 +82,8 @@ TEST(RunResult, IsRefusedWithAFieldMissingOrOfAnotherKind) {
     RunResult result;
     nlohmann::json without = whole;
     without.erase(item.key());
-    EXPECT_EQ(FromJson(without, result).ok(), item.key() == "reasons") << item.key();
+    const bool is_younger = item.key() == "reasons" || item.key() == "vertical_mps2";
+    EXPECT_EQ(FromJson(without, result).ok(), is_younger) << item.key();
     nlohmann::json other = whole;
     other[item.key()] = nlohmann::json::array({"x"});
     EXPECT_FALSE(FromJson(other, result).ok()) << item.key();

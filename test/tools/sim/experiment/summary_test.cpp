@@ -63,9 +63,12 @@ TEST(Summarise, QuantilesAreOfAllRunsTogether) {
   RunResult other = RunOf(2, true, 1.0, 1.0);
   one.cross_track_m.Add(0.011, 90);
   other.cross_track_m.Add(0.201, 10);
+  one.vertical_mps2.Add(1.25, 90);
+  other.vertical_mps2.Add(3.21, 10);
   const std::vector<Row> rows = Summarise({one, other});
   EXPECT_NEAR(rows[0].cross_track_m.Quantile(0.5), 0.015, 1e-9);
   EXPECT_NEAR(rows[0].cross_track_m.Quantile(0.95), 0.205, 1e-9);
+  EXPECT_NEAR(rows[0].vertical_mps2.Quantile(0.95), 3.3, 1e-9);
 }
 
 TEST(Summarise, WhatTheWayShowsIsOfAllRuns) {

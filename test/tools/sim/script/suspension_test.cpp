@@ -47,13 +47,16 @@ TEST(Suspension, FollowsTheGroundWithALag) {
   EXPECT_EQ(suspension.Step(level, world).pose.pitch_rad, 0.0);
   const SimVehicle on_ramp(At(10.0, 0.0), 0);
   double turned_rad = 0.0;
+  double risen_m = 0.0;
   BodyMotion motion;
   for (int i = 0; i < 120; ++i) {
     motion = suspension.Step(on_ramp, world);
     turned_rad += motion.rate_radps.y_m * kStep_s;
+    risen_m += suspension.rise_mps() * kStep_s;
   }
   EXPECT_NEAR(motion.pose.pitch_rad, -ramp_rad * (1.0 - std::exp(-1.0)), 2.0e-3);
   EXPECT_NEAR(turned_rad, motion.pose.pitch_rad, 1.0e-9);
+  EXPECT_NEAR(risen_m, motion.pose.position.z_m, 1.0e-9);
   for (int i = 0; i < 2000; ++i) motion = suspension.Step(on_ramp, world);
   EXPECT_NEAR(motion.pose.pitch_rad, -ramp_rad, 1.0e-6);
   EXPECT_NEAR(motion.pose.position.z_m, 1.4, 1.0e-5);
