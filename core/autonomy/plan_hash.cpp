@@ -9,29 +9,19 @@ void AddStatus(Status status, DecisionHash& hash) {
   hash.AddU8(static_cast<uint8_t>(status));
 }
 
-void AddBool(bool value, DecisionHash& hash) {
-  hash.AddU8(value ? 1 : 0);
-}
-
 void AddCell(Cell cell, DecisionHash& hash) {
   hash.AddI32(cell.x);
   hash.AddI32(cell.y);
 }
 
-void AddPose(const Pose2& pose, DecisionHash& hash) {
-  hash.AddFloat(pose.x_m);
-  hash.AddFloat(pose.y_m);
-  hash.AddFloat(pose.theta_rad);
-}
-
 void AddPath(const WorldPath& path, DecisionHash& hash) {
   hash.AddI32(path.size());
   HP_LOOP_BOUND(kMaxPathPoints)
-  for (const Pose2& pose : path) AddPose(pose, hash);
+  for (const Pose2& pose : path) hash.AddPose(pose);
 }
 
 void AddSteps(const ActuatorPath& path, DecisionHash& hash) {
-  AddPose(path.start, hash);
+  hash.AddPose(path.start);
   hash.AddI32(path.steps.size());
   HP_LOOP_BOUND(kMaxPathPoints - 1)
   for (const ActuatorStep& step : path.steps) {
@@ -62,16 +52,16 @@ void AddCheck(const PathCheckResult& check, DecisionHash& hash) {
   hash.AddFloat(check.curvature_rate_excess_per_m2);
   hash.AddFloat(check.largest_curvature_per_m);
   hash.AddFloat(check.largest_curvature_rate_per_m2);
-  AddBool(check.leaves_map, hash);
-  AddBool(check.start_overlaps, hash);
+  hash.AddBool(check.leaves_map);
+  hash.AddBool(check.start_overlaps);
 }
 
 void AddSearch(const AstarResult& search, DecisionHash& hash) {
   AddStatus(search.status, hash);
-  AddBool(search.goal_outside_map, hash);
-  AddBool(search.goal_moved, hash);
-  AddBool(search.start_in_obstacle, hash);
-  AddBool(search.partial, hash);
+  hash.AddBool(search.goal_outside_map);
+  hash.AddBool(search.goal_moved);
+  hash.AddBool(search.start_in_obstacle);
+  hash.AddBool(search.partial);
   AddCell(search.start, hash);
   AddCell(search.goal, hash);
   AddCell(search.end, hash);
@@ -87,13 +77,13 @@ void AddToHash(const Plan& plan, DecisionHash& hash) {
   AddStatus(plan.base_status, hash);
   AddStatus(plan.optimizer_status, hash);
   AddStatus(plan.check_status, hash);
-  AddBool(plan.pivots_first, hash);
-  AddBool(plan.pivots_last, hash);
-  AddBool(plan.narrow, hash);
-  AddBool(plan.is_seed, hash);
-  AddBool(plan.ends_short, hash);
-  AddBool(plan.stays, hash);
-  AddBool(plan.starts_in_obstacle, hash);
+  hash.AddBool(plan.pivots_first);
+  hash.AddBool(plan.pivots_last);
+  hash.AddBool(plan.narrow);
+  hash.AddBool(plan.is_seed);
+  hash.AddBool(plan.ends_short);
+  hash.AddBool(plan.stays);
+  hash.AddBool(plan.starts_in_obstacle);
   AddPath(plan.base, hash);
   AddPath(plan.path, hash);
   AddSteps(plan.actuator, hash);

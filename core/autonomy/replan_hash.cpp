@@ -3,36 +3,23 @@
 #include "core/base/loop_bound.h"
 
 namespace hardpack {
-namespace {
-
-void AddBool(bool value, DecisionHash& hash) {
-  hash.AddU8(value ? 1 : 0);
-}
-
-void AddPose(const Pose2& pose, DecisionHash& hash) {
-  hash.AddFloat(pose.x_m);
-  hash.AddFloat(pose.y_m);
-  hash.AddFloat(pose.theta_rad);
-}
-
-}  // namespace
 
 void AddToHash(const CommittedPlan& plan, DecisionHash& hash) {
   hash.AddU32(plan.number);
   hash.AddU8(static_cast<uint8_t>(plan.status));
   hash.AddI32(plan.path.size());
   HP_LOOP_BOUND(kMaxPathPoints)
-  for (const Pose2& pose : plan.path) AddPose(pose, hash);
+  for (const Pose2& pose : plan.path) hash.AddPose(pose);
   HP_LOOP_BOUND(kMaxPathPoints)
   for (const float speed_mps : plan.speed) hash.AddFloat(speed_mps);
   hash.AddFloat(plan.start_along_m);
   hash.AddFloat(plan.start_curvature_per_m);
   hash.AddFloat(plan.start_turn_rad);
   hash.AddI32(plan.slow_points);
-  AddBool(plan.narrow, hash);
-  AddBool(plan.creeps, hash);
-  AddBool(plan.is_stop, hash);
-  AddBool(plan.reaches_goal, hash);
+  hash.AddBool(plan.narrow);
+  hash.AddBool(plan.creeps);
+  hash.AddBool(plan.is_stop);
+  hash.AddBool(plan.reaches_goal);
 }
 
 void AddToHash(const Replanner& replanner, DecisionHash& hash) {
@@ -42,8 +29,8 @@ void AddToHash(const Replanner& replanner, DecisionHash& hash) {
   hash.AddU8(static_cast<uint8_t>(outcome.reason));
   hash.AddU8(static_cast<uint8_t>(outcome.status));
   hash.AddU8(static_cast<uint8_t>(outcome.plan_status));
-  AddBool(outcome.anchored, hash);
-  AddBool(outcome.late, hash);
+  hash.AddBool(outcome.anchored);
+  hash.AddBool(outcome.late);
   hash.AddFloat(outcome.committed_cost);
   hash.AddFloat(outcome.new_cost);
   const ReplanCounters& counters = replanner.counters();

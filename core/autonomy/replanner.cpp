@@ -18,7 +18,6 @@ constexpr float kLatencyFade = 0.9375f;
 // Beside what the vehicle drives from tick to tick.
 constexpr float kSearchAhead_m = 3.0f;
 // A search's cost of one metre at cost 0.
-constexpr float kWayCostPerMeter = kStraightLength * kCellsPerMeter;
 
 // Copied from, since a temporary would not fit on the stack.
 constexpr CommittedPlan kNothingCommitted;

@@ -198,6 +198,7 @@ class Replanner {
   // The last plan made, and its map.
   const Planner& planner() const { return planner_; }
 
+  static constexpr float kWayCostPerMeter = kStraightLength * kCellsPerMeter;
   static constexpr float kStanding_mps = SpeedCaps::kStanding_mps;
   static constexpr float kTooFast_mps = 0.3f;
   // Off the path at rest, for example after an immediate stop: joining it from there would turn

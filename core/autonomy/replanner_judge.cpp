@@ -8,7 +8,6 @@
 namespace hardpack {
 namespace {
 
-constexpr float kWayCostPerMeter = kStraightLength * kCellsPerMeter;
 // Headings of goals that differ by less are the same.
 constexpr float kGoalTurn_rad = 0.1f;
 // The largest value of SpeedParams::reaction_time_s.

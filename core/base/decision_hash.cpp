@@ -28,4 +28,10 @@ void DecisionHash::AddFloat(float value) {
   AddU32(std::bit_cast<uint32_t>(value == 0.0f ? 0.0f : value));
 }
 
+void DecisionHash::AddPose(const Pose2& pose) {
+  AddFloat(pose.x_m);
+  AddFloat(pose.y_m);
+  AddFloat(pose.theta_rad);
+}
+
 }  // namespace hardpack

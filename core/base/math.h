@@ -51,6 +51,10 @@ inline float SqrtUnchecked(float value) {
   return __builtin_sqrtf(value);
 }
 
+constexpr float Squared(float value) {
+  return value * value;
+}
+
 // Clears the sign: one instruction, also for four values at once.
 constexpr float Abs(float value) {
   return __builtin_fabsf(value);

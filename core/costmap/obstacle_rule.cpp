@@ -15,11 +15,11 @@
 namespace hardpack {
 namespace {
 
-constexpr int16_t kNone = HeightGrid::kNone;
+constexpr int16_t kNoHeight = HeightGrid::kNone;
 constexpr int kMargin = PaddedRow<int16_t>::kMargin;
 
-// kNone is above every height: a minimum passes over it, and no sum below exceeds it.
-static_assert(kNone == INT16_MAX);
+// kNoHeight is above every height: a minimum passes over it, and no sum below exceeds it.
+static_assert(kNoHeight == INT16_MAX);
 
 // Heights that a ground return measured, and 1 where the ground's height is known, else 0.
 void SplitGround(const int16_t* __restrict lowest_cm, const uint8_t* __restrict seen,
@@ -30,7 +30,7 @@ void SplitGround(const int16_t* __restrict lowest_cm, const uint8_t* __restrict 
   for (int x = 0; x < kMapSize_cells; ++x) {
     // Read before it is chosen from, or the loop would not vectorise.
     const int16_t height_cm = lowest_cm[x];
-    ground_cm[x] = (seen[x] & kHeight) == kKnown ? height_cm : kNone;
+    ground_cm[x] = (seen[x] & kHeight) == kKnown ? height_cm : kNoHeight;
     known[x] = seen[x] & kKnown;
   }
 }
@@ -120,9 +120,10 @@ void LowestBeside(const int16_t* __restrict from, uint16_t* __restrict to) {
   }
 }
 
-// The height that is rise_cm above another, at most kNone; kNone above kNone. rise_cm >= 0.
+// The height that is rise_cm above another, at most kNoHeight; kNoHeight above kNoHeight. rise_cm
+// >= 0.
 inline int16_t Raised(int16_t height_cm, int16_t rise_cm) {
-  const int16_t highest_cm = static_cast<int16_t>(kNone - rise_cm);
+  const int16_t highest_cm = static_cast<int16_t>(kNoHeight - rise_cm);
   return static_cast<int16_t>(Smaller(height_cm, highest_cm) + rise_cm);
 }
 
@@ -184,9 +185,9 @@ void CostmapBuilder::LoadRow(const HeightGrid& heights, int row) {
 }
 
 void CostmapBuilder::LoadNoRow(int row) {
-  FillRow(RowOf(ring(0), row), static_cast<uint16_t>(kNone));
-  FillRow(RowOf(ring(1), row), static_cast<uint16_t>(kNone));
-  FillRow(RowOf(near_ring(), row), static_cast<uint16_t>(kNone));
+  FillRow(RowOf(ring(0), row), static_cast<uint16_t>(kNoHeight));
+  FillRow(RowOf(ring(1), row), static_cast<uint16_t>(kNoHeight));
+  FillRow(RowOf(near_ring(), row), static_cast<uint16_t>(kNoHeight));
   FillRow(RowOf(known_ring(), row), uint8_t{0});
 }
 
@@ -212,10 +213,10 @@ void CostmapBuilder::FindReturns() {
   for (int block = 0; block < kBlocks; ++block) {
     const int16_t* hard = highest_hard_ + block * kBlock_cells;
     const int16_t* soft = highest_soft_ + block * kBlock_cells;
-    int16_t lowest = kNone;
+    int16_t lowest = kNoHeight;
     HP_LOOP_BOUND(kBlock_cells)
     for (int x = 0; x < kBlock_cells; ++x) lowest = Smaller(lowest, Smaller(hard[x], soft[x]));
-    any_returns_[block] = lowest != kNone;
+    any_returns_[block] = lowest != kNoHeight;
   }
 }
 
@@ -271,10 +272,10 @@ void CostmapBuilder::FindLimits(int row) {
       // Read before it is chosen from, or the loop would not vectorise.
       const int16_t own_cm = lowest[x];
       const int16_t near_cm = (seen[x] & kKnown) != 0 ? own_cm : around_cm;
-      const int16_t local_cm = near_cm != kNone ? near_cm : in_square_cm;
+      const int16_t local_cm = near_cm != kNoHeight ? near_cm : in_square_cm;
       const int16_t begin_cm = Raised(near_cm, overhead_cm);
       high[x] = Raised(local_cm, obstacle_cm);
-      overhead[x] = (seen[x] & kGuessed) == kGuessed ? kNone : begin_cm;
+      overhead[x] = (seen[x] & kGuessed) == kGuessed ? kNoHeight : begin_cm;
     }
   }
 }
@@ -284,7 +285,7 @@ void CostmapBuilder::FindLimitsInCell() {
   const int16_t* __restrict lowest = lowest_.cells();
   HP_LOOP_BOUND(kMapSize_cells)
   for (int x = 0; x < kMapSize_cells; ++x) high_[x] = Raised(lowest[x], obstacle_cm);
-  FillRow(overhead_, kNone);
+  FillRow(overhead_, kNoHeight);
   FillRow(no_ground_row(), uint8_t{0});
 }
 
@@ -320,9 +321,9 @@ void CostmapBuilder::FlagRow(int row) {
       const uint8_t person_seen = seen[x] & HeightGrid::kPersonMask;
       const bool hard = (lowest_hard[x] < overhead[x]) &
                         ((highest_hard[x] > high[x]) | ((person_seen | no_ground[x]) != 0) |
-                         ((low[x] == HeightGrid::kFirmLow) & (highest_hard[x] != kNone)));
-      const bool soft = (highest_soft[x] > high[x]) & (highest_soft[x] != kNone) & !hard;
-      const bool returned = (highest_hard[x] != kNone) | (highest_soft[x] != kNone);
+                         ((low[x] == HeightGrid::kFirmLow) & (highest_hard[x] != kNoHeight)));
+      const bool soft = (highest_soft[x] > high[x]) & (highest_soft[x] != kNoHeight) & !hard;
+      const bool returned = (highest_hard[x] != kNoHeight) | (highest_soft[x] != kNoHeight);
       const bool growth = (low[x] == HeightGrid::kGrowth) & returned & !hard;
       const bool observed = hard | soft | growth | ((seen[x] & kSeen) != 0);
       made[x - begin] = static_cast<uint8_t>(

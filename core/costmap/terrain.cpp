@@ -38,7 +38,7 @@ inline int32_t Flagged(bool is) {
 
 // Exact for what is not above Terrain::kMaxRise_cm. Processors without a product of whole numbers
 // for several lanes have one of floats.
-inline float Squared(int32_t value) {
+inline float SquaredExactly(int32_t value) {
   const auto exact = static_cast<float>(value);
   return exact * exact;
 }
@@ -234,8 +234,8 @@ void Terrain::SumColumns(int begin, int row, int reference_cm) {
     yy_[x] = static_cast<float>(4 * (has_e + has_a) + has_d + has_b);
     z_[x] = static_cast<float>(za + zb + zc + zd + ze);
     yz_[x] = static_cast<float>(2 * (ze - za) + zd - zb);
-    zz_[x] =
-        static_cast<int32_t>(Squared(za) + Squared(zb) + Squared(zc) + Squared(zd) + Squared(ze));
+    zz_[x] = static_cast<int32_t>(SquaredExactly(za) + SquaredExactly(zb) + SquaredExactly(zc) +
+                                  SquaredExactly(zd) + SquaredExactly(ze));
   }
 }
 

@@ -8,10 +8,6 @@
 namespace hardpack {
 namespace {
 
-float Squared(float value) {
-  return value * value;
-}
-
 float Distance2(Vec2 a, Vec2 b) {
   return Squared(a.x_m - b.x_m) + Squared(a.y_m - b.y_m);
 }

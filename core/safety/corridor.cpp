@@ -10,7 +10,7 @@
 namespace hardpack {
 namespace {
 
-constexpr uint32_t kPlaceMask = Corridor::kRecent_cells - 1;
+constexpr uint32_t kRecentMask = Corridor::kRecent_cells - 1;
 static_assert((Corridor::kRecent_cells & (Corridor::kRecent_cells - 1)) == 0);
 constexpr int32_t kHalf_cells = Corridor::kRecent_cells / 2;
 
@@ -19,15 +19,15 @@ bool IsSize(float value_m, float largest_m) {
 }
 
 uint32_t Place(Cell cell) {
-  const uint32_t x = static_cast<uint32_t>(cell.x) & kPlaceMask;
-  const uint32_t y = static_cast<uint32_t>(cell.y) & kPlaceMask;
+  const uint32_t x = static_cast<uint32_t>(cell.x) & kRecentMask;
+  const uint32_t y = static_cast<uint32_t>(cell.y) & kRecentMask;
   return y * Corridor::kRecent_cells + x;
 }
 
 // The cell of the window around `middle` that has this place along one axis.
 int32_t Unwrapped(int32_t place, int32_t middle) {
   const uint32_t low = static_cast<uint32_t>(middle) - static_cast<uint32_t>(kHalf_cells);
-  const uint32_t ahead = (static_cast<uint32_t>(place) - low) & kPlaceMask;
+  const uint32_t ahead = (static_cast<uint32_t>(place) - low) & kRecentMask;
   return static_cast<int32_t>(low + ahead);
 }
 
@@ -68,7 +68,7 @@ void Corridor::Advance(Vec2 vehicle_odom, uint32_t tick) {
   tests_left_ = kMaxTests;
   vehicle_ = CellAt(vehicle_odom);
   has_vehicle_ = true;
-  uint32_t* row = recent_ + (tick & kPlaceMask) * kRecent_cells;
+  uint32_t* row = recent_ + (tick & kRecentMask) * kRecent_cells;
   HP_LOOP_BOUND(kRecent_cells)
   for (int x = 0; x < kRecent_cells; ++x) {
     if (((tick_ - row[x]) & kTickMask) > kMemory_ticks) row[x] = 0;

@@ -12,10 +12,6 @@ namespace {
 // by less than 0.1 mm.
 constexpr float kAlongAxis = 1.0e-5f;
 
-float Squared(float value) {
-  return value * value;
-}
-
 // How many cells of a row are passed from one on, itself included, until the first hard one; more
 // than `most` where none of so many behind it is.
 template <int kStep>

@@ -23,10 +23,6 @@ constexpr float kDiagonal_cells = 1.41422f;
 // What floats may be off by in the distance of an outline to a square.
 constexpr float kRounding_cells = 1.0e-4f;
 
-float Squared(float value) {
-  return value * value;
-}
-
 // Lowers nearest2_cells2 to the squared distance from a point to the nearest hard cell's centre
 // that is nearer than that. As the map tells the distance between centres, every centre is at least
 // that less half a diagonal away, and where that is no less than `nearest` nothing is scanned. A

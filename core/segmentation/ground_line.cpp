@@ -9,7 +9,6 @@ namespace {
 
 // Noise of a height: a spinning lidar's range error times the slope of its lowest beam, and the
 // roughness of the ground itself.
-constexpr float kHeightNoise_m = 0.05f;
 // Two beams tell a surface from a face when on the steepest ground their returns are so far apart;
 // it is a surface when they advance by this share of that.
 constexpr float kBaseline_m = 0.25f;

@@ -27,6 +27,9 @@
 
 namespace hardpack {
 
+// Of ground that a lidar measures as even.
+inline constexpr float kHeightNoise_m = 0.05f;
+
 // The returns of one direction that may be ground, from the lowest beam to the highest.
 struct GroundCandidates {
   int32_t count = 0;

@@ -14,7 +14,6 @@ namespace {
 constexpr float kGapShare = 2.0f;
 constexpr float kLeastGap_m = 1.0f;
 // Between rings that lie close together the noise of their heights must not look like a slope.
-constexpr float kHeightNoise_m = 0.05f;
 // What is firm and stands no higher is not vegetation.
 constexpr float kLeastSoft_m = 0.2f;
 constexpr float kTallStep_m = 1.0f;

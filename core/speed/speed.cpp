@@ -15,10 +15,6 @@ constexpr float kLeastFreeWay_m = 1.0e-6f;
 // Covers the eight roundings between ReactionSpeedCap and StoppingDistance, each 2^-24 at most.
 constexpr float kBelowTheInverse = 1.0f - 1.0f / 1048576.0f;
 
-float Squared(float value) {
-  return value * value;
-}
-
 // The limits of CurvatureSpeedLimit, inverted once for all points, so that a point takes the
 // largest of the inverses and one division.
 struct ShapeLimits {

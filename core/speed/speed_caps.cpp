@@ -35,10 +35,6 @@ float ReachAside(const SpeedParams& params, const Footprint& footprint) {
              kFar_m);
 }
 
-float Squared(float value) {
-  return value * value;
-}
-
 // The speed at which what the vehicle is beside its path by is room_m; see the header.
 float RoomSpeedCap(const SpeedParams& params, float room_m, float bend_per_m) {
   const float left_m = room_m - params.track_error_m;

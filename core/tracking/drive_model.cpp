@@ -25,7 +25,7 @@ constexpr float kQuicknessRate = 0.08f;
 constexpr float kMostLearned = 0.05f;
 // What wheels do on this ground: learned so fast, from speeds above these on.
 constexpr float kGroundRate_per_s = 0.5f;
-constexpr float kLeastSpeed_mps = 0.5f;
+constexpr float kLeastModelSpeed_mps = 0.5f;
 constexpr float kLeastRate_radps = 0.15f;
 // Of the body's motion, which odometry has filtered, this part is taken at once.
 constexpr float kBodyTaken = 0.25f;
@@ -251,7 +251,7 @@ void DriveModel::TakeBody(const BodyMotion& body) {
   yaw_rate_radps_ += kBodyTaken * rate_off_radps;
   const float turn_radps = wheels().differential_radps / PerTurn();
   const float rim_mps = wheels().common_radps * RimWay_m();
-  if (Abs(rim_mps) > kLeastSpeed_mps) {
+  if (Abs(rim_mps) > kLeastModelSpeed_mps) {
     speed_ground_ = Clamp(speed_ground_ * Taught(speed_off_mps, rim_mps, params_.speed_lag_s),
                           kMinGround, kMaxGround);
   }

@@ -20,7 +20,6 @@ constexpr uint16_t kLidarPacketType = 1;
 
 // Offsets in the packet header of the profiles that have one.
 constexpr size_t kPacketTypeOffset = 0;
-constexpr size_t kFrameIdOffset = 2;
 constexpr size_t kInitIdOffset = 4;
 constexpr size_t kSerialNumberOffset = 7;
 constexpr size_t kCrcBytes = 8;  // the last of the footer

@@ -84,6 +84,7 @@ struct PacketLayout {
 
 // The largest packet, for buffers and loop bounds: 16 columns of 128 DUAL beams are 33,024 B.
 inline constexpr int32_t kMaxPacketBytes = 33280;
+inline constexpr size_t kFrameIdOffset = 2;  // in the header of a packet, but for the legacy one
 inline constexpr int32_t kMaxColumnsPerPacket = 64;
 
 // kUnsupported: an unknown profile; kInvalidArgument: a count out of range; kCapacityExceeded: more

@@ -8,7 +8,6 @@ namespace {
 
 constexpr size_t kMeasurementIdOffset = 8;  // in a column, in every profile
 constexpr size_t kLegacyFrameIdOffset = 10;
-constexpr size_t kFrameIdOffset = 2;  // in the packet's header
 
 }  // namespace
 

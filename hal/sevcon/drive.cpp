@@ -22,11 +22,6 @@ constexpr uint64_t kCarriedTimes = 6;
 // So many reports more than SYNCs are a second sender's.
 constexpr int32_t kMostReports = 10;
 
-void Push(CanBatch& out, const CanFrame& frame) {
-  const Status pushed = out.PushBack(frame);
-  HP_ASSERT(pushed == Status::kOk);
-}
-
 }  // namespace
 
 void Drive::Configure(int32_t node, int32_t sign) {

@@ -97,7 +97,6 @@ class Drive {
   bool resetting_ = false;
   uint64_t resetting_since_ns_ = 0;
   bool has_feedback_ = false;  // since it is commandable, or done again
-  int32_t speed_rpm_ = 0;      // reported, of the motor
   uint64_t heartbeat_ns_ = 0;  // of the last, or start of the wait for one
   uint64_t feedback_ns_ = 0;   // the same
   int32_t sent_rpm_ = 0;

@@ -27,11 +27,6 @@ bool FitTogether(const DriveParams& params) {
   return fits;
 }
 
-void Push(CanBatch& out, const CanFrame& frame) {
-  const Status pushed = out.PushBack(frame);
-  HP_ASSERT(pushed == Status::kOk);
-}
-
 }  // namespace
 
 // Not *this = DrivePair{}: that takes one more on the stack.

@@ -12,7 +12,7 @@ namespace {
 constexpr size_t kMaxDigits = 9;
 constexpr uint32_t kNoDigit = 16;
 constexpr uint32_t kMaxWeek = 9999;
-constexpr int64_t kBillion = 1'000'000'000;
+constexpr int64_t kBillionths = 1'000'000'000;
 constexpr size_t kXorDigits = 2;
 constexpr size_t kCrcDigits = 4;
 constexpr size_t kLineEndBytes = 2;
@@ -63,7 +63,7 @@ struct Decimal {
 };
 
 constexpr int64_t Billionths(const Decimal& decimal) {
-  const int64_t magnitude = int64_t{decimal.whole} * kBillion + decimal.billionths;
+  const int64_t magnitude = int64_t{decimal.whole} * kBillionths + decimal.billionths;
   return decimal.negative ? -magnitude : magnitude;
 }
 

@@ -12,7 +12,7 @@
 namespace hardpack::capture {
 namespace {
 
-ReadOutcome Failure(const std::string& file, const std::string& what, Status status) {
+ReadOutcome ScanFailure(const std::string& file, const std::string& what, Status status) {
   return {status, file + ": " + what + " (" + StatusName(status) + ")"};
 }
 
@@ -135,22 +135,23 @@ ReadOutcome Prepare(const LidarScanRequest& request, Mapper& mapper, ouster::Met
   if (ReadOutcome outcome = ouster::ReadMetadata(file, metadata); !outcome.ok()) return outcome;
   Status status = ouster::MakeLayout(metadata, ready.layout);
   if (status == Status::kUnsupported) {
-    return Failure(file, "udp_profile_lidar: packets of this profile are not decoded", status);
+    return ScanFailure(file, "udp_profile_lidar: packets of this profile are not decoded", status);
   }
   if (!IsUsable(status)) {
-    return Failure(file, "columns_per_frame: more columns than a scan ring holds", status);
+    return ScanFailure(file, "columns_per_frame: more columns than a scan ring holds", status);
   }
   const size_t beams = static_cast<size_t>(metadata.beams);
   status = MakeBeamModel({metadata.beam_altitude_deg, beams}, {metadata.beam_azimuth_deg, beams},
                          metadata.columns_per_frame, metadata.lidar_origin_to_beam_origin_m,
                          metadata.sensor_from_lidar, ready.model);
-  if (!IsUsable(status)) return Failure(file, "beam geometry", status);
+  if (!IsUsable(status)) return ScanFailure(file, "beam geometry", status);
   PerceptionParams perception = request.perception;
   perception.mapping.use_labels = request.labels_path.empty() ? 0 : 1;
   status = mapper.Configure(perception, request.costmap, request.labels, ready.model,
                             metadata.column_window_first, metadata.column_window_last);
   if (status == Status::kParameterOutOfRange) return {status, "parameters: out of range"};
-  if (!IsUsable(status)) return Failure(file, "a revolution does not fit the scan ring", status);
+  if (!IsUsable(status))
+    return ScanFailure(file, "a revolution does not fit the scan ring", status);
   if (request.labels_path.empty()) return {};
   return ReadLabels(request.labels_path, metadata.beams, metadata.columns_per_frame, ready.labels);
 }
@@ -176,7 +177,7 @@ ReadOutcome LoadLidarScan(const LidarScanRequest& request, Mapper& mapper,
   }
   const ScanLabels* const labels = request.labels_path.empty() ? nullptr : &ready->labels;
   const Status status = MapRevolution(revolution->columns, request.pose, labels, mapper);
-  if (!IsUsable(status)) return Failure(request.capture_path, "cannot be placed", status);
+  if (!IsUsable(status)) return ScanFailure(request.capture_path, "cannot be placed", status);
   report.filed = ReturnsIn(mapper);
   if (labels != nullptr) report.labelled_returns = LabelledReturns(*revolution, *labels);
   report.frame_id = revolution->frame_id;

@@ -27,7 +27,7 @@ constexpr double kPlotWidth_px = 226.0;
 constexpr double kPitch_px = 270.0;
 constexpr double kPlotHeight_px = 390.0;
 constexpr std::array<double, 2> kTops_px = {96.0, 556.0};
-constexpr double kStockSeparation_m = 1.6875;
+constexpr double kStockTrack_m = 1.6875;
 
 constexpr LineStyle kRecorded = {.colour = picture::kInk, .line_px = 0.8, .dots_px = 3.4};
 constexpr LineStyle kModel = {.colour = picture::kOptimizedPath, .line_px = 2.6};
@@ -119,7 +119,7 @@ Canvas DrawFit(const std::vector<DriveSegment>& segments, const VehicleFit& fit)
     const Motion recorded = RecordedMotion(segment);
     ModelPredictor(fit.params, sim::VehicleModel::kStep_s)(segment, track);
     const Motion model = PredictedMotion(segment, track, fit.pose_age_s);
-    PredictFirstOrder({}, kStockSeparation_m, segment, sim::VehicleModel::kStep_s, track);
+    PredictFirstOrder({}, kStockTrack_m, segment, sim::VehicleModel::kStep_s, track);
     const Motion published = PredictedMotion(segment, track, fit.pose_age_s);
     const double left_px = kLeft_px + kPitch_px * static_cast<double>(i);
     const bool is_first = i == 0;

@@ -87,7 +87,7 @@ variant() {
   shift 2
   is_here "$name" "$compiler" "" || return 0
   builds "$name" "$dir" cmake -S "$root" -B "$dir" -G Ninja -DHARDPACK_PORT_LINUX=OFF \
-    -DHARDPACK_TOOLS=OFF "-DCMAKE_CXX_COMPILER=$compiler" "$@" || return 0
+    -DHARDPACK_TOOLS=OFF -DHARDPACK_JOIN_STAGES=ON "-DCMAKE_CXX_COMPILER=$compiler" "$@" || return 0
   runs "$name" "$dir/test/decision/decision"
 }
 

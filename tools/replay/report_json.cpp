@@ -29,7 +29,7 @@ double Rounded(double value, double steps) {
   return std::round(value * steps) / steps;
 }
 
-std::string TextOf(std::span<const char> field) {
+std::string TextOfField(std::span<const char> field) {
   return {field.data(), strnlen(field.data(), field.size())};
 }
 
@@ -146,10 +146,10 @@ json ReportToJson(const Report& report, const Pilot& pilot) {
     object["from_image"] = report.from_image;
     object["ended"] = report.ended;
     object["durations"]["logged"] = DurationJson(report.logged);
-    object["logged_by"] = {{"version", TextOf(report.version.version)},
-                           {"build", TextOf(report.version.build)},
-                           {"processor", TextOf(report.version.processor)},
-                           {"vehicle", TextOf(report.version.vehicle)},
+    object["logged_by"] = {{"version", TextOfField(report.version.version)},
+                           {"build", TextOfField(report.version.build)},
+                           {"processor", TextOfField(report.version.processor)},
+                           {"vehicle", TextOfField(report.version.vehicle)},
                            {"run", HashText(report.version.run)}};
   } else {
     object["own_frames"] = report.own_frames;

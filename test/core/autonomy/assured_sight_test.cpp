@@ -50,8 +50,8 @@ TEST(AssuredSight, EveryThingNearerIsMetAndNotEveryOneBeyond) {
         const double sight_m = double{AssuredSight_m(model, kSensor_m, static_cast<float>(band_m),
                                                      static_cast<float>(height_m))};
         if (sight_m == 0.0) continue;
-        SCOPED_TRACE(testing::Message() << beams << " beams, " << band_m << " to " << height_m
-                                        << " m: " << sight_m << " m");
+        SCOPED_TRACE(::testing::Message() << beams << " beams, " << band_m << " to " << height_m
+                                          << " m: " << sight_m << " m");
         bool is_missed_beyond = false;
         for (double pitch_rad = -0.02; pitch_rad <= 0.02; pitch_rad += 0.0005) {
           // The lowest beam comes down to the height here. The beams' spacing differs by a little.

@@ -10,7 +10,7 @@
 namespace hardpack {
 namespace {
 
-constexpr float kSensor_m = 1.1f;
+constexpr float kLidar_m = 1.1f;
 
 using Height = std::function<double(double x_m, double y_m)>;
 
@@ -33,7 +33,7 @@ std::unique_ptr<HeightGrid> Ground(const Height& height) {
 float FallOn(const HeightGrid& grid, double slope, double yaw_rad, Vec2 direction = {1.0f, 0.0f}) {
   const Transform3 pose = TransformFromRollPitchYaw(0.0f, static_cast<float>(-std::atan(slope)),
                                                     static_cast<float>(yaw_rad), {});
-  return LeastFallToKnown(grid, pose, {0.0f, 0.0f, kSensor_m}, direction);
+  return LeastFallToKnown(grid, pose, {0.0f, 0.0f, kLidar_m}, direction);
 }
 
 // As on level ground, whatever the plane and the heading.
@@ -46,7 +46,7 @@ TEST(KnownGround, OnAPlaneAllBeamsThatFallMeetItWithinReach) {
       for (const double aside_rad : {0.0, 1.0, 2.5}) {
         const Vec2 direction = {static_cast<float>(std::cos(aside_rad)),
                                 static_cast<float>(std::sin(aside_rad))};
-        EXPECT_NEAR(FallOn(*grid, slope, yaw_rad, direction), kSensor_m / 10.0, 0.012)
+        EXPECT_NEAR(FallOn(*grid, slope, yaw_rad, direction), kLidar_m / 10.0, 0.012)
             << slope << ' ' << yaw_rad << ' ' << aside_rad;
       }
     }
@@ -55,8 +55,8 @@ TEST(KnownGround, OnAPlaneAllBeamsThatFallMeetItWithinReach) {
 
 TEST(KnownGround, WhatIsNotKnownIsNotMet) {
   const auto grid = Ground([](double x_m, double) { return x_m < 5.0 ? 0.0 : NAN; });
-  EXPECT_NEAR(FallOn(*grid, 0.0, 0.0), kSensor_m / 4.9, 0.02);
-  EXPECT_NEAR(FallOn(*grid, 0.0, 0.0, {-1.0f, 0.0f}), kSensor_m / 10.0, 0.012);
+  EXPECT_NEAR(FallOn(*grid, 0.0, 0.0), kLidar_m / 4.9, 0.02);
+  EXPECT_NEAR(FallOn(*grid, 0.0, 0.0, {-1.0f, 0.0f}), kLidar_m / 10.0, 0.012);
   const HeightGrid empty;
   EXPECT_EQ(FallOn(empty, 0.0, 0.0), kNoFall);
 }
@@ -66,7 +66,7 @@ TEST(KnownGround, BehindAnEdgeOnlyTheSteepBeamsMeetTheGround) {
   const double down = std::tan(0.26);
   const auto grid =
       Ground([&](double x_m, double) { return x_m < 3.0 ? 0.0 : down * (3.0 - x_m); });
-  EXPECT_NEAR(FallOn(*grid, 0.0, 0.0), (kSensor_m + 7.0 * down) / 10.0, 0.015);
+  EXPECT_NEAR(FallOn(*grid, 0.0, 0.0), (kLidar_m + 7.0 * down) / 10.0, 0.015);
 }
 
 TEST(KnownGround, WhatStandsOnTheGroundIsMet) {
@@ -75,13 +75,13 @@ TEST(KnownGround, WhatStandsOnTheGroundIsMet) {
     ASSERT_EQ(grid->Insert({8.05f, y_m, 0.3f}, ReturnClass::kHard), Status::kOk);
     ASSERT_EQ(grid->Insert({8.05f, y_m, 0.7f}, ReturnClass::kHard), Status::kOk);
   }
-  EXPECT_NEAR(FallOn(*grid, 0.0, 0.0), (kSensor_m - 0.7) / 8.0, 0.01);
+  EXPECT_NEAR(FallOn(*grid, 0.0, 0.0), (kLidar_m - 0.7) / 8.0, 0.01);
 }
 
 TEST(KnownGround, AVehicleOnItsSideSeesNoGround) {
   const auto grid = Ground([](double, double) { return 0.0; });
   const Transform3 pose = TransformFromRollPitchYaw(0.0f, 1.57f, 0.0f, {});
-  EXPECT_EQ(LeastFallToKnown(*grid, pose, {0.0f, 0.0f, kSensor_m}, {1.0f, 0.0f}), kNoFall);
+  EXPECT_EQ(LeastFallToKnown(*grid, pose, {0.0f, 0.0f, kLidar_m}, {1.0f, 0.0f}), kNoFall);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace hardpack::perception {
 namespace {
 
 constexpr double kThing_m = 25.0;
-constexpr uint8_t kObstacle = Costmap::kHard | Costmap::kSoft;
+constexpr uint8_t kLowObstacle = Costmap::kHard | Costmap::kSoft;
 
 // The vehicle comes nearer at 2 m/s, to so many metres before the middle of a thing.
 std::unique_ptr<Chain> Approach(const std::vector<Body>& bodies, double to_m,
@@ -171,7 +171,7 @@ TEST(LowThings, GrassIsGrowthAndNoObstacle) {
         chain.Build();
         // As dense as a hedge, some of it looks firm by chance: two blocks, of 1200 cells.
         const int by_chance = free_path_m < 0.5 ? 8 : 0;
-        EXPECT_LE(chain.Count(kGrass, kObstacle), by_chance) << chain.Picture(kGrass);
+        EXPECT_LE(chain.Count(kGrass, kLowObstacle), by_chance) << chain.Picture(kGrass);
       }
       EXPECT_GE(chain.Count({8.0, -2.0, 13.0, 2.0}, Costmap::kGrowth), 25 * 20 / 2);
     }
@@ -203,7 +203,7 @@ TEST(LowThings, WavesOfTheGroundAreNone) {
     chain.Build();
     // As far as the vehicle needs to see at any speed.
     const Area way = {1.5 * i, -2.0, 1.5 * i + 12.0, 2.0};
-    EXPECT_EQ(chain.Count(way, kObstacle), 0) << chain.Picture(way);
+    EXPECT_EQ(chain.Count(way, kLowObstacle), 0) << chain.Picture(way);
   }
 }
 

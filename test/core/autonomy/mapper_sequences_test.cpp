@@ -174,10 +174,10 @@ class Storm {
 TEST(MapperSequences, EveryFiledColumnIsFoldedOnceWhateverComes) {
   MapperCounters sum;
   for (unsigned seed = 1; seed <= 12; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     const auto storm = std::make_unique<Storm>(seed);
     storm->Blow(2500);
-    if (testing::Test::HasFatalFailure()) return;
+    if (::testing::Test::HasFatalFailure()) return;
     storm->CheckAllFolded();
     const MapperCounters& counters = storm->mapper().counters();
     sum.folded_with_labels += counters.folded_with_labels;

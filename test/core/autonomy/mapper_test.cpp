@@ -9,12 +9,13 @@
 #include <random>
 
 #include "test/core/autonomy/mapper_bench.h"
+#include "test/not_finite.h"
 
 namespace hardpack::perception {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 Status ConfigureWith(Mapper& mapper, const PerceptionParams& params, const LabelTable& table,
                      const BeamModel& model, int first, int last) {
@@ -38,7 +39,7 @@ TEST(Mapper, RefusesWhatItCannotWorkWith) {
   const BeamModel model = TheModel();
   const LabelTable table = RellisLabelTable();
   PerceptionParams params = good;
-  params.mount.z_m = kNan;
+  params.mount.z_m = kNaN;
   EXPECT_EQ(ConfigureWith(*mapper, params, table, model, 0, 1023), Status::kParameterOutOfRange);
   params = good;
   params.segmentation.bridge_factor = kInfinity;
@@ -116,11 +117,11 @@ TEST(Mapper, RefusesPosesThatAreNone) {
        {&StampedPose::roll_rad, &StampedPose::pitch_rad, &StampedPose::yaw_rad}) {
     pose = newest;
     pose.time_ns += 10'000'000;
-    pose.*angle = kNan;
+    pose.*angle = kNaN;
     EXPECT_EQ(bench.mapper->AddPose(pose), Status::kNotFinite);
   }
   for (float Vec3::*axis : {&Vec3::x_m, &Vec3::y_m, &Vec3::z_m}) {
-    for (const float value : {kNan, kInfinity, -kInfinity, 1.0e9f, -3.0e38f}) {
+    for (const float value : {kNaN, kInfinity, -kInfinity, 1.0e9f, -3.0e38f}) {
       pose = newest;
       pose.time_ns += 10'000'000;
       pose.position.*axis = value;

@@ -12,7 +12,7 @@
 namespace hardpack::perception {
 namespace {
 
-constexpr uint8_t kObstacle = Costmap::kHard | Costmap::kSoft;
+constexpr uint8_t kHardOrSoft = Costmap::kHard | Costmap::kSoft;
 
 Area Around(double x, double y, double reach) {
   return {x - reach, y - reach, x + reach, y + reach};
@@ -21,7 +21,7 @@ Area Around(double x, double y, double reach) {
 //              ^ 1.5 m/s, from 4 m on the right to 4 m on the left and on
 //   [====]     P
 //              . 6.1 m
-class PersonWalking : public testing::TestWithParam<bool> {};
+class PersonWalking : public ::testing::TestWithParam<bool> {};
 
 // SR-PER10
 TEST_P(PersonWalking, LeavesNoTrail) {
@@ -41,15 +41,15 @@ TEST_P(PersonWalking, LeavesNoTrail) {
     EXPECT_GT(chain.Count(here, with_labels ? Costmap::kPerson : Costmap::kHard), 0)
         << "at " << now << " s" << chain.Picture(kWay);
     const Area trail = {kWay.low_x, kWay.low_y, kWay.high_x, y - 1.2};
-    EXPECT_EQ(chain.Count(trail, kObstacle | Costmap::kPerson), 0)
+    EXPECT_EQ(chain.Count(trail, kHardOrSoft | Costmap::kPerson), 0)
         << "at " << now << " s" << chain.Picture(kWay);
   }
   chain.RunUntil(7.5);
   chain.Build();
-  EXPECT_EQ(chain.Count(kWay, kObstacle | Costmap::kPerson), 0) << chain.Picture(kWay);
+  EXPECT_EQ(chain.Count(kWay, kHardOrSoft | Costmap::kPerson), 0) << chain.Picture(kWay);
 }
 
-INSTANTIATE_TEST_SUITE_P(PerceptionScenes, PersonWalking, testing::Bool(),
+INSTANTIATE_TEST_SUITE_P(PerceptionScenes, PersonWalking, ::testing::Bool(),
                          [](const auto& info) { return info.param ? "WithLabels" : "ByGeometry"; });
 
 // Drops that end one beam in a hundred:
@@ -87,12 +87,12 @@ TEST(PerceptionScenes, RainThatIsLabelledVoidIsNotFiled) {
   chain.world.rain_share = 0.0;
   chain.RunUntil(1.2);
   chain.Build();
-  EXPECT_EQ(chain.Count(kOpen, kObstacle), 0) << chain.Picture(kOpen);
+  EXPECT_EQ(chain.Count(kOpen, kHardOrSoft), 0) << chain.Picture(kOpen);
 }
 
 // While the vehicle drives past a box, its odometry's height goes up by half a metre and later down
 // again.
-class HeightJump : public testing::TestWithParam<bool> {};
+class HeightJump : public ::testing::TestWithParam<bool> {};
 
 TEST_P(HeightJump, DoesNotTurnGroundIntoObstacles) {
   const bool with_labels = GetParam();
@@ -112,15 +112,15 @@ TEST_P(HeightJump, DoesNotTurnGroundIntoObstacles) {
     const int on_box = chain.Count(kBox, Costmap::kHard);
     EXPECT_GE(on_box, 3) << "at " << now << " s" << chain.Picture(kBox);
     // Noise may put a return of the box beside it.
-    const int near_box = chain.Count({8.8, 1.8, 10.0, 3.0}, kObstacle);
-    EXPECT_EQ(chain.Count(kOpen, kObstacle), near_box)
+    const int near_box = chain.Count({8.8, 1.8, 10.0, 3.0}, kHardOrSoft);
+    EXPECT_EQ(chain.Count(kOpen, kHardOrSoft), near_box)
         << "at " << now << " s" << chain.Picture(kOpen);
   }
   EXPECT_EQ(chain.mapper().counters().height_jumps, 2u);
   EXPECT_EQ(chain.mapper().counters().position_jumps, 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(PerceptionScenes, HeightJump, testing::Bool(),
+INSTANTIATE_TEST_SUITE_P(PerceptionScenes, HeightJump, ::testing::Bool(),
                          [](const auto& info) { return info.param ? "WithLabels" : "ByGeometry"; });
 
 // SR-ODO01
@@ -137,13 +137,13 @@ TEST(PerceptionScenes, PositionJumpEmptiesTheMap) {
   chain.RunUntil(1.01);
   chain.Build();
   EXPECT_EQ(chain.mapper().counters().position_jumps, 1u);
-  EXPECT_EQ(chain.Count({-30.0, -30.0, 30.0, 30.0}, kObstacle), 0);
+  EXPECT_EQ(chain.Count({-30.0, -30.0, 30.0, 30.0}, kHardOrSoft), 0);
   EXPECT_EQ(chain.Count({5.0, -3.0, 9.0, 3.0}, Costmap::kObserved), 0);
   // And there it is again, where the new odometry has it.
   chain.RunUntil(1.7);
   chain.Build();
   EXPECT_GT(chain.Count({11.0, -0.4, 11.2, 0.4}, Costmap::kHard), 0);
-  EXPECT_EQ(chain.Count({-30.0, -30.0, 10.7, 30.0}, kObstacle), 0);
+  EXPECT_EQ(chain.Count({-30.0, -30.0, 10.7, 30.0}, kHardOrSoft), 0);
 }
 
 // Driving at 5 m/s in a circle of 2.5 m, poles all around it at 8 m:

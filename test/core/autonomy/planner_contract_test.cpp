@@ -7,14 +7,15 @@
 
 #include "core/autonomy/planner.h"
 #include "test/core/autonomy/scene.h"
+#include "test/not_finite.h"
 
 // Portions, bad input, and the hash.
 
 namespace hardpack {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 // SR-PLN03
 TEST(Planner, GivesTheSamePlanInAnyPortions) {
@@ -56,7 +57,7 @@ TEST(Planner, RefusesARequestThatIsNotFinite) {
         r.goal_heading_rad = v;
       }};
   for (const auto& set : fields) {
-    for (const float bad : {kNan, kInf, -kInf}) {
+    for (const float bad : {kNaN, kInfinity, -kInfinity}) {
       PlanRequest request = SceneTo({5.0f, 0.0f}).request;
       set(request, bad);
       EXPECT_EQ(planner.BeginCells(kWindow, {}, request), Status::kNotFinite);
@@ -95,17 +96,17 @@ TEST(Planner, RefusesParametersOutOfRange) {
   Planner& planner = ThePlanner();
   const PlanRequest request = SceneTo({5.0f, 0.0f}).request;
   const std::vector<std::function<void(PlannerParams&)>> faults = {
-      [](PlannerParams& p) { p.vehicle.length_m = kNan; },
+      [](PlannerParams& p) { p.vehicle.length_m = kNaN; },
       [](PlannerParams& p) { p.vehicle.width_m = -0.1f; },
       [](PlannerParams& p) { p.vehicle.axle_offset_m = 0.8f; },
-      [](PlannerParams& p) { p.vehicle.axle_offset_m = kNan; },
-      [](PlannerParams& p) { p.vehicle.skid_baseline_m = kInf; },
+      [](PlannerParams& p) { p.vehicle.axle_offset_m = kNaN; },
+      [](PlannerParams& p) { p.vehicle.skid_baseline_m = kInfinity; },
       [](PlannerParams& p) { p.costmap.planning_radius_m = -1.0f; },
       [](PlannerParams& p) { p.costmap.hard_slope_per_m = 1e9f; },
       [](PlannerParams& p) { p.speed.max_deceleration_mps2 = 0.0f; },
-      [](PlannerParams& p) { p.speed.gamma_per_m = kNan; },
+      [](PlannerParams& p) { p.speed.gamma_per_m = kNaN; },
       [](PlannerParams& p) { p.speed.min_speed_mps = 6.0f; },
-      [](PlannerParams& p) { p.path.max_join_heading_rad = kNan; }};
+      [](PlannerParams& p) { p.path.max_join_heading_rad = kNaN; }};
   for (size_t i = 0; i < faults.size(); ++i) {
     PlannerParams params;
     faults[i](params);

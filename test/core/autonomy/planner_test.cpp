@@ -437,7 +437,7 @@ Scene RandomForest(uint32_t seed) {
 }
 
 // In parts, because an unoptimised build takes a quarter of a second for a costmap.
-class PlannerInForests : public testing::TestWithParam<uint32_t> {};
+class PlannerInForests : public ::testing::TestWithParam<uint32_t> {};
 
 // SR-PLN01
 TEST_P(PlannerInForests, KeepsClearOfEveryTrunk) {
@@ -455,7 +455,7 @@ TEST_P(PlannerInForests, KeepsClearOfEveryTrunk) {
   EXPECT_GT(usable, kForests / 2);
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, PlannerInForests, testing::Values(0u, 30u, 60u, 90u));
+INSTANTIATE_TEST_SUITE_P(Seeds, PlannerInForests, ::testing::Values(0u, 30u, 60u, 90u));
 
 }  // namespace
 }  // namespace hardpack

@@ -7,13 +7,14 @@
 #include <random>
 
 #include "test/core/autonomy/replan_drive.h"
+#include "test/not_finite.h"
 
 // What a Replanner and a committed plan promise, one by one.
 
 namespace hardpack {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+using testing::kNaN;
 
 uint64_t HashOfCommitted() {
   DecisionHash hash;

@@ -48,7 +48,7 @@ TEST(Footprint, IsCoveredByItsDiscs) {
     const float width_m = 0.3f + 3.7f * share(random);
     const float offset_m = length_m * (share(random) - 0.5f);
     const Footprint footprint = FootprintOf(Vehicle(length_m, width_m, offset_m));
-    SCOPED_TRACE(testing::Message() << length_m << " x " << width_m << ", axle " << offset_m);
+    SCOPED_TRACE(::testing::Message() << length_m << " x " << width_m << ", axle " << offset_m);
     EXPECT_LE(footprint.disc_radius_m, footprint.half_width_m + 0.1f + 1.0e-5f);
     ASSERT_GE(footprint.discs, 2);
     ASSERT_LE(footprint.discs, Footprint::kMaxDiscs);

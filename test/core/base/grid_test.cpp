@@ -10,6 +10,7 @@
 
 #include "gtest/gtest.h"
 #include "test/core/base/broken_assumption.h"
+#include "test/not_finite.h"
 
 namespace hardpack {
 
@@ -19,8 +20,8 @@ void PrintTo(const Cell& cell, std::ostream* out) {
 
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+using testing::kInfinity;
+using testing::kNaN;
 
 //   y
 //   0.4 +------+------+
@@ -40,7 +41,7 @@ TEST(CellAt, TakesTheLowerBorderToTheCell) {
 TEST(CellAt, SaturatesAndTakesNanAsZero) {
   EXPECT_EQ(CellAt({1.0e20f, -1.0e20f}), (Cell{INT32_MAX, INT32_MIN}));
   EXPECT_EQ(CellAt({kInfinity, -kInfinity}), (Cell{INT32_MAX, INT32_MIN}));
-  EXPECT_EQ(CellAt({kNan, 1.0f}), (Cell{0, 5}));
+  EXPECT_EQ(CellAt({kNaN, 1.0f}), (Cell{0, 5}));
 }
 
 TEST(CellAt, OfACellsCenterIsTheCell) {
@@ -150,7 +151,7 @@ TEST(GridWindow, CenteredFarAwayIsStillAWindowOfIntegers) {
     EXPECT_TRUE(window.Contains(window.FromIndex(0))) << far;
     EXPECT_TRUE(window.Contains(window.FromIndex(kMapCells - 1))) << far;
   }
-  EXPECT_EQ(GridWindow::CenteredAt({kNan, kNan}).origin, (Cell{-256, -256}));
+  EXPECT_EQ(GridWindow::CenteredAt({kNaN, kNaN}).origin, (Cell{-256, -256}));
 }
 
 }  // namespace

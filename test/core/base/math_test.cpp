@@ -8,6 +8,7 @@
 
 #include "gtest/gtest.h"
 #include "test/core/base/exact_angles.h"
+#include "test/not_finite.h"
 
 namespace hardpack {
 namespace {
@@ -18,8 +19,8 @@ using exact::Worst;
 
 using RandomBits = std::independent_bits_engine<std::mt19937, 32, uint32_t>;
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+using testing::kInfinity;
+using testing::kNaN;
 constexpr float kLargest = std::numeric_limits<float>::max();
 constexpr float kSmallest = std::numeric_limits<float>::denorm_min();
 
@@ -101,8 +102,8 @@ TEST(SinCos, ClampsWhatIsTooLargeAndTakesNanAsZero) {
     EXPECT_EQ(Cos(angle_rad), end.cos) << angle_rad;
     EXPECT_EQ(Sin(-angle_rad), -end.sin) << angle_rad;
   }
-  EXPECT_EQ(Sin(kNan), 0.0f);
-  EXPECT_EQ(Cos(kNan), 1.0f);
+  EXPECT_EQ(Sin(kNaN), 0.0f);
+  EXPECT_EQ(Cos(kNaN), 1.0f);
 }
 
 TEST(Atan2, IsWithinItsErrorForRatiosInAllOctants) {
@@ -185,7 +186,7 @@ TEST(Atan2, IsOddInY) {
 }
 
 TEST(Atan2, GivesZeroForWhatIsNotFinite) {
-  for (const float bad : {kInfinity, -kInfinity, kNan}) {
+  for (const float bad : {kInfinity, -kInfinity, kNaN}) {
     EXPECT_EQ(Atan2(bad, 1.0f), 0.0f);
     EXPECT_EQ(Atan2(1.0f, bad), 0.0f);
     EXPECT_EQ(Atan2(bad, bad), 0.0f);
@@ -222,7 +223,7 @@ TEST(WrapAngle, StaysInRangeForWhatIsTooLarge) {
     EXPECT_EQ(WrapAngle(angle_rad), WrapAngle(kSinCosMaxAngle_rad)) << angle_rad;
     EXPECT_EQ(WrapAngle(-angle_rad), WrapAngle(-kSinCosMaxAngle_rad)) << angle_rad;
   }
-  EXPECT_EQ(WrapAngle(kNan), 0.0f);
+  EXPECT_EQ(WrapAngle(kNaN), 0.0f);
 }
 
 TEST(Sqrt, IsCorrectlyRounded) {
@@ -237,7 +238,7 @@ TEST(Sqrt, GivesZeroForNegativeNumbersAndNan) {
   EXPECT_EQ(Sqrt(0.0f), 0.0f);
   EXPECT_EQ(Sqrt(-1.0f), 0.0f);
   EXPECT_EQ(Sqrt(-kInfinity), 0.0f);
-  EXPECT_EQ(Sqrt(kNan), 0.0f);
+  EXPECT_EQ(Sqrt(kNaN), 0.0f);
   EXPECT_EQ(Sqrt(kInfinity), kInfinity);
 }
 
@@ -247,8 +248,8 @@ TEST(IsFinite, IsFalseForInfinitiesAndNansOnly) {
   EXPECT_TRUE(IsFinite(kSmallest));
   EXPECT_FALSE(IsFinite(kInfinity));
   EXPECT_FALSE(IsFinite(-kInfinity));
-  EXPECT_FALSE(IsFinite(kNan));
-  EXPECT_FALSE(IsFinite(-kNan));
+  EXPECT_FALSE(IsFinite(kNaN));
+  EXPECT_FALSE(IsFinite(-kNaN));
   EXPECT_FALSE(IsFinite(std::numeric_limits<float>::signaling_NaN()));
 }
 

@@ -44,7 +44,7 @@ TEST(TransformFromRollPitchYaw, HasTheSignsOfABodyFrame) {
   ExpectNear(yawed.Apply({1.0f, 0.0f, 0.0f}), {0.0f, 1.0f, 0.0f}, 1e-6f);
 }
 
-class RandomTransforms : public testing::Test {
+class RandomTransforms : public ::testing::Test {
  protected:
   static constexpr uint32_t kSeed = 17;
 

@@ -7,12 +7,13 @@
 #include <limits>
 
 #include "gtest/gtest.h"
+#include "test/not_finite.h"
 
 namespace hardpack {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+using testing::kInfinity;
+using testing::kNaN;
 
 int32_t Saturated(double value) {
   if (std::isnan(value)) return 0;
@@ -68,8 +69,8 @@ TEST(Saturate, GivesTheNearestEndBeyondTheRange) {
 }
 
 TEST(Saturate, GivesZeroForNan) {
-  EXPECT_EQ(FloorToInt(kNan), 0);
-  EXPECT_EQ(RoundToInt(-kNan), 0);
+  EXPECT_EQ(FloorToInt(kNaN), 0);
+  EXPECT_EQ(RoundToInt(-kNaN), 0);
 }
 
 TEST(Saturate, ConvertsInConstantExpressions) {

@@ -12,7 +12,7 @@
 namespace hardpack {
 namespace {
 
-constexpr int64_t kLargest = std::numeric_limits<int64_t>::max();
+constexpr int64_t kLargestInt64 = std::numeric_limits<int64_t>::max();
 
 // --- Divide
 // ---------------------------------------------------------------------------------------
@@ -20,7 +20,7 @@ constexpr int64_t kLargest = std::numeric_limits<int64_t>::max();
 TEST(WideInt, DividesAtTheEndsOfTheRange) {
   for (const int64_t dividend :
        {int64_t{0}, int64_t{1}, int64_t{65535}, int64_t{65536}, int64_t{0xffffffff},
-        int64_t{0x100000000}, kLargest - 1, kLargest}) {
+        int64_t{0x100000000}, kLargestInt64 - 1, kLargestInt64}) {
     for (const int32_t divisor : {1, 2, 3, 5, 1024, 32767, 32768, 65534, 65535}) {
       const Division division = Divide(dividend, divisor);
       EXPECT_EQ(division.quotient, dividend / divisor) << dividend << " / " << divisor;

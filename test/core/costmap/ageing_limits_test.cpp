@@ -14,20 +14,20 @@
 namespace hardpack {
 namespace {
 
-constexpr int kNone = HeightGrid::kNone;
-constexpr float kFar_m = 20.0f;
+constexpr int kNoHeight = HeightGrid::kNone;
+constexpr float kLevelFar_m = 20.0f;
 
 // From the sensor's height, level unless it says otherwise.
-struct Beam {
+struct BeamOfLength {
   float level_m;
   float slope = 0.0f;
 };
 
-SightFan Fan(float sensor_m, std::initializer_list<Beam> beams, float along_x = 1.0f) {
+SightFan Fan(float sensor_m, std::initializer_list<BeamOfLength> beams, float along_x = 1.0f) {
   SightFan fan;
   fan.sensor_odom = {0.1f, 0.1f, sensor_m};
   fan.direction_odom = {along_x, 0.0f};
-  for (const Beam& beam : beams) {
+  for (const BeamOfLength& beam : beams) {
     fan.slope[fan.beams] = beam.slope;
     fan.level_m[fan.beams] = beam.level_m;
     ++fan.beams;
@@ -35,7 +35,7 @@ SightFan Fan(float sensor_m, std::initializer_list<Beam> beams, float along_x = 
   return fan;  // lowest_slope and highest_slope are the same: no margin for the beams' spacing
 }
 
-class AgeingLimits : public testing::Test {
+class AgeingLimits : public ::testing::Test {
  protected:
   // Hard from 0.9 m to 1.5 m, filed in revolution 0.
   void FileAt(Cell cell) {
@@ -46,7 +46,7 @@ class AgeingLimits : public testing::Test {
   }
   // Through what stands in the way, at 1 m.
   void Look(uint32_t revolution, float along_x = 1.0f) {
-    ASSERT_EQ(grid_->Age(Fan(1.0f, {{kFar_m}}, along_x), revolution, 1), Status::kOk);
+    ASSERT_EQ(grid_->Age(Fan(1.0f, {{kLevelFar_m}}, along_x), revolution, 1), Status::kOk);
   }
   bool IsWhole(Cell cell) const { return grid_->At(cell).highest_hard_cm == 150; }
 
@@ -98,11 +98,11 @@ TEST_F(AgeingLimits, ABeamThatEndedAtTheMarginItselfEndedThere) {
   for (const float ended_m : {0.75f, 0.734375f}) {
     ASSERT_EQ(grid_->Reset({}), Status::kOk);
     ASSERT_EQ(grid_->Insert({10.1f, 0.1f, 0.78f}, ReturnClass::kHard, 0), Status::kOk);
-    const SightFan fan = Fan(ended_m, {{kFar_m, (0.765f - ended_m) / kDistance_m},
-                                       {kFar_m, (0.795f - ended_m) / kDistance_m},
+    const SightFan fan = Fan(ended_m, {{kLevelFar_m, (0.765f - ended_m) / kDistance_m},
+                                       {kLevelFar_m, (0.795f - ended_m) / kDistance_m},
                                        {kDistance_m, 0.0f}});
     ASSERT_EQ(grid_->Age(fan, 1, 1), Status::kOk);
-    EXPECT_EQ(grid_->At({50, 0}).highest_hard_cm, ended_m == 0.75f ? 78 : kNone) << ended_m;
+    EXPECT_EQ(grid_->At({50, 0}).highest_hard_cm, ended_m == 0.75f ? 78 : kNoHeight) << ended_m;
   }
 }
 

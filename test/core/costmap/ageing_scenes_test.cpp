@@ -69,7 +69,7 @@ TEST(AgeingScene, ABoxInTheBlindConeStaysForever) {
 //   o - - - - - - P before - - - - - - | wall
 TEST(AgeingScene, APersonWhoWalkedOnVanishes) {
   for (int ageing = 1; ageing <= HeightGrid::kMaxAgeingRevolutions; ++ageing) {
-    SCOPED_TRACE(testing::Message() << ageing << " revolutions");
+    SCOPED_TRACE(::testing::Message() << ageing << " revolutions");
     const auto grid = std::make_unique<HeightGrid>();
     LidarScene scene;
     Upright person = {5.0f, 5.4f, -0.2f, 0.2f, 0.0f, 1.75f, ReturnClass::kPerson};
@@ -201,7 +201,7 @@ TEST(AgeingScene, AMeshFenceThatStopsOneBeamInThreeStays) {
 // SR-PER02
 TEST(AgeingScene, ThinPostsNeverVanishHoweverLateTheirReturnsAreFiled) {
   for (uint32_t seed = 1; seed <= 12; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     std::mt19937 random(seed);
     const auto share = [&] { return static_cast<float>(random() % 10007) / 10007.0f; };
     const int ageing = 2 + static_cast<int>(seed % (HeightGrid::kMaxAgeingRevolutions - 1));
@@ -259,7 +259,7 @@ TEST(AgeingScene, ThinPostsNeverVanishHoweverLateTheirReturnsAreFiled) {
 // what is filed keeps it, up to ageing_revolutions - 2 revolutions late.
 TEST(AgeingScene, FilingAloneKeepsAnObstacle) {
   for (uint32_t seed = 1; seed <= 40; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     std::mt19937 random(seed);
     const int ageing = 2 + static_cast<int>(seed % (HeightGrid::kMaxAgeingRevolutions - 1));
     const auto grid = std::make_unique<HeightGrid>();

@@ -8,6 +8,7 @@
 
 #include "core/base/math.h"
 #include "core/costmap/height_grid.h"
+#include "test/not_finite.h"
 
 // Ageing, sentence by sentence: one cell 10 m ahead of a sensor 1 m above the ground, and beams of
 // which the test says at what height they cross the cell's middle and how far they came.
@@ -17,8 +18,8 @@
 namespace hardpack {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 constexpr Cell kCell = {50, 0};
 constexpr float kDistance_m = 10.0f;
 constexpr float kFar_m = 20.0f;
@@ -43,7 +44,7 @@ SightFan Fan(std::initializer_list<Beam> beams) {
   return fan;
 }
 
-class Ageing : public testing::Test {
+class Ageing : public ::testing::Test {
  protected:
   void File(float height_m, ReturnClass what, uint32_t revolution) {
     ASSERT_EQ(grid_->Insert({10.1f, 0.1f, height_m}, what, revolution), Status::kOk);

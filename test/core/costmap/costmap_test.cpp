@@ -13,12 +13,13 @@
 #include <random>
 
 #include "test/core/costmap/scene.h"
+#include "test/not_finite.h"
 
 namespace hardpack {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 // Random returns of every class in a square of the map.
 void Scatter(Scene& scene, uint32_t seed) {
@@ -456,7 +457,7 @@ double BilinearCost(const Costmap& map, double x_m, double y_m) {
   return cost;
 }
 
-class CostAt : public testing::Test {
+class CostAt : public ::testing::Test {
  protected:
   void SetUp() override {
     ASSERT_EQ(scene_.heights().Reset({123.0f, -77.0f}), Status::kOk);

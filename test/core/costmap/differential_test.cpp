@@ -166,7 +166,7 @@ void ExpectSame(const Costmap& map, int index, const CostmapReference::CellValue
 enum class Extent { kSomeCells, kEveryCell };
 
 void CompareOneMap(uint32_t seed, Extent extent, Scene& scene) {
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  SCOPED_TRACE(::testing::Message() << "seed " << seed);
   Dice dice(seed);
   const CostmapParams params = RandomParams(dice);
   RandomMap random(dice, scene.heights());

@@ -49,7 +49,7 @@ class RandomLife {
         EXPECT_EQ(is.highest_soft_cm, should.highest_soft_cm) << dx << "," << dy;
         EXPECT_EQ(is.ground, should.ground) << dx << "," << dy;
         EXPECT_EQ(is.person, should.person) << dx << "," << dy;
-        if (testing::Test::HasFailure()) return;
+        if (::testing::Test::HasFailure()) return;
       }
     }
   }
@@ -164,7 +164,7 @@ TEST(HeightGridDifferential, EqualsThePlainReferenceCellByCell) {
   int asked = 0;
   int undecided = 0;
   for (uint32_t seed = 1; seed <= Rounds(1000u, 200u); ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     RandomLife life(*grid, seed);
     for (int step = 1; step <= 240; ++step) {
       life.Step();

@@ -7,16 +7,17 @@
 
 #include "core/costmap/height_grid.h"
 #include "test/core/costmap/stored_row.h"
+#include "test/not_finite.h"
 
 // What is known of the ground, and what becomes of heights when the odometry's jumps.
 
 namespace hardpack {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
-class HeightGridGround : public testing::Test {
+class HeightGridGround : public ::testing::Test {
  protected:
   int GroundCells() const {
     int count = 0;

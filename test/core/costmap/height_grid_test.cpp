@@ -11,12 +11,13 @@
 #include <utility>
 
 #include "test/core/costmap/stored_row.h"
+#include "test/not_finite.h"
 
 namespace hardpack {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 std::unique_ptr<HeightGrid> MakeGrid() {
   return std::make_unique<HeightGrid>();
@@ -219,7 +220,7 @@ class PlaneOfHeights {
 
 TEST(HeightGrid, EqualsAPlainMapUnderAnyMoves) {
   for (uint32_t seed = 1; seed <= 4; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> share(0.0f, 1.0f);
     const auto grid = MakeGrid();

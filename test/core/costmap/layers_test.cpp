@@ -129,7 +129,7 @@ const Costmap& BuildFrom(Scene& scene, const Plane& flags, const CostmapParams& 
 TEST(CostmapLayers, EqualTheReferenceOnRandomScenes) {
   Scene scene;
   for (uint32_t seed = 1; seed <= 12; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     std::mt19937 random(seed);
     const auto below = [&](int n) { return static_cast<int>(random() % static_cast<uint32_t>(n)); };
     constexpr int kSide = 14;
@@ -340,7 +340,7 @@ TEST(CostmapLayers, LeadOutOfTheLethalRegion) {
   Scene scene;
   const CostmapParams params;
   for (uint32_t seed = 1; seed <= 4; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     std::mt19937 random(seed);
     const uint32_t one_in = 20u << seed;
     const Costmap& map = scene.BuildCells(params, [&](int /*column*/, int /*row*/) {

@@ -341,7 +341,7 @@ class ReturnList {
 // SR-PER01
 TEST(ObstacleRules, EqualAPlainReferenceOnRandomReturns) {
   for (uint32_t seed = 1; seed <= 6; ++seed) {
-    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
     std::mt19937 random(seed);
     Scene scene;
     ReturnList list;

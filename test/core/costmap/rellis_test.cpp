@@ -16,7 +16,7 @@ namespace {
 using rellis::LabelledPoint;
 using rellis::Truth;
 
-class RellisScan : public testing::Test {
+class RellisScan : public ::testing::Test {
  protected:
   void SetUp() override {
     truth_ = std::make_unique<Truth>(rellis::LoadPoints());

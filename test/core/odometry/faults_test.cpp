@@ -8,6 +8,7 @@
 #include <random>
 
 #include "test/core/odometry/drive.h"
+#include "test/not_finite.h"
 
 // Sensors that are silent, stuck, late, or say what cannot be.
 
@@ -17,8 +18,8 @@ namespace {
 using testing::Flaws;
 using testing::KnownDrive;
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 constexpr float kHuge = std::numeric_limits<float>::max();
 
 // A vehicle that has driven for a while.
@@ -231,7 +232,7 @@ TEST(OdometryFaults, APauseOfEverythingIsAGapAndNotBridged) {
 TEST(OdometryFaults, RefusesWhatIsNoNumberAndWhatNoSensorSays) {
   KnownDrive drive = Driving();
   const StampedPose before = drive.odometry.pose();
-  for (const float bad : {kNan, kInfinity, -kInfinity}) {
+  for (const float bad : {kNaN, kInfinity, -kInfinity}) {
     for (int field = 0; field < 6; ++field) {
       InsSample sample = drive.Ins();
       sample.timestamp_ns += static_cast<uint64_t>(field) + 1;
@@ -252,7 +253,7 @@ TEST(OdometryFaults, RefusesWhatIsNoNumberAndWhatNoSensorSays) {
   EXPECT_EQ(drive.odometry.pose().yaw_rad, before.yaw_rad);
   drive.now_ns += 10'000'000;
   WheelFeedback wheels = drive.Wheels();
-  wheels.left_radps = kNan;
+  wheels.left_radps = kNaN;
   EXPECT_EQ(drive.odometry.Advance(drive.now_ns, wheels), Status::kNotFinite);
   EXPECT_EQ(drive.odometry.Advance(drive.now_ns, wheels), Status::kInvalidArgument);
   drive.now_ns += 10'000'000;
@@ -347,7 +348,7 @@ TEST(OdometryFaults, RefusesParametersOutOfRange) {
   EXPECT_EQ(odometry.Advance(1, {}), Status::kNotStarted);
   EXPECT_EQ(odometry.TakeIns({}, 1), Status::kNotStarted);
   EXPECT_EQ(odometry.Configure({}, {.ground_per_wheel = 7.0f}, {}), Status::kParameterOutOfRange);
-  EXPECT_EQ(odometry.Configure({}, {}, {.yaw_rad = kNan}), Status::kParameterOutOfRange);
+  EXPECT_EQ(odometry.Configure({}, {}, {.yaw_rad = kNaN}), Status::kParameterOutOfRange);
   EXPECT_EQ(odometry.Advance(1, {}), Status::kNotStarted);
 }
 

@@ -9,7 +9,7 @@
 namespace hardpack {
 namespace {
 
-class Join : public testing::Test {
+class Join : public ::testing::Test {
  protected:
   Status Start(const WorldPath& base, float heading_rad) {
     return JoinStart(base, path_params_, params_, heading_rad, seed_);

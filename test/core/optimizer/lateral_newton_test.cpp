@@ -7,15 +7,16 @@
 
 #include "core/optimizer/optimizer.h"
 #include "test/core/optimizer/optimizer_scene.h"
+#include "test/not_finite.h"
 
 namespace hardpack {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 // Weights of these tests, so that they do not hang on the vehicle's defaults.
-OptimizerParams TestParams() {
+OptimizerParams NewtonParams() {
   OptimizerParams params;
   params.method = OptimizerParams::kLateralNewton;
   params.max_curvature_per_m = 0.5f;
@@ -29,7 +30,7 @@ OptimizerParams TestParams() {
   return params;
 }
 
-class LateralNewtonTest : public testing::Test {
+class LateralNewtonTest : public ::testing::Test {
  protected:
   Status Begin(const WorldPath& seed) {
     return newton_->Begin(*map_, params_, path_params_, seed, start_curvature_per_m_,
@@ -61,7 +62,7 @@ class LateralNewtonTest : public testing::Test {
 
   std::unique_ptr<Costmap> map_ = EmptyMap();
   std::unique_ptr<LateralNewton> newton_ = std::make_unique<LateralNewton>();
-  OptimizerParams params_ = TestParams();
+  OptimizerParams params_ = NewtonParams();
   PathParams path_params_;
   float start_curvature_per_m_ = 0.0f;
   bool keep_end_heading_ = false;

@@ -7,15 +7,16 @@
 
 #include "core/optimizer/basic_optimizer.h"
 #include "test/core/optimizer/optimizer_scene.h"
+#include "test/not_finite.h"
 
 namespace hardpack {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 // Weights of these tests, so that they do not hang on the vehicle's defaults.
-OptimizerParams TestParams() {
+OptimizerParams DescentParams() {
   OptimizerParams params;
   params.method = OptimizerParams::kPaperDescent;
   params.max_curvature_per_m = 0.5f;
@@ -34,7 +35,7 @@ OptimizerParams TestParams() {
 }
 
 // The paper's descent; the other one is in lateral_newton_test.cpp.
-class OptimizerTest : public testing::Test {
+class OptimizerTest : public ::testing::Test {
  protected:
   Status Begin(const WorldPath& seed) {
     return optimizer_->Begin(*map_, params_, path_params_, seed, start_curvature_per_m_,
@@ -64,7 +65,7 @@ class OptimizerTest : public testing::Test {
 
   std::unique_ptr<Costmap> map_ = EmptyMap();
   std::unique_ptr<Optimizer> optimizer_ = std::make_unique<Optimizer>();
-  OptimizerParams params_ = TestParams();
+  OptimizerParams params_ = DescentParams();
   PathParams path_params_;
   float start_curvature_per_m_ = 0.0f;
   bool keep_end_heading_ = false;
@@ -399,7 +400,7 @@ TEST_F(OptimizerTest, MakesNoChordShorterThanASeedsMayBe) {
 
 TEST_F(OptimizerTest, RefusesParametersOutOfRange) {
   const WorldPath seed = Along({{0.0f, 0.0f}, {10.0f, 0.0f}});
-  const OptimizerParams good = TestParams();
+  const OptimizerParams good = DescentParams();
   float OptimizerParams::*const fields[] = {
       &OptimizerParams::max_curvature_per_m,  &OptimizerParams::max_curvature_rate_per_m2,
       &OptimizerParams::curvature_alpha,      &OptimizerParams::curvature_beta,

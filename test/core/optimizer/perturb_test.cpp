@@ -5,11 +5,12 @@
 
 #include "core/optimizer/optimizer.h"
 #include "test/core/optimizer/optimizer_scene.h"
+#include "test/not_finite.h"
 
 namespace hardpack {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+using testing::kNaN;
 
 TEST(Perturb, KeepsEverythingOutsideTheWindow) {
   //            .-.          turned at 5, back on the path at 30

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kAll = 1 << 30;
 
-class Sampler : public testing::Test {
+class Sampler : public ::testing::Test {
  protected:
   Sampler() {
     const GridWindow window = GridWindow::CenteredAt({0.0f, 0.0f});

@@ -9,12 +9,13 @@
 #include <random>
 
 #include "core/base/footprint.h"
+#include "test/not_finite.h"
 
 namespace hardpack {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 // A second vehicle model: its wheels slip, so it comes only nine tenths of the way it drives.
 struct SlippingModel {
@@ -216,7 +217,7 @@ TEST(Path, LooksOneMetreAheadForTheBaseHeading) {
   EXPECT_EQ(BaseHeading(path), 0.0f);
 }
 
-class Pivot : public testing::Test {
+class Pivot : public ::testing::Test {
  protected:
   Pivot() { map_->window = GridWindow::CenteredAt({0.0f, 0.0f}); }
 

@@ -6,10 +6,12 @@
 #include <cmath>
 #include <limits>
 
+#include "test/not_finite.h"
+
 namespace hardpack {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+using testing::kNaN;
 
 Route RouteBy(std::initializer_list<Vec2> places) {
   Route route;
@@ -40,12 +42,12 @@ TEST(Route, IsCheckedNumberByNumber) {
   EXPECT_EQ(CheckRoute(route), Status::kInvalidArgument);
   route.vias[0].speed_mps = -0.1f;
   EXPECT_EQ(CheckRoute(route), Status::kInvalidArgument);
-  route.vias[0].speed_mps = kNan;
+  route.vias[0].speed_mps = kNaN;
   EXPECT_EQ(CheckRoute(route), Status::kNotFinite);
-  route = RouteBy({{1.0f, kNan}});
+  route = RouteBy({{1.0f, kNaN}});
   EXPECT_EQ(CheckRoute(route), Status::kNotFinite);
   route = {};
-  route.goal_speed_mps = kNan;
+  route.goal_speed_mps = kNaN;
   EXPECT_EQ(CheckRoute(route), Status::kNotFinite);
 }
 
@@ -68,7 +70,7 @@ TEST(Route, APathPassesAPlaceWhereItFirstComesNearest) {
   EXPECT_EQ(PassingPoint(path, 21, {5.1f, 1.4f}, 1.0f), 31);
   EXPECT_EQ(PassingPoint(path, 0, {5.1f, 1.4f}, 0.9f), 31) << "too far from the way there";
   EXPECT_EQ(PassingPoint(path, 0, {5.1f, 5.0f}, 2.9f), -1);
-  EXPECT_EQ(PassingPoint(path, 0, {kNan, 0.0f}, 1.0f), -1);
+  EXPECT_EQ(PassingPoint(path, 0, {kNaN, 0.0f}, 1.0f), -1);
   EXPECT_EQ(PassingPoint(path, path.size(), {5.0f, 0.0f}, 1.0f), -1);
   EXPECT_EQ(PassingPoint(WorldPath{}, 0, {5.0f, 0.0f}, 1.0f), -1);
 }
@@ -95,7 +97,7 @@ TEST(Route, ACornerIsGentleUpToTheArcThatCutsIt) {
   }
   EXPECT_FALSE(IsGentle({0.0f, 0.0f}, {1.0f, 0.0f}, 0.5f, 1.5f));
   EXPECT_FALSE(IsGentle({1.0f, 0.0f}, {0.0f, 0.0f}, 0.5f, 1.5f));
-  EXPECT_FALSE(IsGentle({kNan, 0.0f}, {1.0f, 0.0f}, 0.5f, 1.5f));
+  EXPECT_FALSE(IsGentle({kNaN, 0.0f}, {1.0f, 0.0f}, 0.5f, 1.5f));
 }
 
 }  // namespace

@@ -7,11 +7,13 @@
 #include <limits>
 #include <random>
 
+#include "test/not_finite.h"
+
 namespace hardpack {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 constexpr float kTick_s = 0.01f;
 
 CommandGate MakeGate() {
@@ -71,8 +73,8 @@ TEST(CommandGate, SendsZeroAtOnceHoweverFastItWas) {
 // SR-CMD03
 TEST(CommandGate, MakesOfWhatIsNoNumberZeroAndAFault) {
   for (const WheelCommand& bad :
-       {WheelCommand{kNan, 1.0f}, WheelCommand{1.0f, kNan}, WheelCommand{kInf, 1.0f},
-        WheelCommand{1.0f, -kInf}, WheelCommand{kNan, kInf}}) {
+       {WheelCommand{kNaN, 1.0f}, WheelCommand{1.0f, kNaN}, WheelCommand{kInfinity, 1.0f},
+        WheelCommand{1.0f, -kInfinity}, WheelCommand{kNaN, kInfinity}}) {
     for (const bool may_move : {true, false}) {
       CommandGate gate = MakeGate();
       static_cast<void>(gate.Pass({1.0f, 1.0f}, true, kTick_s));
@@ -90,7 +92,7 @@ TEST(CommandGate, MakesOfWhatIsNoNumberZeroAndAFault) {
 TEST(CommandGate, PassesNothingWithoutLimitsOrTime) {
   CommandGate never;
   ExpectZero(never.Pass({1.0f, 1.0f}, true, kTick_s));
-  for (const float bad : {0.0f, -1.0f, kNan, kInf}) {
+  for (const float bad : {0.0f, -1.0f, kNaN, kInfinity}) {
     CommandGate gate;
     EXPECT_EQ(gate.Configure({bad, 200.0f}), Status::kParameterOutOfRange);
     ExpectZero(gate.Pass({1.0f, 1.0f}, true, kTick_s));
@@ -111,7 +113,7 @@ TEST(CommandGate, HoldsItsLimitsForAnyCommands) {
   for (int i = 0; i < 100000; ++i) {
     const auto number = [&] {
       const float unit = std::uniform_real_distribution<float>(-1.0f, 1.0f)(random);
-      return random() % 50u == 0 ? (unit > 0.0f ? kNan : 1e38f) : 30.0f * unit;
+      return random() % 50u == 0 ? (unit > 0.0f ? kNaN : 1e38f) : 30.0f * unit;
     };
     const WheelCommand wanted = {number(), number()};
     const bool may_move = random() % 10u != 0;

@@ -12,19 +12,16 @@
 
 #include "core/base/math.h"
 #include "core/speed/speed.h"
+#include "test/core/safety/path_of.h"
+#include "test/not_finite.h"
 
 namespace hardpack {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
+using testing::PathOf;
 constexpr CorridorSize kSize = {.half_width_m = 0.74f, .pivot_radius_m = 1.08f, .reach_m = 12.0f};
-
-WorldPath PathOf(const std::vector<Pose2>& poses) {
-  WorldPath path;
-  for (const Pose2& pose : poses) EXPECT_EQ(path.PushBack(pose), Status::kOk);
-  return path;
-}
 
 WorldPath Straight(float length_m, float step_m = 0.275f, Vec2 from = {}) {
   WorldPath path;
@@ -80,7 +77,7 @@ TEST(Corridor, EndsAtItsReach) {
 
 TEST(Corridor, NothingThatIsNotANumberIsInIt) {
   Rig test(Straight(11.0f));
-  for (const float bad : {kNan, kInf, -kInf}) {
+  for (const float bad : {kNaN, kInfinity, -kInfinity}) {
     EXPECT_FALSE(test.Holds(bad, 0.0f));
     EXPECT_FALSE(test.Holds(3.0f, bad));
     EXPECT_FALSE(test.Holds(bad, bad));
@@ -120,11 +117,11 @@ TEST(Corridor, RefusesPathsThatAreNoneAndHasNoCorridorThen) {
   EXPECT_FALSE(test.corridor->has_corridor());
   EXPECT_FALSE(test.Holds(1.0f, 0.0f));
   EXPECT_EQ(test.corridor->Build({}, 0.0f, kSize, 0), Status::kPathTooShort);
-  EXPECT_EQ(test.corridor->Build(PathOf({{0, 0, 0}, {kNan, 0, 0}}), 0.0f, kSize, 0),
+  EXPECT_EQ(test.corridor->Build(PathOf({{0, 0, 0}, {kNaN, 0, 0}}), 0.0f, kSize, 0),
             Status::kNotFinite);
-  EXPECT_EQ(test.corridor->Build(Straight(3.0f), kNan, kSize, 0), Status::kNotFinite);
+  EXPECT_EQ(test.corridor->Build(Straight(3.0f), kNaN, kSize, 0), Status::kNotFinite);
   CorridorSize size = kSize;
-  size.half_width_m = kNan;
+  size.half_width_m = kNaN;
   EXPECT_EQ(test.corridor->Build(Straight(3.0f), 0.0f, size, 0), Status::kInvalidArgument);
   size = kSize;
   size.reach_m = 1.0e9f;
@@ -369,7 +366,7 @@ TEST(Corridor, WorksFarFromTheOriginAndBelowZero) {
   ASSERT_EQ(corridor.Build(Straight(11.0f, 0.25f, far), 0.0f, kSize, 2), Status::kOk);
   ASSERT_TRUE(corridor.has_obstacle());
   EXPECT_NEAR(corridor.obstacle_along_m(), 4.0f, 0.3f);
-  corridor.Advance({kNan, 0.0f}, 4);  // changes nothing
+  corridor.Advance({kNaN, 0.0f}, 4);  // changes nothing
   EXPECT_TRUE(corridor.has_obstacle());
 }
 
@@ -398,7 +395,7 @@ TEST(Corridor, SaysWhenToBrakeAndWhenLimitsDoNotDo) {
     return test.corridor->Ahead(speed, vehicle, along_m, v, told);
   };
   EXPECT_EQ(ahead(0.0f, 5.0f, 5.0f), WayAhead::kClear);
-  EXPECT_EQ(ahead(0.0f, kNan, 5.0f), WayAhead::kClear);
+  EXPECT_EQ(ahead(0.0f, kNaN, 5.0f), WayAhead::kClear);
   ASSERT_TRUE(test.Holds(10.0f, 0.0f));
   const float gap_m = 10.0f - 0.5f * vehicle.length_m;
   const float cap_mps = ReactionSpeedCap(speed, gap_m);
@@ -408,7 +405,7 @@ TEST(Corridor, SaysWhenToBrakeAndWhenLimitsDoNotDo) {
   EXPECT_EQ(ahead(9.0f, 1.0f, 1.0f), WayAhead::kTooNear);
   EXPECT_EQ(ahead(9.25f, 0.0f, 0.0f), WayAhead::kTooNear);  // it stands at it
   EXPECT_EQ(ahead(8.0f, 0.0f, 0.0f), WayAhead::kClear);
-  for (const float bad : {kNan, kInf, -kInf}) {
+  for (const float bad : {kNaN, kInfinity, -kInfinity}) {
     EXPECT_EQ(ahead(bad, 1.0f, 1.0f), WayAhead::kTooNear);
     EXPECT_EQ(ahead(0.0f, bad, 1.0f), WayAhead::kTooNear);
     EXPECT_EQ(ahead(0.0f, 1.0f, bad), WayAhead::kTooNear);

@@ -23,7 +23,7 @@ struct Bench {
   SweepResult Try(const std::vector<SweptPose>& motion) { return sweep.Try(motion); }
 };
 
-std::vector<SweptPose> Straight(float way_m, float speed_mps) {
+std::vector<SweptPose> SweptStraightOn(float way_m, float speed_mps) {
   std::vector<SweptPose> motion;
   for (int k = 0; k <= 40; ++k) {
     const float share = static_cast<float>(k) / 40.0f;
@@ -48,24 +48,24 @@ std::vector<SweptPose> TurnAbout(float turn_m, float turn_rad, float speed_mps) 
 //   [ > ]------->  x
 TEST(MotionSweep, TellsWhatIsAheadAndHowFastItIsHit) {
   Bench bench;
-  EXPECT_TRUE(bench.Try(Straight(4.0f, 2.0f)).clear);
+  EXPECT_TRUE(bench.Try(SweptStraightOn(4.0f, 2.0f)).clear);
   bench.sweep.File({3.0f, 0.3f});
-  const SweepResult hit = bench.Try(Straight(4.0f, 2.0f));
+  const SweepResult hit = bench.Try(SweptStraightOn(4.0f, 2.0f));
   EXPECT_FALSE(hit.clear);
   // Touched after 3.0 - 0.76 m of 4.
   EXPECT_NEAR(hit.impact_mps, 2.0f * (1.0f - 2.24f / 4.0f), 0.12f);
-  EXPECT_TRUE(bench.Try(Straight(2.0f, 2.0f)).clear) << "it stops before";
+  EXPECT_TRUE(bench.Try(SweptStraightOn(2.0f, 2.0f)).clear) << "it stops before";
 }
 
 TEST(MotionSweep, PassesWhatStandsBesideByMoreThanTheMargin) {
   for (const float aside_m : {0.84f, 0.77f}) {
     Bench bench;
     bench.sweep.File({3.0f, aside_m});
-    EXPECT_TRUE(bench.Try(Straight(4.0f, 3.0f)).clear) << aside_m;
+    EXPECT_TRUE(bench.Try(SweptStraightOn(4.0f, 3.0f)).clear) << aside_m;
   }
   Bench bench;
   bench.sweep.File({3.0f, 0.67f});
-  EXPECT_FALSE(bench.Try(Straight(4.0f, 3.0f)).clear);
+  EXPECT_FALSE(bench.Try(SweptStraightOn(4.0f, 3.0f)).clear);
 }
 
 // A motion may be off: along by 0.3 m, so that what it stops 0.2 m before is touched, and what
@@ -73,7 +73,7 @@ TEST(MotionSweep, PassesWhatStandsBesideByMoreThanTheMargin) {
 // SR-MOV04
 TEST(MotionSweep, WhatAMotionMayBeOffByCountsInItsDirection) {
   for (const bool is_along : {true, false}) {
-    std::vector<SweptPose> motion = Straight(2.0f, 1.0f);
+    std::vector<SweptPose> motion = SweptStraightOn(2.0f, 1.0f);
     for (SweptPose& pose : motion) (is_along ? pose.along_m : pose.aside_m) = 0.3f;
     Bench ahead;
     ahead.sweep.File({2.0f + 0.76f + 0.2f, 0.0f});
@@ -83,7 +83,7 @@ TEST(MotionSweep, WhatAMotionMayBeOffByCountsInItsDirection) {
     EXPECT_EQ(beside.Try(motion).clear, is_along);
   }
   // No further than kMaxOff_m.
-  std::vector<SweptPose> motion = Straight(2.0f, 1.0f);
+  std::vector<SweptPose> motion = SweptStraightOn(2.0f, 1.0f);
   for (SweptPose& pose : motion) pose.along_m = 100.0f;
   Bench ahead;
   ahead.sweep.File({2.0f + 0.76f + MotionSweep::kMaxOff_m + 0.1f, 0.0f});
@@ -97,7 +97,7 @@ TEST(MotionSweep, WhatAMotionMayBeOffByCountsInItsDirection) {
 TEST(MotionSweep, TheTailThatSwingsOutTouches) {
   Bench bench;
   bench.sweep.File({-0.7f, -0.85f});  // 0.16 m beside the right flank, near the tail
-  EXPECT_TRUE(bench.Try(Straight(3.0f, 1.5f)).clear) << "straight on it is out of the way";
+  EXPECT_TRUE(bench.Try(SweptStraightOn(3.0f, 1.5f)).clear) << "straight on it is out of the way";
   EXPECT_FALSE(bench.Try(TurnAbout(0.7f, 0.35f, 1.5f)).clear);
   EXPECT_TRUE(bench.Try(TurnAbout(0.7f, -0.35f, 1.5f)).clear) << "to the other side";
 }
@@ -105,7 +105,7 @@ TEST(MotionSweep, TheTailThatSwingsOutTouches) {
 TEST(MotionSweep, WhatTouchesAtTheStartDoesNotHoldUnlessItBecomesDeeper) {
   Bench bench;
   bench.sweep.File({0.0f, 0.68f});  // within the flank
-  EXPECT_TRUE(bench.Try(Straight(3.0f, 0.4f)).clear);
+  EXPECT_TRUE(bench.Try(SweptStraightOn(3.0f, 0.4f)).clear);
   EXPECT_FALSE(bench.Try(TurnAbout(0.0f, 0.5f, 0.0f)).clear) << "a corner would come onto it";
 }
 
@@ -124,7 +124,8 @@ TEST(MotionSweep, AMapReplacesWhatItHasSeenAndKeepsWhatCameSince) {
   bench.sweep.MapDone(*map);
   EXPECT_FALSE(bench.sweep.IsHard(CellAt({3.0f, 0.0f})));
   EXPECT_TRUE(bench.sweep.IsHard(CellAt({4.0f, 0.0f})));
-  EXPECT_FALSE(bench.Try(Straight(4.0f, 2.0f)).clear) << "all of a cell where no part is known";
+  EXPECT_FALSE(bench.Try(SweptStraightOn(4.0f, 2.0f)).clear)
+      << "all of a cell where no part is known";
 }
 
 // What has left the square does not come back on its other side.
@@ -148,11 +149,11 @@ TEST(MotionSweep, MoreThanATickMayLookAtIsTakenForTouched) {
     }
   }
   int tries = 0;
-  while (bench.Try(Straight(3.0f, 1.0f)).clear && tries < 1000) ++tries;
+  while (bench.Try(SweptStraightOn(3.0f, 1.0f)).clear && tries < 1000) ++tries;
   EXPECT_LT(tries, 1000);
   EXPECT_GT(tries, 2) << "both stops of a tick";
   bench.sweep.Advance({0.0f, 0.0f});
-  EXPECT_TRUE(bench.Try(Straight(3.0f, 1.0f)).clear) << "the next tick has its own";
+  EXPECT_TRUE(bench.Try(SweptStraightOn(3.0f, 1.0f)).clear) << "the next tick has its own";
 }
 
 TEST(MotionSweep, NumbersThatAreNoneChangeNothing) {
@@ -160,7 +161,7 @@ TEST(MotionSweep, NumbersThatAreNoneChangeNothing) {
   bench.sweep.File({NAN, 0.0f});
   bench.sweep.File({INFINITY, 1.0f});
   bench.sweep.Advance({NAN, 0.0f});
-  EXPECT_TRUE(bench.Try(Straight(3.0f, 1.0f)).clear);
+  EXPECT_TRUE(bench.Try(SweptStraightOn(3.0f, 1.0f)).clear);
 }
 
 // Against the outline in double precision: no return within half a part of it goes unseen, none

@@ -8,11 +8,13 @@
 #include <deque>
 #include <limits>
 
+#include "test/not_finite.h"
+
 namespace hardpack {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kTick_s = 0.01f;
+using testing::kNaN;
+constexpr float kWatchTick_s = 0.01f;
 
 struct Watched {
   MotionWatch watch;
@@ -33,8 +35,8 @@ struct Watched {
   }
   // Seconds until there is a fault; -1: none within the limit.
   double Until(double limit_s) {
-    for (double t = 0.0; t < limit_s; t += double{kTick_s}) {
-      if (watch.Judge(sample, kTick_s) != MotionFault::kNone) return t;
+    for (double t = 0.0; t < limit_s; t += double{kWatchTick_s}) {
+      if (watch.Judge(sample, kWatchTick_s) != MotionFault::kNone) return t;
     }
     return -1.0;
   }
@@ -92,18 +94,18 @@ TEST(MotionWatch, LetsSlowDrivesBe) {
   float speed = 0.0f;
   float yaw = 0.0f;
   for (int tick = 0; tick < 6000; ++tick) {
-    const float t = kTick_s * static_cast<float>(tick);
+    const float t = kWatchTick_s * static_cast<float>(tick);
     const int phase = tick / 1000;
     const float since_s = t - 10.0f * static_cast<float>(phase);
     const float told = phase % 2 == 0 ? std::min(5.0f, 2.0f * since_s) : 0.0f;
     const float told_yaw = 1.5f * std::sin(1.5f * t);
     sent.push_back(told);
-    speed += (sent.front() - speed) / 1.0f * kTick_s;
+    speed += (sent.front() - speed) / 1.0f * kWatchTick_s;
     sent.pop_front();
-    yaw += (told_yaw - yaw) / 0.5f * kTick_s;
+    yaw += (told_yaw - yaw) / 0.5f * kWatchTick_s;
     vehicle.Command(told, told_yaw);
     vehicle.Measure(1.08f * speed - 0.1f, 0.7f * yaw + 0.15f * std::sin(20.0f * t));
-    ASSERT_EQ(vehicle.watch.Judge(vehicle.sample, kTick_s), MotionFault::kNone) << t;
+    ASSERT_EQ(vehicle.watch.Judge(vehicle.sample, kWatchTick_s), MotionFault::kNone) << t;
   }
 }
 
@@ -118,7 +120,7 @@ TEST(MotionWatch, WantsItWithoutABreakAndKeepsTheFirst) {
   vehicle.Measure(2.0f, 0.0f);
   EXPECT_GE(vehicle.Until(2.0), 0.0);
   vehicle.Measure(0.0f, 0.0f);
-  EXPECT_EQ(vehicle.watch.Judge(vehicle.sample, kTick_s), MotionFault::kRunaway);
+  EXPECT_EQ(vehicle.watch.Judge(vehicle.sample, kWatchTick_s), MotionFault::kRunaway);
   vehicle.watch.Reset();
   EXPECT_EQ(vehicle.Until(10.0), -1.0);
 }
@@ -135,26 +137,26 @@ TEST(MotionWatch, JudgesNothingThatIsNotMeasured) {
 // SR-CMD04
 TEST(MotionWatch, IsNotFooledByWhatIsNoNumber) {
   Watched vehicle;
-  vehicle.Measure(kNan, 0.0f);
+  vehicle.Measure(kNaN, 0.0f);
   EXPECT_NEAR(vehicle.Until(3.0), 1.0, 0.05);
   EXPECT_EQ(vehicle.watch.fault(), MotionFault::kRunaway);
   Watched yaw;
-  yaw.Measure(0.0f, kNan);
+  yaw.Measure(0.0f, kNaN);
   EXPECT_GE(yaw.Until(3.0), 0.0);
   Watched commanded;  // and it is judged on as if told to stand
-  commanded.Command(kNan, kNan);
+  commanded.Command(kNaN, kNaN);
   EXPECT_EQ(commanded.Until(3.0), -1.0);
   commanded.Measure(2.0f, 0.0f);
   EXPECT_GE(commanded.Until(3.0), 0.0);
   Watched time;
   time.Measure(5.0f, 0.0f);
   for (int i = 0; i < 1000; ++i) {
-    ASSERT_EQ(time.watch.Judge(time.sample, kNan), MotionFault::kNone);
+    ASSERT_EQ(time.watch.Judge(time.sample, kNaN), MotionFault::kNone);
     ASSERT_EQ(time.watch.Judge(time.sample, -1.0f), MotionFault::kNone);
   }
   EXPECT_GE(time.Until(3.0), 0.0);
   SafetyParams params;
-  params.motion_time_s = kNan;
+  params.motion_time_s = kNaN;
   EXPECT_EQ(MotionWatch{}.Configure(params), Status::kParameterOutOfRange);
 }
 

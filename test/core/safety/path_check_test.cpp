@@ -13,13 +13,16 @@
 
 #include "core/base/math.h"
 #include "test/core/base/rounds.h"
+#include "test/core/safety/path_of.h"
 #include "test/core/safety/rectangle.h"
+#include "test/not_finite.h"
 
 namespace hardpack {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
+using testing::PathOf;
 
 // A map of hard cells, with the distances that the check may use, filled in the slow way.
 class Ground {
@@ -53,12 +56,6 @@ class Ground {
   std::vector<Cell> hard_;
 };
 
-WorldPath PathOf(const std::vector<Pose2>& poses) {
-  WorldPath path;
-  for (const Pose2& pose : poses) EXPECT_EQ(path.PushBack(pose), Status::kOk);
-  return path;
-}
-
 WorldPath StraightPath(Pose2 from, int points, float step_m) {
   WorldPath path;
   for (int i = 0; i < points; ++i) {
@@ -70,7 +67,7 @@ WorldPath StraightPath(Pose2 from, int points, float step_m) {
   return path;
 }
 
-VehicleParams Vehicle(float length_m, float width_m, float axle_offset_m = 0.0f) {
+VehicleParams VehicleOfSize(float length_m, float width_m, float axle_offset_m = 0.0f) {
   VehicleParams vehicle;
   vehicle.length_m = length_m;
   vehicle.width_m = width_m;
@@ -80,7 +77,7 @@ VehicleParams Vehicle(float length_m, float width_m, float axle_offset_m = 0.0f)
 
 // 0.8 m (four cells) to each side.
 VehicleParams Square() {
-  return Vehicle(1.6f, 1.6f);
+  return VehicleOfSize(1.6f, 1.6f);
 }
 
 PathCheckResult Check(const Ground& ground, const WorldPath& path,
@@ -232,7 +229,7 @@ TEST(PathCheck, SweepsATurnOnTheSpot) {
 TEST(PathCheck, SweepsATurnTheShorterWay) {
   Ground ground;
   ground.SetHard({0, 6});  // 1.15 m to the left of (0.1, 0.05), within 1.5
-  const VehicleParams rod = Vehicle(3.0f, 0.6f);
+  const VehicleParams rod = VehicleOfSize(3.0f, 0.6f);
   const Pose2 a{0.1f, 0.05f, 2.0f};
   const Pose2 left{0.1f, 0.05f, kHalfPi};
   const Pose2 b{0.1f, 0.05f, -2.0f};
@@ -367,7 +364,7 @@ TEST(PathCheck, RefusesBadInput) {
   EXPECT_EQ(check.Step(ground.map(), good, 10), Progress::kDone);
   EXPECT_EQ(check.Begin({}, {}, WorldPath{}, 0.0f, 0.1f), Status::kPathTooShort);
   EXPECT_EQ(check.Begin({}, {}, PathOf({{}}), 0.0f, 0.1f), Status::kPathTooShort);
-  for (const float bad : {kNan, kInf, -kInf}) {
+  for (const float bad : {kNaN, kInfinity, -kInfinity}) {
     EXPECT_EQ(check.Begin({}, {}, good, bad, 0.1f), Status::kNotFinite);
     for (int field = 0; field < 3; ++field) {
       WorldPath path = good;
@@ -377,9 +374,9 @@ TEST(PathCheck, RefusesBadInput) {
       EXPECT_EQ(check.Step(ground.map(), path, 10), Progress::kDone);
     }
   }
-  for (const float bad : {-0.1f, 6.1f, kNan, kInf}) {
-    for (const VehicleParams& vehicle :
-         {Vehicle(bad, 1.0f), Vehicle(1.0f, bad), Vehicle(1.0f, 1.0f, std::abs(bad) * 6.0f)}) {
+  for (const float bad : {-0.1f, 6.1f, kNaN, kInfinity}) {
+    for (const VehicleParams& vehicle : {VehicleOfSize(bad, 1.0f), VehicleOfSize(1.0f, bad),
+                                         VehicleOfSize(1.0f, 1.0f, std::abs(bad) * 6.0f)}) {
       EXPECT_EQ(check.Begin(vehicle, {}, good, 0.0f, 0.1f), Status::kParameterOutOfRange) << bad;
     }
     EXPECT_EQ(check.Begin({}, {}, good, 0.0f, bad), Status::kParameterOutOfRange) << bad;
@@ -433,7 +430,7 @@ TEST(PathCheck, LeavesAStartWithinTheMargin) {
 //        ########    stands in them may stand beside the flank
 // SR-STA01
 TEST(PathCheck, CellsMayLieAcrossAFlankOnTheFirstChords) {
-  const VehicleParams vehicle = Vehicle(1.52f, 1.38f);
+  const VehicleParams vehicle = VehicleOfSize(1.52f, 1.38f);
   const WorldPath path = StraightPath({0.0f, 0.0f, 0.0f}, 21, 0.25f);
   const auto judge = [&](const Ground& ground, int across_chords) {
     return Check(ground, path, vehicle, 0.0f, {}, 0.1f, across_chords);
@@ -464,7 +461,7 @@ TEST(PathCheck, CellsMayLieAcrossAFlankOnTheFirstChords) {
 TEST(PathCheck, SweepsTheRearOverhang) {
   Ground ground;
   ground.SetHard({-10, -7});  // x -2.0 .. -1.8, y -1.4 .. -1.2
-  const VehicleParams vehicle = Vehicle(3.0f, 1.0f, 1.0f);
+  const VehicleParams vehicle = VehicleOfSize(3.0f, 1.0f, 1.0f);
   EXPECT_EQ(Check(ground, StraightPath({0.0f, 0.0f, 0.0f}, 9, 0.25f), vehicle).status, Status::kOk);
   EXPECT_EQ(Check(ground, PathOf({{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.52f}}), vehicle).status,
             Status::kCollision);
@@ -472,7 +469,8 @@ TEST(PathCheck, SweepsTheRearOverhang) {
             Status::kOk);
   // The same vehicle about its middle reaches no cell so far off.
   EXPECT_EQ(
-      Check(ground, PathOf({{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.52f}}), Vehicle(3.0f, 1.0f)).status,
+      Check(ground, PathOf({{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.52f}}), VehicleOfSize(3.0f, 1.0f))
+          .status,
       Status::kOk);
 }
 
@@ -491,7 +489,8 @@ Scene RandomScene(uint32_t seed) {
   const int32_t edge = seed % 3 == 1 ? 240 : 0;
   Scene scene{Ground({far - 256 + edge, far - 256}), {}, {}};
   const float length_m = 0.3f + 3.0f * unit(random);
-  scene.vehicle = Vehicle(length_m, 0.3f + 1.7f * unit(random), length_m * (unit(random) - 0.5f));
+  scene.vehicle =
+      VehicleOfSize(length_m, 0.3f + 1.7f * unit(random), length_m * (unit(random) - 0.5f));
   const int cells = static_cast<int>(unit(random) * 40.0f);
   for (int i = 0; i < cells; ++i) {
     const Cell cell{far + static_cast<int32_t>(within(50.0f)),

@@ -10,7 +10,7 @@
 namespace hardpack {
 namespace {
 
-constexpr uint64_t kTick_ns = 10'000'000;
+constexpr uint64_t kTiltTick_ns = 10'000'000;
 
 struct Attitude {
   double roll_rad = 0.0;
@@ -21,7 +21,7 @@ struct Attitude {
 double ToldAt_s(const std::function<Attitude(double t_s)>& body, const SafetyParams& limits = {}) {
   TiltWatch watch;
   uint64_t now_ns = 77'000'000'000;
-  for (int tick = 0; tick < 500; ++tick, now_ns += kTick_ns) {
+  for (int tick = 0; tick < 500; ++tick, now_ns += kTiltTick_ns) {
     const double t_s = 0.01 * tick;
     const Attitude is = body(t_s);
     if (watch.Judge(limits, now_ns, static_cast<float>(is.roll_rad),
@@ -91,10 +91,10 @@ TEST(TiltWatch, WithoutALimitOnlyWhatIsNoNumberIsTold) {
 TEST(TiltWatch, EndsWithTheLean) {
   TiltWatch watch;
   uint64_t now_ns = 1'000'000'000;
-  for (int tick = 0; tick < 30; ++tick) watch.Judge({}, now_ns += kTick_ns, 0.6f, 0.0f);
-  EXPECT_TRUE(watch.Judge({}, now_ns += kTick_ns, 0.6f, 0.0f));
-  for (int tick = 0; tick < 30; ++tick) watch.Judge({}, now_ns += kTick_ns, 0.1f, 0.0f);
-  EXPECT_FALSE(watch.Judge({}, now_ns += kTick_ns, 0.1f, 0.0f));
+  for (int tick = 0; tick < 30; ++tick) watch.Judge({}, now_ns += kTiltTick_ns, 0.6f, 0.0f);
+  EXPECT_TRUE(watch.Judge({}, now_ns += kTiltTick_ns, 0.6f, 0.0f));
+  for (int tick = 0; tick < 30; ++tick) watch.Judge({}, now_ns += kTiltTick_ns, 0.1f, 0.0f);
+  EXPECT_FALSE(watch.Judge({}, now_ns += kTiltTick_ns, 0.1f, 0.0f));
 }
 
 }  // namespace

@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "core/scan/scan.h"
+#include "test/not_finite.h"
 
 namespace hardpack {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 constexpr int kColumns = 1863;
 constexpr int kBeams = 16;
 
@@ -49,7 +50,7 @@ TEST(AzimuthOffset, TurnsTheEncoderAnticlockwise) {
       EXPECT_NEAR(static_cast<double>(encoder.cos), std::cos(angle_rad), 7e-7);
     }
   }
-  for (const float none : {kNan, kInfinity, -kInfinity}) {
+  for (const float none : {kNaN, kInfinity, -kInfinity}) {
     const SinCosPair encoder = EncoderSinCos(*model, 100, none);
     EXPECT_NEAR(encoder.sin, model->sin_encoder[100], 1e-6f);
   }
@@ -68,7 +69,7 @@ TEST(AzimuthOffset, AColumnBackIsTheColumnBefore) {
   }
 }
 
-class OffsetInTheRing : public testing::Test {
+class OffsetInTheRing : public ::testing::Test {
  protected:
   void SetUp() override { ASSERT_EQ(ring_->Configure(kBeams, kColumns), Status::kOk); }
 
@@ -105,7 +106,7 @@ TEST_F(OffsetInTheRing, IsNoMoreThanTwoColumns) {
   EXPECT_EQ(Push(0, most_rad), Status::kOk);
   EXPECT_EQ(Push(1, -most_rad), Status::kOk);
   uint32_t bad = 0;
-  for (const float wrong : {most_rad * 1.001f, -most_rad * 1.001f, 3.0f, kNan, kInfinity}) {
+  for (const float wrong : {most_rad * 1.001f, -most_rad * 1.001f, 3.0f, kNaN, kInfinity}) {
     EXPECT_EQ(Push(2, wrong), Status::kBadColumn) << wrong;
     EXPECT_EQ(ring_->counters().bad_columns, ++bad);
   }

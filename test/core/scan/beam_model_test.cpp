@@ -16,11 +16,13 @@
 #include <string>
 #include <vector>
 
+#include "test/not_finite.h"
+
 namespace hardpack {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 constexpr double kPiDouble = 3.14159265358979323846;
 
 std::unique_ptr<BeamModel> EvenModel(int beams, int columns, float origin_m) {
@@ -68,7 +70,7 @@ TEST(BeamModel, RefusesWhatIsNoSensor) {
             Status::kInvalidArgument);
   EXPECT_EQ(MakeBeamModel(angles, angles, 0, 0.0f, identity, *model), Status::kInvalidArgument);
   EXPECT_EQ(MakeBeamModel(angles, angles, 2049, 0.0f, identity, *model), Status::kInvalidArgument);
-  EXPECT_EQ(MakeBeamModel(angles, angles, 1024, kNan, identity, *model), Status::kNotFinite);
+  EXPECT_EQ(MakeBeamModel(angles, angles, 1024, kNaN, identity, *model), Status::kNotFinite);
   std::vector<float> broken = angles;
   broken[63] = kInfinity;
   EXPECT_EQ(MakeBeamModel(angles, broken, 1024, 0.0f, identity, *model), Status::kNotFinite);
@@ -79,7 +81,7 @@ TEST(BeamModel, RefusesWhatIsNoSensor) {
   broken[63] = 361.0f;
   EXPECT_EQ(MakeBeamModel(angles, broken, 1024, 0.0f, identity, *model), Status::kInvalidArgument);
   Transform3 nowhere;
-  nowhere.rotation[4] = kNan;
+  nowhere.rotation[4] = kNaN;
   EXPECT_EQ(MakeBeamModel(angles, angles, 1024, 0.0f, nowhere, *model), Status::kNotFinite);
   EXPECT_EQ(model->beams, 0);
 }

@@ -10,13 +10,14 @@
 #include <vector>
 
 #include "core/base/math.h"
+#include "test/not_finite.h"
 
 namespace hardpack {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr double kPiDouble = 3.14159265358979323846;
+using testing::kInfinity;
+using testing::kNaN;
+constexpr double kHalfTurn_rad = 3.14159265358979323846;
 constexpr uint64_t kMillisecond_ns = 1'000'000u;
 constexpr uint64_t kStart_ns = 1'000'000'000'000u;
 
@@ -38,7 +39,7 @@ struct Motion {
   double roll_rad(double t_s) const { return 0.1 + 0.2 * t_s; }
   double pitch_rad(double t_s) const { return 0.05 - 0.1 * t_s; }
   double yaw_rad(double t_s) const {
-    return std::remainder(yaw_start_rad + yaw_rate_radps * t_s, 2.0 * kPiDouble);
+    return std::remainder(yaw_start_rad + yaw_rate_radps * t_s, 2.0 * kHalfTurn_rad);
   }
   double radius_m() const { return speed_mps / yaw_rate_radps; }
 
@@ -61,7 +62,7 @@ struct PoseError {
 };
 
 double AngleBetween(float a_rad, double b_rad) {
-  return std::abs(std::remainder(static_cast<double>(a_rad) - b_rad, 2.0 * kPiDouble));
+  return std::abs(std::remainder(static_cast<double>(a_rad) - b_rad, 2.0 * kHalfTurn_rad));
 }
 
 PoseError ErrorOf(const StampedPose& pose, const Motion& motion, double t_s) {
@@ -157,7 +158,7 @@ Status SlowAt(const std::vector<StampedPose>& poses, uint64_t time_ns, double& x
     const double yaw0_rad = static_cast<double>(poses[i].yaw_rad);
     x_m = x0_m + f * (static_cast<double>(poses[i + 1].position.x_m) - x0_m);
     yaw_rad = yaw0_rad + f * std::remainder(static_cast<double>(poses[i + 1].yaw_rad) - yaw0_rad,
-                                            2.0 * kPiDouble);
+                                            2.0 * kHalfTurn_rad);
     return Status::kOk;
   }
   return Status::kNoPose;
@@ -315,7 +316,7 @@ TEST(PoseHistory, RefusesNumbersThatAreNone) {
   float StampedPose::*const angles[] = {&StampedPose::roll_rad, &StampedPose::pitch_rad,
                                         &StampedPose::yaw_rad};
   float Vec3::*const coordinates[] = {&Vec3::x_m, &Vec3::y_m, &Vec3::z_m};
-  for (const float broken : {kNan, kInfinity, -kInfinity}) {
+  for (const float broken : {kNaN, kInfinity, -kInfinity}) {
     for (float StampedPose::*const angle : angles) {
       StampedPose pose = PoseOf(kStart_ns, 0.0f);
       pose.*angle = broken;
@@ -381,7 +382,7 @@ TEST(PoseHistory, StandsExtremePoses) {
   SCOPED_TRACE(seed);
   std::mt19937_64 random(seed);
   const float values[] = {0.0f,      -0.0f,     1e-40f,   838860.0f, -838860.0f, 8192.0f,
-                          -8192.0f,  3.1415f,   1e30f,    kNan,      kInfinity,  -kInfinity,
+                          -8192.0f,  3.1415f,   1e30f,    kNaN,      kInfinity,  -kInfinity,
                           8191.999f, 838861.0f, -3.1415f, 1.0f};
   const auto value = [&] { return values[random() % std::size(values)]; };
   PoseHistory history;

@@ -179,7 +179,7 @@ class Reference {
   int64_t revolutions_ = 0;
 };
 
-class ScanRingStream : public testing::Test {
+class ScanRingStream : public ::testing::Test {
  protected:
   int Below(int limit) { return static_cast<int>(random_() % static_cast<unsigned>(limit)); }
   bool OneIn(int count) { return Below(count) == 0; }

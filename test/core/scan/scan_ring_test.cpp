@@ -6,13 +6,14 @@
 #include <vector>
 
 #include "core/scan/scan.h"
+#include "test/not_finite.h"
 
 namespace hardpack {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+using testing::kNaN;
 
-class ScanRingTest : public testing::Test {
+class ScanRingTest : public ::testing::Test {
  protected:
   // A column whose rows lie at 1000 + measurement id + row millimetres.
   const LidarColumn& Column(int frame_id, int measurement_id, int beams = 16) {
@@ -171,7 +172,7 @@ TEST_F(ScanRingTest, RefusesBadColumnsAndCountsThem) {
   EXPECT_EQ(PushColumn(*column_), Status::kColumnInvalid);
   EXPECT_EQ(counters().invalid_columns, 1u);
   Transform3 nowhere;
-  nowhere.translation.y_m = kNan;
+  nowhere.translation.y_m = kNaN;
   EXPECT_EQ(PushColumn(Column(0, 15), 0, nowhere), Status::kNotFinite);
   self_.resize(15);
   EXPECT_EQ(Push(0, 15), Status::kInvalidArgument);

@@ -13,7 +13,7 @@
 namespace hardpack {
 namespace {
 
-constexpr int kBeams = 64;
+constexpr int kWatchedBeams = 64;
 constexpr int kPacketColumns = 16;
 constexpr double kHeight_m = 1.284;
 constexpr double kPi_rad = 3.14159265358979;
@@ -26,21 +26,21 @@ class Lidar {
         step_ns_(1'000'000'000u / static_cast<uint64_t>(columns) /
                  static_cast<uint64_t>(revolutions_per_s)) {
     std::vector<float> altitude;
-    for (int beam = 0; beam < kBeams; ++beam) {
-      altitude.push_back(16.6f - 33.2f * static_cast<float>(beam) / (kBeams - 1));
+    for (int beam = 0; beam < kWatchedBeams; ++beam) {
+      altitude.push_back(16.6f - 33.2f * static_cast<float>(beam) / (kWatchedBeams - 1));
     }
-    const std::vector<float> azimuth(kBeams, 0.0f);
+    const std::vector<float> azimuth(kWatchedBeams, 0.0f);
     Transform3 half_turn;
     half_turn.rotation[0] = half_turn.rotation[4] = -1.0f;
     EXPECT_EQ(MakeBeamModel(altitude, azimuth, columns, 0.0f, half_turn, *model), Status::kOk);
-    for (int beam = 0; beam < kBeams; ++beam) {
+    for (int beam = 0; beam < kWatchedBeams; ++beam) {
       const double fall =
           -std::sin(static_cast<double>(altitude[static_cast<size_t>(beam)]) * kPi_rad / 180.0);
       ground_mm[beam] = fall > 0.012 ? static_cast<uint32_t>(1000.0 * kHeight_m / fall) : 0u;
     }
     EXPECT_EQ(watch->Configure({}, safety, *model, kPacketColumns, 0, columns - 1), Status::kOk);
     Know(kHeight_m / 10.0);
-    column->beams = kBeams;
+    column->beams = kWatchedBeams;
     column->valid = true;
   }
 
@@ -66,7 +66,7 @@ class Lidar {
       now_ns += step_ns_;
       column->measurement_id = static_cast<uint16_t>(id);
       column->frame_id = frame_id;
-      for (int beam = 0; beam < kBeams; ++beam) {
+      for (int beam = 0; beam < kWatchedBeams; ++beam) {
         const uint32_t range_mm = ground_mm[beam];
         column->range_mm[beam] = range_mm == 0 ? 0 : range_mm + Draw(13u);
       }
@@ -96,7 +96,7 @@ class Lidar {
   std::unique_ptr<BeamModel> model = std::make_unique<BeamModel>();
   std::unique_ptr<SightWatch> watch = std::make_unique<SightWatch>();
   std::unique_ptr<LidarColumn> column = std::make_unique<LidarColumn>();
-  uint32_t ground_mm[kBeams] = {};
+  uint32_t ground_mm[kWatchedBeams] = {};
   uint64_t now_ns = 5'000'000'000;
   uint16_t frame_id = 65'530;
   std::minstd_rand random{7};
@@ -199,7 +199,7 @@ TEST(SightWatch, OpenSkyAndRainAreNoBlindness) {
   lidar.Revolutions(3);
   for (int turn = 0; turn < 200; ++turn) {
     lidar.Revolution([&](int, LidarColumn& column) {
-      for (int beam = 0; beam < kBeams; ++beam) {
+      for (int beam = 0; beam < kWatchedBeams; ++beam) {
         const unsigned drawn = lidar.Draw(100u);
         if (drawn < 35) column.range_mm[beam] = 0;                         // wet ground
         if (drawn >= 90) column.range_mm[beam] = 700 + lidar.Draw(8000u);  // drops
@@ -282,11 +282,11 @@ TEST(SightWatch, ExpectsTheBeamsThatFallToWhatIsKnown) {
     Lidar lidar;
     lidar.Revolutions(3);
     lidar.Know(kHeight_m / 5.0);
-    const int first = are_known ? kBeams - 2 : kBeams - 12;
+    const int first = are_known ? kWatchedBeams - 2 : kWatchedBeams - 12;
     for (int turn = 0; turn < 10; ++turn) {
       lidar.Revolution([&](int id, LidarColumn& column) {
         if (!IsAhead(lidar.Angle_deg(id), 46.0)) return true;
-        for (int beam = 0; beam < kBeams; ++beam) {
+        for (int beam = 0; beam < kWatchedBeams; ++beam) {
           if (beam != first && beam != first + 1) column.range_mm[beam] = 0;
         }
         return true;
@@ -362,7 +362,7 @@ TEST(SightWatch, TheSameColumnAllAroundIsNoLook) {
   lidar.Revolutions(5);
   for (int turn = 0; turn < 6; ++turn) {
     lidar.Revolution([&](int, LidarColumn& column) {
-      for (int beam = 0; beam < kBeams; ++beam) {
+      for (int beam = 0; beam < kWatchedBeams; ++beam) {
         column.range_mm[beam] = lidar.ground_mm[beam] + static_cast<uint32_t>(turn);
       }
       return true;

@@ -28,12 +28,12 @@ struct Classed {
 };
 
 // What the map would take for an obstacle.
-bool IsObstacle(const Classed& hit) {
+bool IsMapObstacle(const Classed& hit) {
   const bool stands = hit.what == ReturnClass::kHard || hit.what == ReturnClass::kSoft;
   return stands && (!hit.ground_known || hit.above_ground_m > 0.5f);
 }
 
-class SegmenterOnRellis : public testing::Test {
+class SegmenterOnRellis : public ::testing::Test {
  protected:
   void SetUp() override {
     RellisScan scan;
@@ -157,12 +157,12 @@ TEST_F(SegmenterOnRellis, WhatStandsBecomesAnObstacleAndGroundDoesNot) {
     return height_m > 0.5f && height_m < 2.0f;
   };
   const double standing = Count(stands);
-  const double found = Count([&](const Classed& hit) { return stands(hit) && IsObstacle(hit); });
+  const double found = Count([&](const Classed& hit) { return stands(hit) && IsMapObstacle(hit); });
   const double missed =
       Count([&](const Classed& hit) { return stands(hit) && hit.what == ReturnClass::kGround; });
   const auto is_ground = [](const Classed& hit) { return hit.truth == ReturnClass::kGround; };
   const double raised =
-      Count([&](const Classed& hit) { return is_ground(hit) && IsObstacle(hit); }) /
+      Count([&](const Classed& hit) { return is_ground(hit) && IsMapObstacle(hit); }) /
       Count(is_ground);
   std::printf("standing hard returns: %.0f, obstacles %.3f, taken for ground %.3f\n", standing,
               found / standing, missed / standing);

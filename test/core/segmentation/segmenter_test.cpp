@@ -9,13 +9,14 @@
 #include <vector>
 
 #include "core/segmentation/segmentation.h"
+#include "test/not_finite.h"
 
 namespace hardpack {
 namespace {
 
 constexpr int kBeams = 64;
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 // Flat ground 1.3 m below the sensor.
 DirectionView FlatView() {
@@ -61,7 +62,7 @@ TEST(Segmenter, RefusesWhatItCannotWorkWith) {
   EXPECT_EQ(segmenter->Configure({}, 0), Status::kInvalidArgument);
   EXPECT_EQ(segmenter->Configure({}, kMaxBeams + 1), Status::kInvalidArgument);
   SegmentationParams params;
-  params.isolation_m = kNan;
+  params.isolation_m = kNaN;
   EXPECT_EQ(segmenter->Configure(params, kBeams), Status::kParameterOutOfRange);
   EXPECT_EQ(segmenter->Push(FlatView()), Status::kNotStarted);
   EXPECT_EQ(segmenter->Configure({}, 1), Status::kOk);
@@ -115,11 +116,11 @@ TEST(Segmenter, TakesABadDirectionForOneWithNothingSeen) {
       if (i == Segmenter::kLag) {
         expected = bad == 0 ? Status::kInvalidArgument : Status::kNotFinite;
         if (bad == 0) view.beams = kBeams - 1;
-        if (bad == 1) view.range_m[3] = kNan;
+        if (bad == 1) view.range_m[3] = kNaN;
         if (bad == 2) view.level_m[3] = kInfinity;
         if (bad == 3) view.height_m[3] = -kInfinity;
-        if (bad == 4) view.slope[3] = kNan;
-        if (bad == 5) view.sensor_height_m = kNan;
+        if (bad == 4) view.slope[3] = kNaN;
+        if (bad == 5) view.sensor_height_m = kNaN;
         if (bad == 6) view.range_m[0] = kInfinity;
       }
       EXPECT_EQ(segmenter->Push(view), expected) << bad;
@@ -139,9 +140,9 @@ TEST(Segmenter, DoesNotLookAtNumbersOfBeamsThatSawNothing) {
     DirectionView view = FlatView();
     for (int beam = 0; beam < kBeams; ++beam) {
       if (view.seen[beam]) continue;
-      view.range_m[beam] = kNan;
+      view.range_m[beam] = kNaN;
       view.level_m[beam] = kInfinity;
-      view.height_m[beam] = kNan;
+      view.height_m[beam] = kNaN;
     }
     EXPECT_EQ(segmenter->Push(view), Status::kOk);
     EXPECT_EQ(clean->Push(FlatView()), Status::kOk);
@@ -202,7 +203,7 @@ TEST(Segmenter, StaysWithinItsContractWhateverComesIn) {
   SCOPED_TRACE(kSeed);
   std::mt19937 random(kSeed);
   const std::vector<float> odd = {0.0f,     -0.0f,  1.0f,    -1.0f, 1.0e-38f,  1.0e38f,
-                                  -1.0e38f, 1.0e9f, -1.0e9f, kNan,  kInfinity, 3.0f};
+                                  -1.0e38f, 1.0e9f, -1.0e9f, kNaN,  kInfinity, 3.0f};
   auto segmenter = Configured();
   for (int i = 0; i < 4000; ++i) {
     DirectionView view = FlatView();

@@ -8,11 +8,13 @@
 #include <limits>
 #include <random>
 
+#include "test/not_finite.h"
+
 namespace hardpack {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 // Of 64 beams over 33.2 degrees, 10 m away: a beam is on 20 mm in two directions of nine.
 constexpr float kSpacing_m = 0.092f;
@@ -87,7 +89,7 @@ TEST(WireFinder, AWireHasABeamOnItInAsManyDirectionsAsItIsThick) {
   EXPECT_EQ(finder.Find(33, kSpacing_m).size(), 4u);
   EXPECT_TRUE(finder.Find(33, 0.03f).empty());
   EXPECT_TRUE(finder.Find(33, 0.0f).empty());
-  EXPECT_TRUE(finder.Find(33, kNan).empty());
+  EXPECT_TRUE(finder.Find(33, kNaN).empty());
 }
 
 // On the line, about it and further away: at most a third as many about it as on it.
@@ -114,7 +116,7 @@ TEST(WireFinder, WhatHasMuchAboutItIsNoWire) {
 TEST(WireFinder, TakesNothingThatIsNotFinite) {
   WireFinder finder;
   for (int i = 0; i < 3; ++i) finder.AddThin(OnLine(0.0, 0.3 * i), i);
-  for (const float bad : {kNan, kInfinity, -kInfinity}) {
+  for (const float bad : {kNaN, kInfinity, -kInfinity}) {
     finder.AddThin({bad, 0.0f, 0.0f}, 3);
     finder.AddThin({0.0f, bad, 0.0f}, 3);
     finder.AddThin({0.0f, 0.0f, bad}, 3);

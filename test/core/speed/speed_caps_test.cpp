@@ -15,7 +15,7 @@ namespace hardpack {
 namespace {
 
 // A map whose ground was observed everywhere, until a test says otherwise, and a path along x.
-struct Ground {
+struct FlatGround {
   std::unique_ptr<Costmap> map = std::make_unique<Costmap>();
   SpeedParams speed;
   VehicleParams vehicle;
@@ -23,7 +23,7 @@ struct Ground {
   float driven_mps = 2.0f;
   std::unique_ptr<SpeedCaps> caps = std::make_unique<SpeedCaps>();
 
-  explicit Ground(float length_m = 30.0f, float step_m = 0.275f) {
+  explicit FlatGround(float length_m = 30.0f, float step_m = 0.275f) {
     map->window.origin = {-256, -256};
     std::memset(map->flags, Costmap::kObserved, sizeof(map->flags));
     std::memset(map->hard_distance2, kMaxDistance2_cells2, sizeof(map->hard_distance2));
@@ -51,7 +51,7 @@ struct Ground {
 };
 
 TEST(SpeedCaps, ObservedGroundDoesNotCap) {
-  Ground ground;
+  FlatGround ground;
   EXPECT_EQ(ground.Caps().observed_m(), SpeedCaps::kFar_m);
   EXPECT_EQ(ground.CapAt(5.5f), ground.speed.max_speed_mps);
   EXPECT_EQ(ground.CauseAt(29.7f), CapCause::kPathEnd);
@@ -63,7 +63,7 @@ TEST(SpeedCaps, ObservedGroundDoesNotCap) {
 // SR-LOW03
 TEST(SpeedCaps, GrowthIsDrivenSlowlyFromWhereTheFrontIsInIt) {
   for (const float y_m : {-0.5f, 0.1f, 0.5f, 2.1f}) {
-    Ground ground;
+    FlatGround ground;
     ground.speed.growth_speed_mps = 1.5f;
     for (float x_m = 12.1f; x_m < 16.0f; x_m += 0.2f) {
       ground.At(x_m, y_m) |= Costmap::kGrowth;
@@ -85,7 +85,7 @@ TEST(SpeedCaps, GrowthIsDrivenSlowlyFromWhereTheFrontIsInIt) {
 }
 
 // A path in reverse along x, by a vehicle whose axle is nearer to its front, then forward again.
-struct BackwardGround : Ground {
+struct BackwardGround : FlatGround {
   static constexpr int kBack = 60;  // points
   BackwardGround() {
     vehicle.axle_offset_m = 0.4f;
@@ -151,7 +151,7 @@ TEST(SpeedCaps, BehindTheEndOfAStretchInReverseTheGroundIsObservedToo) {
 //  [>]=============?????????
 // SR-SPD02
 TEST(SpeedCaps, StopsBeforeTheEndOfTheObservedGround) {
-  Ground ground;
+  FlatGround ground;
   ground.Hide(12.0f, 40.0f);
   EXPECT_NEAR(ground.Caps().observed_m(), 12.0f, 0.11f);
   for (float x_m = 0.0f; x_m < 11.0f; x_m += 0.275f) {
@@ -170,7 +170,7 @@ TEST(SpeedCaps, StopsBeforeTheEndOfTheObservedGround) {
 // SR-SPD02
 TEST(SpeedCaps, GapsUpToTheParameterAreBridgedAndWiderOnesAreNot) {
   for (int cells = 1; cells <= 8; ++cells) {
-    Ground ground;
+    FlatGround ground;
     const float width_m = 0.2f * static_cast<float>(cells);
     ground.Hide(10.0f, 10.0f + width_m);
     const bool ends = ground.Caps().observed_m() < SpeedCaps::kFar_m;
@@ -185,10 +185,10 @@ TEST(SpeedCaps, GapsUpToTheParameterAreBridgedAndWiderOnesAreNot) {
 }
 
 // A wall beside the path hides what is behind it until the vehicle is past it.
-struct Corner : Ground {
+struct Corner : FlatGround {
   Lookouts lookouts;
 
-  // Ground from x0 to x1, from the middle of the path to beyond its left edge.
+  // FlatGround from x0 to x1, from the middle of the path to beyond its left edge.
   Corner(float x0, float x1) {
     Hide(x0, x1, 0.0f, 3.0f);
     for (float y_m = 0.1f; y_m < 8.0f; y_m += 0.2f) At(x0 - 0.1f, y_m) |= Costmap::kHard;
@@ -281,7 +281,7 @@ TEST(SpeedCaps, HiddenGroundGivesTheSameInAnyPortions) {
 // SR-SPD05
 TEST(SpeedCaps, DrivesSlowlyWhereThereIsLittleRoom) {
   for (int cells_aside = 0; cells_aside <= 8; ++cells_aside) {
-    Ground ground;
+    FlatGround ground;
     const Cell post = {CellAt({12.0f, 0.0f}).x, CellAt({12.0f, 0.0f}).y + cells_aside};
     for (int32_t y = -20; y <= 20; ++y) {
       for (int32_t x = -20; x <= 20; ++x) {
@@ -312,20 +312,20 @@ TEST(SpeedCaps, DrivesSlowlyWhereThereIsLittleRoom) {
 // SR-SPD02
 TEST(SpeedCaps, LooksUnderBothWheels) {
   for (const float side : {-1.0f, 1.0f}) {
-    Ground under;
+    FlatGround under;
     under.Hide(9.8f, 12.0f, side > 0.0f ? 0.4f : -0.8f, side > 0.0f ? 0.8f : -0.4f);
     EXPECT_NEAR(under.Caps().observed_m(), 9.8f, 0.11f);
-    Ground edge;
+    FlatGround edge;
     edge.Hide(9.8f, 12.0f, side > 0.0f ? 0.8f : -3.0f, side > 0.0f ? 3.0f : -0.8f);
     EXPECT_NEAR(edge.Caps().observed_m(), 9.8f, 0.11f);
-    Ground beside;
+    FlatGround beside;
     beside.Hide(9.8f, 12.0f, side > 0.0f ? 1.0f : -3.0f, side > 0.0f ? 3.0f : -1.0f);
     EXPECT_EQ(beside.Caps().observed_m(), SpeedCaps::kFar_m);
   }
 }
 
 TEST(SpeedCaps, LooksWhereTheVehiclesFrontStandsAtThePathsEnd) {
-  Ground ground(10.0f);
+  FlatGround ground(10.0f);
   ground.Hide(9.9f, 20.0f);
   ground.speed.max_unseen_m = 0.5f;
   ground.Caps();
@@ -335,7 +335,7 @@ TEST(SpeedCaps, LooksWhereTheVehiclesFrontStandsAtThePathsEnd) {
 }
 
 TEST(SpeedCaps, KeepsTheMarginAtThePathsEnd) {
-  Ground ground(10.0f);
+  FlatGround ground(10.0f);
   const float kept_m = 0.5f * ground.vehicle.length_m + ground.speed.unseen_margin_m;
   ground.Hide(10.2f + kept_m, 20.0f);
   EXPECT_EQ(ground.Caps().observed_m(), SpeedCaps::kFar_m);
@@ -347,23 +347,23 @@ TEST(SpeedCaps, KeepsTheMarginAtThePathsEnd) {
 
 // SR-SPD02
 TEST(SpeedCaps, TheMapsEdgeEndsTheObservedGround) {
-  Ground ground(60.0f);
+  FlatGround ground(60.0f);
   ground.Caps();
   EXPECT_NEAR(ground.caps->observed_m(), 51.2f, 0.15f);
 }
 
 TEST(SpeedCaps, APathOfOnePointOrATurnOnTheSpotIsNoWay) {
-  Ground one(0.0f);
+  FlatGround one(0.0f);
   ASSERT_EQ(one.path.size(), 1);
   EXPECT_EQ(one.Caps().cap_mps()[0], 0.0f);
-  Ground turn(0.0f);
+  FlatGround turn(0.0f);
   ASSERT_EQ(turn.path.PushBack({0.0f, 0.0f, 1.0f}), Status::kOk);
   EXPECT_EQ(turn.Caps().cap_mps()[1], 0.0f);
   EXPECT_EQ(turn.caps->cause(0), CapCause::kPathEnd);
 }
 
 TEST(SpeedCaps, AnySplitOfTheUnitsGivesTheSame) {
-  Ground ground;
+  FlatGround ground;
   ground.Hide(14.0f, 40.0f);
   ground.At(9.0f, 2.0f) |= Costmap::kHard | Costmap::kPerson;
   const SpeedCaps whole = ground.Caps();
@@ -380,7 +380,7 @@ TEST(SpeedCaps, AnySplitOfTheUnitsGivesTheSame) {
 //   [>]=========================
 // No stop before the person is possible any more from 0.8 m on: it goes by slowly, if it is slow.
 TEST(SpeedCaps, CreepsPastAPersonWhoLeavesRoom) {
-  Ground ground;
+  FlatGround ground;
   ground.driven_mps = 0.5f;
   ground.At(9.0f, 3.0f) |= Costmap::kHard | Costmap::kPerson;
   ground.Caps();
@@ -402,11 +402,11 @@ TEST(SpeedCaps, CreepsPastAPersonWhoLeavesRoom) {
 
 TEST(SpeedCaps, SlowForAPersonOnTheLongestPath) {
   const float step_m = 0.1f;
-  Ground longest(1000.0f, step_m);
+  FlatGround longest(1000.0f, step_m);
   ASSERT_TRUE(longest.path.full());
   const float end_m = step_m * static_cast<float>(longest.path.size() - 1);
-  Ground shorter(end_m - 10.0f, step_m);
-  for (Ground* ground : {&longest, &shorter}) {
+  FlatGround shorter(end_m - 10.0f, step_m);
+  for (FlatGround* ground : {&longest, &shorter}) {
     ground->driven_mps = 0.5f;
     ground->At(9.0f, 3.0f) |= Costmap::kHard | Costmap::kPerson;
     ground->Caps();
@@ -420,7 +420,7 @@ TEST(SpeedCaps, SlowForAPersonOnTheLongestPath) {
 //              person
 //   [>]=============|===========   free again behind the person, but not to be driven to
 TEST(SpeedCaps, WhereItHasToStandItIsNotDrivenAnyFurther) {
-  Ground ground;
+  FlatGround ground;
   ground.At(9.0f, 0.0f) |= Costmap::kHard | Costmap::kPerson;
   ground.Caps();
   const float free_again_m = ground.CapAt(11.0f);
@@ -441,7 +441,7 @@ TEST(SpeedCaps, WhereItHasToStandItIsNotDrivenAnyFurther) {
 //   P           of a vehicle whose middle is at 0.825 m the rear, 0.76 m behind that, is past it
 //   [>]======
 TEST(SpeedCaps, AreFreeAgainOnceTheVehicleIsPastAPersonAtTheStart) {
-  Ground ground;
+  FlatGround ground;
   ground.At(0.1f, 0.1f) |= Costmap::kHard | Costmap::kPerson;
   ground.Caps();
   EXPECT_EQ(ground.CauseAt(0.0f), CapCause::kPerson);
@@ -453,7 +453,7 @@ TEST(SpeedCaps, AreFreeAgainOnceTheVehicleIsPastAPersonAtTheStart) {
 // SR-SPD03
 TEST(SpeedCaps, StandsForAPersonWhoCouldStepIntoTheWay) {
   for (const float beside_m : {0.0f, 0.9f, 1.5f, 1.9f}) {
-    Ground ground;
+    FlatGround ground;
     ground.At(9.0f, beside_m) |= Costmap::kHard | Costmap::kPerson;
     ground.Caps();
     EXPECT_EQ(ground.CapAt(8.25f), 0.0f) << beside_m;
@@ -461,7 +461,7 @@ TEST(SpeedCaps, StandsForAPersonWhoCouldStepIntoTheWay) {
   }
 }
 // A hard cell so far to the left of the path, all along it: what the distance field says.
-void PutWall(Ground& ground, int cells) {
+void PutWall(FlatGround& ground, int cells) {
   for (int y = 0; y < kMapSize_cells; ++y) {
     for (int x = 0; x < kMapSize_cells; ++x) {
       const int away = y - (256 + cells);
@@ -473,12 +473,12 @@ void PutWall(Ground& ground, int cells) {
 
 // SR-MOV03 the less room beside the path, the slower
 TEST(SpeedCaps, LittleRoomBesideABendIsDrivenSlowly) {
-  Ground straight;
+  FlatGround straight;
   PutWall(straight, 7);  // 1.4 m: 0.51 m of room
   straight.Caps();
   EXPECT_NEAR(straight.caps->room_m(20), 0.51f, 0.01f);
   const float straight_mps = straight.CapAt(5.5f);
-  Ground bent;
+  FlatGround bent;
   PutWall(bent, 7);
   // Bends of 0.4 / m to and fro, a hand's breadth off the straight line.
   float heading = 0.0f;
@@ -499,7 +499,7 @@ TEST(SpeedCaps, LittleRoomBesideABendIsDrivenSlowly) {
 
 // SR-MOV03
 TEST(SpeedCaps, WithoutAnyRoomItIsDrivenAtTheLeast) {
-  Ground ground;
+  FlatGround ground;
   PutWall(ground, 4);
   ground.Caps();
   EXPECT_EQ(ground.caps->room_m(20), 0.0f);
@@ -509,7 +509,7 @@ TEST(SpeedCaps, WithoutAnyRoomItIsDrivenAtTheLeast) {
 //  [>]======|zone|======
 // SR-ARE05
 TEST(SpeedCaps, ASpeedZoneCapsWhereTheOutlineMayTouchIt) {
-  Ground ground;
+  FlatGround ground;
   const auto areas = std::make_unique<AreaSet>();
   Area zone;
   zone.kind = AreaKind::kSpeedZone;
@@ -552,7 +552,7 @@ TEST(SpeedCaps, ASpeedZoneCapsWhereTheOutlineMayTouchIt) {
 
 // SR-SLP01
 TEST(SpeedCaps, StandsBeforeGroundThatIsTooSteep) {
-  Ground ground;
+  FlatGround ground;
   ground.Caps();
   constexpr float kSteep_m = 20.0f;
   ground.caps->Begin(ground.map->window, ground.speed, ground.vehicle, ground.path, 2.0f, {},

@@ -9,11 +9,13 @@
 #include <random>
 #include <vector>
 
+#include "test/not_finite.h"
+
 namespace hardpack {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 ActuatorPath Straight(int steps, float dr_m) {
   ActuatorPath path;
@@ -223,7 +225,7 @@ TEST(SpeedPlanner, RefusesBadInput) {
   SpeedProfile speed;
   const ActuatorPath good = Straight(10, 0.25f);
   EXPECT_EQ(Plan(ActuatorPath{}, {}, speed), Status::kPathTooShort);
-  for (const float bad : {kNan, kInf, -kInf}) {
+  for (const float bad : {kNaN, kInfinity, -kInfinity}) {
     ActuatorPath path = good;
     path.steps[4].phi_rad = bad;
     EXPECT_EQ(Plan(path, {}, speed), Status::kNotFinite);
@@ -275,10 +277,10 @@ TEST(SpeedPlanner, SeesANumberThatIsNotFiniteWhereverItStands) {
     SpeedProfile speed;
     for (int k = 0; k < steps; ++k) {
       ActuatorPath path = good;
-      path.steps[k].phi_rad = kNan;
+      path.steps[k].phi_rad = kNaN;
       EXPECT_EQ(Plan(path, {}, speed), Status::kNotFinite) << k << " of " << steps;
       path = good;
-      path.steps[k].dr_m = kInf;
+      path.steps[k].dr_m = kInfinity;
       EXPECT_EQ(Plan(path, {}, speed), Status::kNotFinite) << k << " of " << steps;
     }
     for (size_t k = 0; k <= static_cast<size_t>(steps); ++k) {
@@ -287,7 +289,7 @@ TEST(SpeedPlanner, SeesANumberThatIsNotFiniteWhereverItStands) {
       request.cap_mps = caps;
       caps[k] = -1.0f;
       EXPECT_EQ(Plan(good, request, speed), Status::kInvalidArgument) << k << " of " << steps;
-      caps[k] = kNan;
+      caps[k] = kNaN;
       EXPECT_EQ(Plan(good, request, speed), Status::kNotFinite) << k << " of " << steps;
     }
   }

@@ -7,14 +7,15 @@
 #include <random>
 
 #include "core/speed/speed.h"
+#include "test/not_finite.h"
 
 // Stopping distances and the caps that follow from them.
 
 namespace hardpack {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 // SR-SPD01
 TEST(StoppingDistance, IsTheWayOfASimulatedLaggedRamp) {
@@ -68,13 +69,13 @@ TEST(ReactionSpeedCap, NeverFallsAsTheFreeWayGrows) {
 
 TEST(ReactionSpeedCap, IsZeroWithoutAFreeWay) {
   const SpeedParams params;
-  for (const float free_m : {0.0f, -0.0f, -1.0f, -kInf, kNan, 1e-40f}) {
+  for (const float free_m : {0.0f, -0.0f, -1.0f, -kInfinity, kNaN, 1e-40f}) {
     EXPECT_EQ(ReactionSpeedCap(params, free_m), 0.0f) << free_m;
   }
   // From a micrometre on there is one.
   EXPECT_EQ(ReactionSpeedCap(params, std::nextafter(1e-6f, 0.0f)), 0.0f);
   EXPECT_GT(ReactionSpeedCap(params, 1e-6f), 0.0f);
-  EXPECT_EQ(ReactionSpeedCap(params, kInf), params.max_speed_mps);
+  EXPECT_EQ(ReactionSpeedCap(params, kInfinity), params.max_speed_mps);
   EXPECT_EQ(ReactionSpeedCap(params, std::numeric_limits<float>::max()), params.max_speed_mps);
 }
 

@@ -40,8 +40,8 @@ std::vector<size_t> ObserveAll(Timebase& timebase, const std::vector<Datagram>& 
   return jumps;
 }
 
-class TimebaseDrift : public testing::TestWithParam<int64_t> {};
-INSTANTIATE_TEST_SUITE_P(Ppm, TimebaseDrift, testing::Values(-100, 0, 100));
+class TimebaseDrift : public ::testing::TestWithParam<int64_t> {};
+INSTANTIATE_TEST_SUITE_P(Ppm, TimebaseDrift, ::testing::Values(-100, 0, 100));
 
 // The bound of the header with 0.1 ms for delay_min, 0.13 ms for delay_short (which a window of 640
 // datagrams a second has) and bursts of 20 ms.
@@ -194,7 +194,7 @@ struct Step {
   bool reboot;
 };
 
-class TimebaseStep : public testing::TestWithParam<Step> {
+class TimebaseStep : public ::testing::TestWithParam<Step> {
  protected:
   ClockScene SceneOfStep() const {
     ClockScene scene;
@@ -207,10 +207,10 @@ class TimebaseStep : public testing::TestWithParam<Step> {
   bool IsForward() const { return GetParam().step_ns > 0; }
 };
 INSTANTIATE_TEST_SUITE_P(Steps, TimebaseStep,
-                         testing::Values(Step{kSecond_ns, false}, Step{-kSecond_ns, false},
-                                         Step{60 * kMillisecond_ns, false},
-                                         Step{-60 * kMillisecond_ns, false},
-                                         Step{3600 * kSecond_ns, false}, Step{0, true}));
+                         ::testing::Values(Step{kSecond_ns, false}, Step{-kSecond_ns, false},
+                                           Step{60 * kMillisecond_ns, false},
+                                           Step{-60 * kMillisecond_ns, false},
+                                           Step{3600 * kSecond_ns, false}, Step{0, true}));
 
 // A step forward by its first datagram, a step back by its eighth; right from then on.
 // SR-INP07

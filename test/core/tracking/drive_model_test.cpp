@@ -7,12 +7,13 @@
 #include <limits>
 
 #include "test/core/tracking/bench.h"
+#include "test/not_finite.h"
 
 namespace hardpack::testing {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 constexpr uint64_t kTick_ns = 10'000'000;
 constexpr uint64_t kStart_ns = 5'000'000'000;
 
@@ -30,10 +31,10 @@ TEST(DifferentialCommand, IsTheInverseOfWhatIsReached) {
       ASSERT_EQ(command, -DifferentialCommand(params, -wanted, common_radps));
     }
     // Beyond what it can reach it stays finite, and little above.
-    const float largest = DifferentialCommand(params, kInf, common_radps);
+    const float largest = DifferentialCommand(params, kInfinity, common_radps);
     EXPECT_EQ(DifferentialCommand(params, 1e9f, common_radps), largest);
     EXPECT_LT(largest, 1.1f * limit_radps);
-    EXPECT_EQ(ReachableDifferential(params, kInf, common_radps), limit_radps);
+    EXPECT_EQ(ReachableDifferential(params, kInfinity, common_radps), limit_radps);
     EXPECT_EQ(ReachableDifferential(params, -1e30f, common_radps), -limit_radps);
   }
 }
@@ -201,7 +202,7 @@ TEST(DriveModel, FollowsTheMeasuredMotionOfTheBody) {
   EXPECT_GT(model.speed_mps(), 0.85f);
   EXPECT_GT(model.yaw_rate_radps(), 0.3f);
   const float before_mps = model.speed_mps();
-  for (const BodyMotion& body : {BodyMotion{true, kNan, 0.1f}, BodyMotion{true, 0.1f, kInf},
+  for (const BodyMotion& body : {BodyMotion{true, kNaN, 0.1f}, BodyMotion{true, 0.1f, kInfinity},
                                  BodyMotion{true, 1e9f, 0.0f}, BodyMotion{false, 0.0f, 0.0f}}) {
     ASSERT_EQ(model.Advance(now_ns, {}, body), Status::kOk);
     ASSERT_EQ(model.speed_mps(), before_mps);
@@ -218,8 +219,8 @@ TEST(DriveModel, TakesNoFeedbackThatIsNoneOrOldOrTheSameTwice) {
   }
   const float before = model.wheels().common_radps;
   const WheelFeedback bad[] = {
-      {.valid = true, .time_ns = now_ns, .left_radps = kNan, .right_radps = 1.0f},
-      {.valid = true, .time_ns = now_ns, .left_radps = 1.0f, .right_radps = kInf},
+      {.valid = true, .time_ns = now_ns, .left_radps = kNaN, .right_radps = 1.0f},
+      {.valid = true, .time_ns = now_ns, .left_radps = 1.0f, .right_radps = kInfinity},
       {.valid = true, .time_ns = now_ns, .left_radps = 1e9f, .right_radps = 0.0f},
       {.valid = false, .time_ns = now_ns, .left_radps = 1.0f, .right_radps = 1.0f},
       {.valid = true, .time_ns = now_ns - 400'000'000, .left_radps = 1.0f, .right_radps = 1.0f}};
@@ -334,8 +335,8 @@ TEST(DriveModel, GivesBackAPoseThatIsNone) {
   DriveModel model = MakeModel();
   model.SetCommand({5.0f, 1.0f});
   ASSERT_EQ(model.Advance(kStart_ns + kTick_ns, {}, {}), Status::kOk);
-  EXPECT_TRUE(std::isnan(model.Predict({kNan, 0.0f, 0.0f}).pose.x_m));
-  EXPECT_TRUE(std::isinf(model.Predict({0.0f, 0.0f, kInf}).pose.theta_rad));
+  EXPECT_TRUE(std::isnan(model.Predict({kNaN, 0.0f, 0.0f}).pose.x_m));
+  EXPECT_TRUE(std::isinf(model.Predict({0.0f, 0.0f, kInfinity}).pose.theta_rad));
   EXPECT_TRUE(std::isfinite(model.Predict({0.0f, 0.0f, 1e30f}).pose.theta_rad));
 }
 

@@ -12,11 +12,11 @@ namespace hardpack {
 namespace {
 
 // A drive model that has followed commands for a while, and what it does when zero follows.
-struct Bench {
+struct StopBench {
   DriveModel model;
   uint64_t now_ns = 1'000'000'000;
 
-  Bench() { EXPECT_EQ(model.Configure({}, {}, {}), Status::kOk); }
+  StopBench() { EXPECT_EQ(model.Configure({}, {}, {}), Status::kOk); }
   void Tick(const WheelParts& command) {
     now_ns += DriveModel::kStep_ns;
     static_cast<void>(model.Advance(now_ns, {}, {}));
@@ -42,7 +42,7 @@ float Way(const SweptMotion& motion) {
 }
 
 TEST(StopMotion, AtRestItStaysWhereItIs) {
-  Bench bench;
+  StopBench bench;
   const SweptMotion motion = bench.Stop(StopKind::kZero);
   EXPECT_EQ(motion[0].pose.x_m, 1.0f);
   EXPECT_LT(Way(motion), 1e-3f);
@@ -52,7 +52,7 @@ TEST(StopMotion, AtRestItStaysWhereItIs) {
 // SR-MOV02
 TEST(StopMotion, ZeroEndsWhereTheModelComesToRest) {
   for (const float turn_radps : {0.0f, 2.5f, -2.5f}) {
-    Bench bench;
+    StopBench bench;
     bench.Drive({8.0f, turn_radps});
     const SweptMotion motion = bench.Stop(StopKind::kZero);
     DriveState state = bench.model.StateAt({1.0f, 2.0f, 0.5f});
@@ -76,7 +76,7 @@ TEST(StopMotion, AlongAPathInReverseItIsTheMirrorImage) {
   way.deceleration_mps2 = 2.0f;
   for (float& bend_per_m : way.curvature_per_m) bend_per_m = 0.2f;
   const auto stop = [&](float direction) {
-    Bench bench;
+    StopBench bench;
     bench.Drive({direction * 6.0f, direction * 1.0f});
     way.reference_mps = direction * 1.7f;
     return bench.Stop(StopKind::kAlong, way);
@@ -92,7 +92,7 @@ TEST(StopMotion, AlongAPathInReverseItIsTheMirrorImage) {
 // SR-MOV02
 TEST(StopMotion, SteeredWheelsHoldTheirCurve) {
   for (const float turn_radps : {1.5f, -1.5f}) {
-    Bench bench;
+    StopBench bench;
     bench.Drive({8.0f, turn_radps});
     const DriveState before = bench.model.StateAt({1.0f, 2.0f, 0.5f});
     const float curvature_per_m = before.yaw_rate_radps / before.speed_mps;
@@ -109,7 +109,7 @@ TEST(StopMotion, SteeredWheelsHoldTheirCurve) {
 
 // What the wheels cannot be turned to is not held, and a yaw rate at rest is no curve.
 TEST(StopMotion, SteeredWheelsHoldNoMoreThanTheyCan) {
-  Bench bench;
+  StopBench bench;
   bench.Drive({3.0f, 4.0f});
   StopWay way;
   way.held_curvature_per_m = 0.2f;
@@ -119,7 +119,7 @@ TEST(StopMotion, SteeredWheelsHoldNoMoreThanTheyCan) {
   const float way_m = std::hypot(held[last].pose.x_m - held[middle].pose.x_m,
                                  held[last].pose.y_m - held[middle].pose.y_m);
   EXPECT_LE(held[last].pose.theta_rad - held[middle].pose.theta_rad, 0.2f * way_m + 0.01f);
-  Bench spinning;
+  StopBench spinning;
   spinning.Drive({0.0f, 4.0f});
   const SweptMotion ended = spinning.Stop(StopKind::kZero, way);
   EXPECT_LT(Way(ended), 0.4f);
@@ -128,7 +128,7 @@ TEST(StopMotion, SteeredWheelsHoldNoMoreThanTheyCan) {
 
 // SR-MOV04
 TEST(StopMotion, WhatItMayBeOffByGrowsForHalfASecond) {
-  Bench bench;
+  StopBench bench;
   bench.Drive({8.0f, 2.5f});
   StopWay way;
   way.error = {.speed_mps = 0.2f, .yaw_rate_radps = 0.1f};
@@ -147,7 +147,7 @@ TEST(StopMotion, WhatItMayBeOffByGrowsForHalfASecond) {
 
 // SR-MOV02
 TEST(StopMotion, AlongThePathItTakesTheRampAndTheLags) {
-  Bench bench;
+  StopBench bench;
   bench.Drive({8.0f, 0.0f});
   StopWay way;
   way.reference_mps = bench.model.speed_mps();
@@ -162,7 +162,7 @@ TEST(StopMotion, AlongThePathItTakesTheRampAndTheLags) {
 
 // It keeps to the path's curvature while it brakes; at zero at once the turn dies away.
 TEST(StopMotion, AlongAPathThatBendsItTurns) {
-  Bench bench;
+  StopBench bench;
   bench.Drive({8.0f, 0.0f});
   float turned_rad[2] = {};
   float way_m = 0.0f;
@@ -183,7 +183,7 @@ TEST(StopMotion, AlongAPathThatBendsItTurns) {
 
 TEST(StopMotion, PosesLieCloseEnoughAndNeverTooMany) {
   for (const float common_radps : {0.5f, 4.0f, 17.5f}) {
-    Bench bench;
+    StopBench bench;
     bench.Drive({common_radps, 1.0f});
     StopWay way;
     way.reference_mps = bench.model.speed_mps();

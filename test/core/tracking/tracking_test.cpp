@@ -10,13 +10,14 @@
 #include <vector>
 
 #include "core/base/math.h"
+#include "test/not_finite.h"
 
 namespace hardpack {
 namespace {
 
 constexpr float kTick_s = 0.01f;
 constexpr float kRim_m = 0.30f * 0.962f;
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+using testing::kNaN;
 
 // Pure pursuit.
 Tracker MakeTracker(const VehicleParams& vehicle = {}) {
@@ -192,10 +193,10 @@ TEST(PurePursuit, CommandsZeroForWhatIsNoNumber) {
   for (int i = 0; i < 20; ++i) {
     ASSERT_EQ(tracker.Follow(Aim(2.0f, 0.0f, 2.0f), kTick_s, output), Status::kOk);
   }
-  EXPECT_EQ(tracker.Follow(Aim(kNan, 0.0f, 2.0f), kTick_s, output), Status::kNotFinite);
+  EXPECT_EQ(tracker.Follow(Aim(kNaN, 0.0f, 2.0f), kTick_s, output), Status::kNotFinite);
   EXPECT_EQ(output.wheels.left_radps, 0.0f);
   EXPECT_EQ(output.speed_mps, 0.0f);
-  EXPECT_EQ(tracker.Follow(Aim(2.0f, 0.0f, kNan), kTick_s, output), Status::kNotFinite);
+  EXPECT_EQ(tracker.Follow(Aim(2.0f, 0.0f, kNaN), kTick_s, output), Status::kNotFinite);
   EXPECT_EQ(tracker.Follow(Aim(2.0f, 0.0f, 2.0f), 0.0f, output), Status::kNotFinite);
 }
 
@@ -296,15 +297,15 @@ TEST(Tracker, CommandsZeroForWhatIsNoNumber) {
     input.*member = value;
     return input;
   };
-  std::vector<TrackingInput> bad = {spoilt(&TrackingInput::acceleration_mps2, kNan),
-                                    spoilt(&TrackingInput::turn_curvature_per_m, kNan),
-                                    spoilt(&TrackingInput::wheel_curvature_per_m, kNan),
-                                    spoilt(&TrackingInput::curvature_rate_per_m2, kNan),
-                                    spoilt(&TrackingInput::left_m, kNan),
-                                    spoilt(&TrackingInput::speed_limit_mps, kNan)};
-  bad.push_back(Along(kNan, 2.0f));
+  std::vector<TrackingInput> bad = {spoilt(&TrackingInput::acceleration_mps2, kNaN),
+                                    spoilt(&TrackingInput::turn_curvature_per_m, kNaN),
+                                    spoilt(&TrackingInput::wheel_curvature_per_m, kNaN),
+                                    spoilt(&TrackingInput::curvature_rate_per_m2, kNaN),
+                                    spoilt(&TrackingInput::left_m, kNaN),
+                                    spoilt(&TrackingInput::speed_limit_mps, kNaN)};
+  bad.push_back(Along(kNaN, 2.0f));
   bad.push_back(Along(0.0f, 2.0f));
-  bad.back().path.theta_rad = kNan;
+  bad.back().path.theta_rad = kNaN;
   for (const TrackingInput& input : bad) {
     Tracker tracker = MakeLagAware();
     TrackingOutput output;
@@ -397,7 +398,7 @@ TEST(Tracker, KnowsFromWhichSpeedItStops) {
   const Tracker tracker = MakeLagAware();
   EXPECT_EQ(tracker.EndSpeed(0.0f, 2.0f), 0.0f);
   EXPECT_EQ(tracker.EndSpeed(-1.0f, 2.0f), 0.0f);
-  EXPECT_EQ(tracker.EndSpeed(kNan, 2.0f), 0.0f);
+  EXPECT_EQ(tracker.EndSpeed(kNaN, 2.0f), 0.0f);
   float before_mps = 0.0f;
   for (int i = 1; i < 1000; ++i) {
     const float speed_mps = tracker.EndSpeed(0.01f * static_cast<float>(i), 2.0f);
@@ -440,7 +441,7 @@ TEST(Tracker, RefusesParametersOutOfRange) {
   Tracker tracker;
   TrackingOutput output;
   EXPECT_EQ(tracker.Configure({}, {}, {}, {.dead_time_s = 2.0f}, {}), Status::kParameterOutOfRange);
-  EXPECT_EQ(tracker.Configure({}, {}, {}, {}, {.bandwidth_radps = kNan}),
+  EXPECT_EQ(tracker.Configure({}, {}, {}, {}, {.bandwidth_radps = kNaN}),
             Status::kParameterOutOfRange);
   EXPECT_EQ(tracker.Follow(Along(0.0f, 2.0f), kTick_s, output), Status::kNotStarted);
   EXPECT_EQ(output.wheels.left_radps, 0.0f);

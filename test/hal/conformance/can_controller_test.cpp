@@ -30,7 +30,7 @@ bool Shell(const std::string& command) {
   return std::system((command + " >/dev/null 2>&1").c_str()) == 0;
 }
 
-class CanController : public testing::Test {
+class CanController : public ::testing::Test {
  protected:
   void SetUp() override {
     adapter_ = FileDescriptor(posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK));

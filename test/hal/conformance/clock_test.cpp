@@ -17,7 +17,7 @@ namespace {
 constexpr uint64_t kMillisecond_ns = 1'000'000;
 
 template <typename ClockType>
-class ClockConformance : public testing::Test {
+class ClockConformance : public ::testing::Test {
  protected:
   ClockType clock_;
 };

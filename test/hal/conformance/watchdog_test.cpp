@@ -86,7 +86,7 @@ struct ServiceHarness {
 };
 
 template <typename Harness>
-class WatchdogConformance : public testing::Test {
+class WatchdogConformance : public ::testing::Test {
  protected:
   Harness harness_;
 };

@@ -16,7 +16,7 @@
 namespace hardpack::ouster {
 namespace {
 
-Metadata MetadataOf(Profile profile, int columns_per_packet) {
+Metadata MetadataOfTwoBeams(Profile profile, int columns_per_packet) {
   Metadata metadata;
   metadata.profile = profile;
   metadata.beams = 2;
@@ -26,11 +26,11 @@ Metadata MetadataOf(Profile profile, int columns_per_packet) {
   return metadata;
 }
 
-class OusterGoldenBytes : public testing::Test {
+class OusterGoldenBytes : public ::testing::Test {
  protected:
   // What CheckPacket and DecodeColumn say of a whole packet.
   void Check(Profile profile, int columns_per_packet, const std::vector<uint8_t>& packet) {
-    ASSERT_EQ(MakeLayout(MetadataOf(profile, columns_per_packet), layout_), Status::kOk);
+    ASSERT_EQ(MakeLayout(MetadataOfTwoBeams(profile, columns_per_packet), layout_), Status::kOk);
     ASSERT_EQ(CheckPacket(layout_, SensorIdentity{}, packet, header_), Status::kOk);
   }
   Status Decode(const std::vector<uint8_t>& packet, int index) {

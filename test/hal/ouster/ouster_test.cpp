@@ -109,7 +109,7 @@ TEST(OusterLayout, RefusesWhatItCannotDecode) {
   EXPECT_EQ(DecodeColumn(layout, packet, 0, column), Status::kInvalidArgument);
 }
 
-class OusterCodec : public testing::TestWithParam<std::tuple<Profile, int>> {
+class OusterCodec : public ::testing::TestWithParam<std::tuple<Profile, int>> {
  protected:
   std::vector<uint8_t> Encode(const std::vector<LidarColumn>& columns) const {
     return test::Encode(profile(), identity_, columns);
@@ -236,14 +236,16 @@ std::string ProfileName(Profile profile) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Profiles, OusterCodec,
-    testing::Combine(testing::Values(Profile::kLegacy, Profile::kRng19Rfl8Sig16Nir16,
-                                     Profile::kRng15Rfl8Nir8, Profile::kRng19Rfl8Sig16Nir16Dual),
-                     testing::Values(16, 32, 64, 128)),
-    [](const testing::TestParamInfo<std::tuple<Profile, int>>& info) {
-      return ProfileName(std::get<0>(info.param)) + "x" + std::to_string(std::get<1>(info.param));
-    });
+INSTANTIATE_TEST_SUITE_P(Profiles, OusterCodec,
+                         ::testing::Combine(::testing::Values(Profile::kLegacy,
+                                                              Profile::kRng19Rfl8Sig16Nir16,
+                                                              Profile::kRng15Rfl8Nir8,
+                                                              Profile::kRng19Rfl8Sig16Nir16Dual),
+                                            ::testing::Values(16, 32, 64, 128)),
+                         [](const ::testing::TestParamInfo<std::tuple<Profile, int>>& info) {
+                           return ProfileName(std::get<0>(info.param)) + "x" +
+                                  std::to_string(std::get<1>(info.param));
+                         });
 
 // A column that held two returns and now one keeps no trace of the second in `returns`.
 TEST(OusterDecodeColumn, SaysHowManyReturnsABeamHas) {

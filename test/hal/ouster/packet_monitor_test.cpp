@@ -50,7 +50,7 @@ uint64_t SumOf(const PacketCounters& c) {
          c.before_start + c.duplicates;
 }
 
-class OusterPacketMonitor : public testing::Test {
+class OusterPacketMonitor : public ::testing::Test {
  protected:
   void SetUp() override { ASSERT_EQ(monitor_.Configure(SmallSensor()), Status::kOk); }
   Status Give(int64_t number) { return monitor_.Check(PacketAt(number), header_); }

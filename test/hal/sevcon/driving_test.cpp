@@ -3,12 +3,13 @@
 #include <limits>
 
 #include "test/hal/sevcon/bench.h"
+#include "test/not_finite.h"
 
 namespace hardpack::sevcon {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 // Of a motor, gear ratio 30.
 constexpr float kRpmPerRadps = 30.0f * 60.0f / 6.2831853f;
 
@@ -85,7 +86,7 @@ TEST(Driving, ClampsToTheMotorsLimit) {
 
 // SR-CMD03
 TEST(Driving, TakesADemandThatIsNotFiniteForZero) {
-  for (const float odd : {kNan, kInfinity, -kInfinity}) {
+  for (const float odd : {kNaN, kInfinity, -kInfinity}) {
     Bench bench = Bench::WithDrivesSetUp();
     ASSERT_TRUE(bench.BringUp());
     ASSERT_TRUE(bench.Drive(2.0f, 2.0f));
@@ -335,7 +336,7 @@ TEST(Configure, RefusesWhatDoesNotFitTogether) {
             }),
             Status::kInvalidArgument);
   EXPECT_EQ(status_of([](DriveParams& p) { p.left_node = 128; }), Status::kParameterOutOfRange);
-  EXPECT_EQ(status_of([](DriveParams& p) { p.gear_ratio = kNan; }), Status::kParameterOutOfRange);
+  EXPECT_EQ(status_of([](DriveParams& p) { p.gear_ratio = kNaN; }), Status::kParameterOutOfRange);
   EXPECT_EQ(status_of([](DriveParams& p) { p.bit_rate_kbps = 50; }), Status::kCapacityExceeded);
 }
 

@@ -18,7 +18,7 @@
 namespace hardpack::vectornav {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int64_t kUntouched = 77;
 
 uint64_t BitsOf(double value) {
@@ -107,7 +107,7 @@ TEST(Binary64, WhatAnIntegerDoesNotHoldIsRefused) {
 
 TEST(Binary64, WhatIsNotFiniteIsRefused) {
   int64_t billionths = kUntouched;
-  for (const uint64_t bits : {BitsOf(kInfinity), BitsOf(-kInfinity), BitsOf(std::nan("")),
+  for (const uint64_t bits : {BitsOf(kInfinite), BitsOf(-kInfinite), BitsOf(std::nan("")),
                               0x7ff0000000000001u, 0xffffffffffffffffu}) {
     EXPECT_EQ(BillionthsFromBinary64(bits, billionths), Status::kNotFinite);
   }
@@ -128,7 +128,7 @@ TEST(Binary64, FloatsAreTheHosts) {
   }
   EXPECT_TRUE(std::isnan(FloatFromBinary64(BitsOf(std::nan("")))));
   EXPECT_TRUE(std::isnan(FloatFromBinary64(0x7ff0000000000001u)));
-  EXPECT_EQ(FloatFromBinary64(BitsOf(-kInfinity)), -std::numeric_limits<float>::infinity());
+  EXPECT_EQ(FloatFromBinary64(BitsOf(-kInfinite)), -std::numeric_limits<float>::infinity());
 }
 
 // The float's last bit: halves between two floats go to the even one.

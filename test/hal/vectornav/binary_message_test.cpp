@@ -7,6 +7,7 @@
 
 #include "hal/vectornav/vectornav.h"
 #include "test/hal/vectornav/vectornav_messages.h"
+#include "test/not_finite.h"
 
 namespace hardpack::vectornav {
 namespace {
@@ -16,8 +17,8 @@ using test::Common;
 using test::CommonMessage;
 using test::MessageBuilder;
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 // FA 01 EB 10: the message that a VN-300 is configured to send. Written byte by byte from the
 // documented layout; the CRC is that of a program of its own.
@@ -173,7 +174,7 @@ TEST(VectorNavBinary, TimeOfLessThanAWeekIsNoGpsTime) {
 // SR-INP02
 TEST(VectorNavBinary, RefusesNumbersThatAreNotFinite) {
   const Common good;
-  for (const float bad : {kNan, kInf, -kInf}) {
+  for (const float bad : {kNaN, kInfinity, -kInfinity}) {
     for (int which = 0; which < 9; ++which) {
       Common common = good;
       if (which == 0) common.yaw_deg = bad;
@@ -194,8 +195,11 @@ TEST(VectorNavBinary, RefusesNumbersThatAreNotFinite) {
 
 TEST(VectorNavBinary, DoesNotMindWhatItDoesNotUse) {
   InsSample sample;
-  const std::vector<uint8_t> message =
-      MessageBuilder(0x01, {0x1010}).Vector(kNan, kInf, kNan).Add(kNan).Add(uint16_t{2}).Build();
+  const std::vector<uint8_t> message = MessageBuilder(0x01, {0x1010})
+                                           .Vector(kNaN, kInfinity, kNaN)
+                                           .Add(kNaN)
+                                           .Add(uint16_t{2})
+                                           .Build();
   EXPECT_EQ(DecodeBinary(message, sample), Status::kOk);
 }
 
@@ -233,7 +237,7 @@ TEST(VectorNavBinary, RefusesNegativeUncertainties) {
   InsSample sample;
   EXPECT_EQ(DecodeBinary(MessageBuilder(0x20, {0x0200}).Add(-0.5f).Build(), sample),
             Status::kInvalidArgument);
-  EXPECT_EQ(DecodeBinary(MessageBuilder(0x20, {0x0400}).Add(kNan).Build(), sample),
+  EXPECT_EQ(DecodeBinary(MessageBuilder(0x20, {0x0400}).Add(kNaN).Build(), sample),
             Status::kNotFinite);
 }
 

@@ -59,7 +59,7 @@ float FloatAt(const std::vector<uint8_t>& bytes, size_t offset) {
 }
 
 // A VN-100's log: binary messages of IMU and attitude with lines of text between them.
-class VectorNavLog : public testing::Test {
+class VectorNavLog : public ::testing::Test {
  protected:
   void SetUp() override {
     const std::string text = ReadRecording("vn100_F00294.bin");

@@ -48,7 +48,7 @@ uint64_t SumOf(const PacketCounters& c) {
          c.bad_time + c.wrong_rate + c.not_resumed + c.duplicates;
 }
 
-class VelodyneLidar : public testing::Test {
+class VelodyneLidar : public ::testing::Test {
  protected:
   void Begin(const Turning& sensor) {
     sensor_ = sensor;

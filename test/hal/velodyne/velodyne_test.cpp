@@ -50,7 +50,7 @@ std::vector<uint8_t> Golden(const Config& config) {
   return bytes;
 }
 
-class Velodyne : public testing::Test {
+class Velodyne : public ::testing::Test {
  protected:
   Status Read(const Config& config, const std::vector<uint8_t>& bytes) {
     return ReadHeader(config, bytes, header_);

@@ -20,7 +20,7 @@ using experiment::Outcome;
 using experiment::RunResult;
 using Phase = WireOperator::Phase;
 
-constexpr double kRest_mps = 0.03;
+constexpr double kWireRest_mps = 0.03;
 constexpr double kRestLimit_s = 15.0;
 
 std::string OnLoopback(int port) {
@@ -181,7 +181,7 @@ void WireRun::ComeToRest() {
   });
   operator_->Leave();
   const double until_s = Time_s() + kRestLimit_s;
-  const auto rests = [this] { return std::fabs(vehicle_->vehicle().speed_mps()) < kRest_mps; };
+  const auto rests = [this] { return std::fabs(vehicle_->vehicle().speed_mps()) < kWireRest_mps; };
   while ((said_.phase != Phase::kLeft || !rests()) && Time_s() < until_s) {
     real_time_.Turn(*vehicle_);
   }

@@ -11,12 +11,13 @@
 #include <string>
 
 #include "test/hal/onboard/control/random_messages.h"
+#include "test/not_finite.h"
 
 namespace hardpack::control {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+using testing::kInfinity;
+using testing::kNaN;
 
 // docs/control.md's example.
 OperatorCommand ExampleGoal() {
@@ -268,7 +269,7 @@ struct BadArea {
 
 // SR-ARE01
 TEST(ControlMessages, AnAreaWithANumberOutOfRangeIsRefusedBothWays) {
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   const BadArea cases[] = {
       {"index", [](OperatorCommand& c) { c.area_index = 2; }, Status::kInvalidArgument},
       {"no count", [](OperatorCommand& c) { c.area_count = 0; }, Status::kInvalidArgument},
@@ -283,7 +284,7 @@ TEST(ControlMessages, AnAreaWithANumberOutOfRangeIsRefusedBothWays) {
        Status::kInvalidArgument},
       {"farther", [](OperatorCommand& c) { c.area.corner[2].y_mm = kMaxAreaPosition_mm + 1; },
        Status::kInvalidArgument},
-      {"NaN", [](OperatorCommand& c) { c.area.speed_mps = kNan; }, Status::kNotFinite},
+      {"NaN", [](OperatorCommand& c) { c.area.speed_mps = kNaN; }, Status::kNotFinite},
   };
   for (const BadArea& bad : cases) {
     SCOPED_TRACE(bad.what);
@@ -395,7 +396,7 @@ const BadGoal kBadGoals[] = {
     {"too many", [](OperatorCommand& c) { c.waypoints = 65; }, Status::kInvalidArgument},
     {"frame", [](OperatorCommand& c) { c.waypoint[1].frame = static_cast<GoalFrame>(3); },
      Status::kInvalidArgument},
-    {"x nan", [](OperatorCommand& c) { c.waypoint[1].position_m.x_m = kNan; }, Status::kNotFinite},
+    {"x nan", [](OperatorCommand& c) { c.waypoint[1].position_m.x_m = kNaN; }, Status::kNotFinite},
     {"y inf", [](OperatorCommand& c) { c.waypoint[1].position_m.y_m = -kInfinity; },
      Status::kNotFinite},
     {"x far", [](OperatorCommand& c) { c.waypoint[1].position_m.x_m = 1.0001e6f; },
@@ -408,7 +409,7 @@ const BadGoal kBadGoals[] = {
      Status::kInvalidArgument},
     {"longitude", [](OperatorCommand& c) { c.waypoint[0].longitude_ndeg = -180'000'000'001; },
      Status::kInvalidArgument},
-    {"heading nan", [](OperatorCommand& c) { c.heading_rad = kNan; }, Status::kNotFinite},
+    {"heading nan", [](OperatorCommand& c) { c.heading_rad = kNaN; }, Status::kNotFinite},
     {"heading far", [](OperatorCommand& c) { c.heading_rad = 3.15f; }, Status::kInvalidArgument},
     {"heading frame", [](OperatorCommand& c) { c.heading_frame = GoalFrame::kGeodetic; },
      Status::kInvalidArgument},

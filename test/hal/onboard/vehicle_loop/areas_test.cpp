@@ -34,7 +34,7 @@ Status Send(ClosedLoop& drive, const std::vector<Area>& areas) {
   return status;
 }
 
-control::OperatorCommand Mission(std::initializer_list<Vec2> places) {
+control::OperatorCommand MissionAlong(std::initializer_list<Vec2> places) {
   control::OperatorCommand command;
   command.kind = Kind::kGoal;
   for (const Vec2& place : places) command.waypoint[command.waypoints++].position_m = place;
@@ -231,13 +231,13 @@ TEST(VehicleLoopAreas, AMissionWithOneWaypointWhereItMustNotBeIsRefused) {
   ASSERT_TRUE(drive.Until(20.0, [&] { return drive.loop().drives().ready(); }));
   ASSERT_EQ(Send(drive, {AreaOf(AreaKind::kKeepOut, Box(8, -1, 11, 7))}), Status::kOk);
   drive.BringUpAndArm();
-  EXPECT_EQ(drive.Say(Mission({{5.0f, 0.0f}, {9.0f, 0.0f}, {19.0f, 0.0f}})),
+  EXPECT_EQ(drive.Say(MissionAlong({{5.0f, 0.0f}, {9.0f, 0.0f}, {19.0f, 0.0f}})),
             Status::kGoalForbidden);
-  EXPECT_EQ(drive.Say(Mission({{5.0f, 0.0f}, {19.0f, 0.0f}, {9.0f, 3.0f}})),
+  EXPECT_EQ(drive.Say(MissionAlong({{5.0f, 0.0f}, {19.0f, 0.0f}, {9.0f, 3.0f}})),
             Status::kGoalForbidden);
   EXPECT_EQ(drive.loop().goals(), 0);
   EXPECT_FALSE(drive.loop().may_resume());
-  EXPECT_EQ(drive.Say(Mission({{5.0f, 0.0f}, {9.0f, -4.0f}, {19.0f, 0.0f}})), Status::kOk);
+  EXPECT_EQ(drive.Say(MissionAlong({{5.0f, 0.0f}, {9.0f, -4.0f}, {19.0f, 0.0f}})), Status::kOk);
 }
 
 // SR-ARE02, SR-ARE05, SR-MIS04, SR-MIS05
@@ -248,7 +248,7 @@ TEST(VehicleLoopAreas, AMissionPassesItsWaypointsBesideAreasAndThroughAZone) {
   const Area zone = AreaOf(AreaKind::kSpeedZone, Box(20, -9, 24, 9), 1.0f);
   ASSERT_EQ(Send(drive, {keep_out, zone}), Status::kOk);
   drive.BringUpAndArm();
-  control::OperatorCommand mission = Mission({{6.0f, 0.0f}, {17.0f, -1.0f}, {34.0f, 0.0f}});
+  control::OperatorCommand mission = MissionAlong({{6.0f, 0.0f}, {17.0f, -1.0f}, {34.0f, 0.0f}});
   mission.waypoint[2].speed_dmps = 15;
   ASSERT_EQ(drive.Say(mission), Status::kOk);
   const Footprint footprint = FootprintOf(drive.config().planner.vehicle);
@@ -275,7 +275,7 @@ TEST(VehicleLoopAreas, AMissionPassesItsWaypointsBesideAreasAndThroughAZone) {
 // On its way with a mission, and then stopped by the operator: at rest, and armed.
 void StopOnTheWay(ClosedLoop& drive) {
   drive.BringUpAndArm();
-  ASSERT_EQ(drive.Say(Mission({{12.0f, 0.0f}, {24.0f, 0.0f}})), Status::kOk);
+  ASSERT_EQ(drive.Say(MissionAlong({{12.0f, 0.0f}, {24.0f, 0.0f}})), Status::kOk);
   ASSERT_TRUE(drive.Until(15.0, [&] { return drive.Speed_mps() > 1.0; }));
   ASSERT_EQ(drive.Say(Kind::kStop), Status::kOk);
   ASSERT_TRUE(drive.Until(6.0, [&] { return drive.mode() == Mode::kArmed; }));
@@ -340,7 +340,7 @@ TEST(VehicleLoopAreas, AMissionIsNotResumedToWhereAnAreaForbidsItByThen) {
   const Area right = OnEarth(map, AreaOf(AreaKind::kKeepOut, Box(55, -30, 80, -2)));
   ASSERT_EQ(Send(drive, {left, right}), Status::kOk);
   drive.BringUpAndArm();
-  control::OperatorCommand mission = Mission({{70.0f, 0.0f}});
+  control::OperatorCommand mission = MissionAlong({{70.0f, 0.0f}});
   mission.waypoint[0].speed_dmps = 10;
   ASSERT_EQ(drive.Say(mission), Status::kOk);
   ASSERT_TRUE(drive.Until(15.0, [&] { return drive.Speed_mps() > 0.8; }));

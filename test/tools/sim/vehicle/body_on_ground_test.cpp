@@ -11,7 +11,7 @@
 namespace hardpack::sim {
 namespace {
 
-constexpr double kStep_s = 0.001;
+constexpr double kBodyStep_s = 0.001;
 constexpr double kDegree_rad = 3.14159265358979 / 180.0;
 
 // Chassis without creep, so that a hand can compute.
@@ -40,15 +40,15 @@ GroundUnder LeftUp(double left_deg, double friction) {
 // Seconds of wheels that turn at wheels_mps; the way it went.
 double Roll(BodyOnGround& body, double& speed_mps, double wheels_mps, double seconds) {
   double way_m = 0.0;
-  for (int i = 0; i < static_cast<int>(std::lround(seconds / kStep_s)); ++i) {
+  for (int i = 0; i < static_cast<int>(std::lround(seconds / kBodyStep_s)); ++i) {
     speed_mps = body.Along(speed_mps, wheels_mps, 0.0);
-    way_m += speed_mps * kStep_s;
+    way_m += speed_mps * kBodyStep_s;
   }
   return way_m;
 }
 
 TEST(BodyOnGround, WithoutFrictionItIsAsFastAsItsWheels) {
-  BodyOnGround body(Stiff(), kStep_s);
+  BodyOnGround body(Stiff(), kBodyStep_s);
   EXPECT_EQ(body.Along(1.0, 5.0, 0.3), 5.0);
   EXPECT_EQ(body.Crept(5.0), 5.0);
   EXPECT_EQ(body.slip_left_mps(), 0.0);
@@ -59,7 +59,7 @@ TEST(BodyOnGround, WithoutFrictionItIsAsFastAsItsWheels) {
 TEST(BodyOnGround, StopsDownhillAsFrictionAndGradeAllow) {
   for (const double down_deg : {0.0, 9.0, 16.0}) {
     for (const double friction : {0.4, 0.6}) {
-      BodyOnGround body(Stiff(), kStep_s);
+      BodyOnGround body(Stiff(), kBodyStep_s);
       body.SetGround(Uphill(-down_deg, friction));
       double speed_mps = 5.0;
       const double way_m = Roll(body, speed_mps, 0.0, 20.0);
@@ -73,7 +73,7 @@ TEST(BodyOnGround, StopsDownhillAsFrictionAndGradeAllow) {
 
 // At mu = 0.3 nothing is left from -16.7 degrees on.
 TEST(BodyOnGround, DoesNotStopWhereTheGradeIsMoreThanTheFriction) {
-  BodyOnGround body(Stiff(), kStep_s);
+  BodyOnGround body(Stiff(), kBodyStep_s);
   body.SetGround(Uphill(-17.0, 0.3));
   double speed_mps = 1.0;
   Roll(body, speed_mps, 0.0, 5.0);
@@ -82,7 +82,7 @@ TEST(BodyOnGround, DoesNotStopWhereTheGradeIsMoreThanTheFriction) {
 }
 
 TEST(BodyOnGround, StandsOnASlopeWithItsWheelsHeld) {
-  BodyOnGround body(Stiff(), kStep_s);
+  BodyOnGround body(Stiff(), kBodyStep_s);
   body.SetGround(Uphill(20.0, 0.5));
   double speed_mps = 0.0;
   EXPECT_EQ(Roll(body, speed_mps, 0.0, 10.0), 0.0);
@@ -93,19 +93,19 @@ TEST(BodyOnGround, StandsOnASlopeWithItsWheelsHeld) {
 // Uphill its wheels spin where mu cos a < sin a; where they hold, the drives have to be strong
 // enough.
 TEST(BodyOnGround, ClimbsWhatItsTyresAndItsDrivesCan) {
-  BodyOnGround slippery(Stiff(), kStep_s);
+  BodyOnGround slippery(Stiff(), kBodyStep_s);
   slippery.SetGround(Uphill(20.0, 0.3));
   double speed_mps = 0.0;
   Roll(slippery, speed_mps, 2.0, 1.0);
   EXPECT_LT(speed_mps, 0.0);
   ChassisParams weak = Stiff();
   weak.drive_mps2 = 2.0;
-  BodyOnGround heavy(weak, kStep_s);
+  BodyOnGround heavy(weak, kBodyStep_s);
   heavy.SetGround(Uphill(20.0, 0.8));
   speed_mps = 0.0;
   Roll(heavy, speed_mps, 2.0, 1.0);
   EXPECT_LT(speed_mps, 0.0);
-  BodyOnGround climbs(Stiff(), kStep_s);
+  BodyOnGround climbs(Stiff(), kBodyStep_s);
   climbs.SetGround(Uphill(20.0, 0.8));
   speed_mps = 0.0;
   Roll(climbs, speed_mps, 2.0, 2.0);
@@ -114,7 +114,7 @@ TEST(BodyOnGround, ClimbsWhatItsTyresAndItsDrivesCan) {
 
 // g sin b > mu g cos b: it slides with the difference, and stops where the ground holds again.
 TEST(BodyOnGround, SlidesSidewaysOffASteepSideSlope) {
-  BodyOnGround body(Stiff(), kStep_s);
+  BodyOnGround body(Stiff(), kBodyStep_s);
   body.SetGround(LeftUp(30.0, 0.4));
   double speed_mps = 0.0;
   Roll(body, speed_mps, 0.0, 1.0);
@@ -129,7 +129,7 @@ TEST(BodyOnGround, SlidesSidewaysOffASteepSideSlope) {
 
 // v w against mu g: what is lacking drives it out of the turn.
 TEST(BodyOnGround, SlidesOutOfATurnThatIsTooFast) {
-  BodyOnGround body(Stiff(), kStep_s);
+  BodyOnGround body(Stiff(), kBodyStep_s);
   body.SetGround({.friction = 0.3});
   double speed_mps = 4.0;
   for (int i = 0; i < 500; ++i) speed_mps = body.Along(speed_mps, speed_mps, 1.0);
@@ -138,7 +138,7 @@ TEST(BodyOnGround, SlidesOutOfATurnThatIsTooFast) {
 
 // What holds it across is missing along.
 TEST(BodyOnGround, BrakesLessOnASideSlope) {
-  BodyOnGround body(Stiff(), kStep_s);
+  BodyOnGround body(Stiff(), kBodyStep_s);
   body.SetGround(LeftUp(20.0, 0.5));
   double speed_mps = 5.0;
   Roll(body, speed_mps, 0.0, 0.001);
@@ -152,13 +152,13 @@ TEST(BodyOnGround, BrakesLessOnASideSlope) {
 TEST(BodyOnGround, TipsWhereTheLoadLeavesTheWheelsAbove) {
   const double tips_deg = std::atan(1.12 / 0.9) / kDegree_rad;
   for (const double off_deg : {-0.5, 0.5}) {
-    BodyOnGround body(Stiff(), kStep_s);
+    BodyOnGround body(Stiff(), kBodyStep_s);
     body.SetGround(LeftUp(tips_deg + off_deg, 5.0));
     double speed_mps = 0.0;
     Roll(body, speed_mps, 0.0, 0.01);
     EXPECT_EQ(body.tipping() >= 1.0, off_deg > 0.0) << body.tipping();
   }
-  BodyOnGround body(Stiff(), kStep_s);
+  BodyOnGround body(Stiff(), kBodyStep_s);
   body.SetGround({.friction = 5.0});
   static_cast<void>(body.Along(4.0, 4.0, 3.2));  // 12.8 m/s^2 > g B / (2 h) = 12.2
   EXPECT_GE(body.tipping(), 1.0);
@@ -169,7 +169,7 @@ TEST(BodyOnGround, CreepsUnderLoad) {
   chassis.tyre_slip = 0.06;
   chassis.side_slip_rad = 0.1;
   chassis.tyre_arm_m = 0.36;
-  BodyOnGround body(chassis, kStep_s);
+  BodyOnGround body(chassis, kBodyStep_s);
   body.SetGround(Uphill(15.0, 0.6));
   double speed_mps = 2.0;
   for (int i = 0; i < 3000; ++i) speed_mps = body.Along(speed_mps, body.Crept(2.0), 0.0);
@@ -182,8 +182,8 @@ TEST(BodyOnGround, CreepsUnderLoad) {
 }
 
 TEST(BodyOnGround, IsMirroredExactly) {
-  BodyOnGround left(ChassisParams{}, kStep_s);
-  BodyOnGround right(ChassisParams{}, kStep_s);
+  BodyOnGround left(ChassisParams{}, kBodyStep_s);
+  BodyOnGround right(ChassisParams{}, kBodyStep_s);
   left.SetGround(LeftUp(14.0, 0.45));
   right.SetGround(LeftUp(-14.0, 0.45));
   double left_mps = 1.0;

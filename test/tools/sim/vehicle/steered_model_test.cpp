@@ -12,7 +12,7 @@
 namespace hardpack::sim {
 namespace {
 
-constexpr double kStep_s = 0.001;
+constexpr double kSteeredStep_s = 0.001;
 
 SteeredModelParams Ideal() {
   SteeredModelParams params;
@@ -21,7 +21,7 @@ SteeredModelParams Ideal() {
 }
 
 void Drive(SteeredModel& model, const SteeredSetpoints& setpoints, double seconds) {
-  const int steps = static_cast<int>(std::lround(seconds / kStep_s));
+  const int steps = static_cast<int>(std::lround(seconds / kSteeredStep_s));
   for (int i = 0; i < steps; ++i) model.Step(setpoints);
 }
 
@@ -38,7 +38,7 @@ TEST(SteeredModel, DefaultsAreInRange) {
 TEST(SteeredModel, DrivesTheCircleOfItsSteeringAngle) {
   const SteeredModelParams params = Ideal();
   for (const double steering_rad : {0.2, -0.4}) {
-    SteeredModel model(params, {}, kStep_s);
+    SteeredModel model(params, {}, kSteeredStep_s);
     Drive(model, {true, 1.0, steering_rad}, 5.0);
     const double radius_m = params.wheelbase_m / std::tan(steering_rad);
     const Pose& pose = model.pose();
@@ -55,7 +55,7 @@ TEST(SteeredModel, DrivesTheCircleOfItsSteeringAngle) {
 }
 
 TEST(SteeredModel, DoesNotTurnOnTheSpot) {
-  SteeredModel model(Ideal(), {1.0, 2.0, 0.5}, kStep_s);
+  SteeredModel model(Ideal(), {1.0, 2.0, 0.5}, kSteeredStep_s);
   Drive(model, {true, 0.0, 0.4}, 3.0);
   EXPECT_NEAR(model.steering_rad(), 0.4, 1.0e-3) << "its wheels do";
   EXPECT_EQ(model.pose().theta_rad, 0.5);
@@ -65,17 +65,17 @@ TEST(SteeredModel, DoesNotTurnOnTheSpot) {
 
 TEST(SteeredModel, StaysWithinItsLimits) {
   const SteeredModelParams params = Ideal();
-  SteeredModel model(params, {}, kStep_s);
+  SteeredModel model(params, {}, kSteeredStep_s);
   double speed_mps = 0.0;
   double steering_rad = 0.0;
   for (int i = 0; i < 12000; ++i) {
     const bool forward = i < 6000;
     model.Step({true, forward ? 50.0 : -50.0, forward ? 3.0 : -3.0});
-    const double change_mps2 = (model.speed_mps() - speed_mps) / kStep_s;
+    const double change_mps2 = (model.speed_mps() - speed_mps) / kSteeredStep_s;
     const bool brakes = change_mps2 * speed_mps < 0.0;
     ASSERT_LE(std::abs(change_mps2),
               1.0e-9 + (brakes ? params.max_deceleration_mps2 : params.max_acceleration_mps2));
-    ASSERT_LE(std::abs(model.steering_rad() - steering_rad) / kStep_s,
+    ASSERT_LE(std::abs(model.steering_rad() - steering_rad) / kSteeredStep_s,
               params.steering_rate_radps + 1.0e-9);
     ASSERT_LE(std::abs(model.steering_rad()), params.max_steering_rad + 1.0e-9);
     ASSERT_LE(std::abs(model.speed_mps()), params.max_speed_mps + 1.0e-9);
@@ -87,7 +87,7 @@ TEST(SteeredModel, StaysWithinItsLimits) {
 }
 
 TEST(SteeredModel, StopsAlongItsWayWhereNothingDrivesIt) {
-  SteeredModel model(Ideal(), {}, kStep_s);
+  SteeredModel model(Ideal(), {}, kSteeredStep_s);
   Drive(model, {true, 3.0, 0.3}, 4.0);
   const double before_rad = model.steering_rad();
   Drive(model, {}, 2.0);
@@ -98,15 +98,15 @@ TEST(SteeredModel, StopsAlongItsWayWhereNothingDrivesIt) {
 TEST(SteeredModel, TurnsLessAtSpeedThanItsWheelsPoint) {
   SteeredModelParams params;
   params.understeer_s2pm2 = 0.01;
-  SteeredModel model(params, {}, kStep_s);
+  SteeredModel model(params, {}, kSteeredStep_s);
   Drive(model, {true, 4.0, 0.2}, 6.0);
   const double curvature_per_m = model.yaw_rate_radps() / model.speed_mps();
   EXPECT_NEAR(curvature_per_m, std::tan(0.2) / params.wheelbase_m / (1.0 + 0.01 * 16.0), 1.0e-4);
 }
 
 TEST(SteeredModel, MirroredSetpointsGiveMirroredMotion) {
-  SteeredModel left(SteeredModelParams(), {}, kStep_s);
-  SteeredModel right(SteeredModelParams(), {}, kStep_s);
+  SteeredModel left(SteeredModelParams(), {}, kSteeredStep_s);
+  SteeredModel right(SteeredModelParams(), {}, kSteeredStep_s);
   Drive(left, {true, 3.0, 0.3}, 3.0);
   Drive(right, {true, 3.0, -0.3}, 3.0);
   EXPECT_EQ(left.pose().x_m, right.pose().x_m);

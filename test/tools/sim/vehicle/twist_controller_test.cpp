@@ -12,13 +12,13 @@ namespace hardpack::sim {
 namespace {
 
 constexpr uint64_t kTick_ns = 10'000'000;
-constexpr uint64_t kStart_ns = 3'000'000'000;
+constexpr uint64_t kTwistStart_ns = 3'000'000'000;
 
 // The controller, and somebody who commands it every 10 ms.
 class Bench {
  public:
   explicit Bench(const TwistControllerSettings& settings = {})
-      : settings_(settings), controller(settings, kStart_ns) {}
+      : settings_(settings), controller(settings, kTwistStart_ns) {}
 
   void Tick(bool enable, double speed_mps, double turn = 0.0) {
     now_ns += kTick_ns;
@@ -47,7 +47,7 @@ class Bench {
     ASSERT_EQ(controller.state(), TwistState::kReady);
   }
 
-  uint64_t now_ns = kStart_ns;
+  uint64_t now_ns = kTwistStart_ns;
   bool resets = false;
   std::vector<CanFrame> sent;  // since the last tick or wait
   twist_drive::Feedback feedback;
