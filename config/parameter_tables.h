@@ -280,8 +280,8 @@ inline constexpr std::array kSpeedTable = {
         "last part may be the slope into a ditch; the vehicle may turn on the spot there (ours)."),
     HP_SPEED(hidden_creep_mps, 0.0f, 0.3f,
              "Creep speed over ground that was in an obstacle's shadow from wherever the lidar has "
-             "looked: the vehicle stops within half a wheel's radius of a wheel that drops; 0: it "
-             "stands (ours).",
+             "looked, or that lies behind the brow of a hill: the vehicle stops within half a "
+             "wheel's radius of a wheel that drops; 0: it stands (ours).",
              &SpeedParams::min_speed_mps),
     HP_SPEED(narrow_room_m, 0.0f, 1.0f,
              "Where there is less room than this between one of the discs that cover the outline "

@@ -130,7 +130,7 @@ struct SpeedParams {
   float person_creep_mps = 0.2f;  // up to and past a person close by; 0: none
   float max_unseen_m = 0.6f;      // longest unobserved stretch of ground along the path
   float unseen_margin_m = 0.6f;   // between the vehicle at rest and unobserved ground
-  float hidden_creep_mps = 0.2f;  // over ground in a shadow from wherever it was seen; 0: none
+  float hidden_creep_mps = 0.2f;  // over ground that no place could show; 0: none
   float narrow_room_m = 0.15f;    // with less beside the footprint's discs: at min_speed_mps
   // The vehicle's error beside its path, including odometry drift, at a speed: the sum of
   float track_error_m = 0.03f;    // this at rest,

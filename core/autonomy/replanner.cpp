@@ -182,7 +182,7 @@ void Replanner::StepOwn(int units, const AreaSet* areas) {
       return;
     case Phase::kSpeed:
       if (caps_.Step(planner_.costmap(), caps_params_, params_.vehicle, candidate_.path, units,
-                     areas) == Progress::kDone) {
+                     areas, &planner_.terrain()) == Progress::kDone) {
         LimitLegs();
         Publish();
       }

@@ -40,22 +40,57 @@ View ViewFrom(const Costmap& map, Vec2 place, float blind_m, Cell cell) {
   return View::kShown;
 }
 
+// Of the places, as Lookouts::climb.
+float ClimbOf(const Lookouts& lookouts) {
+  const auto& heights_m = lookouts.heights_m;
+  const auto& places = lookouts.places_odom;
+  float lowest_m = heights_m[0];
+  float climbed_m = 0.0f;
+  float steepest = 0.0f;
+  HP_LOOP_BOUND(Lookouts::kMost - 1)
+  for (int k = 1; k < heights_m.size(); ++k) {
+    climbed_m = Max(climbed_m, heights_m[k] - lowest_m);
+    lowest_m = Min(lowest_m, heights_m[k]);
+    const int before = k > 1 ? k - 2 : 0;
+    const float way_m = Length(Minus(places[k], places[before]));
+    if (way_m < Lookouts::kApart_m) continue;
+    steepest = Max(steepest, (heights_m[k] - heights_m[before]) / way_m);
+  }
+  return climbed_m >= Lookouts::kClimbed_m ? steepest : 0.0f;
+}
+
 }  // namespace
 
-void Lookouts::Add(Vec2 place_odom) {
+void Lookouts::Add(Vec2 place_odom, float height_m) {
   const int places = places_odom.size();
   const bool is_near = places >= 2 && AreWithin(place_odom, places_odom[places - 2], kApart_m);
   if (is_near) {
     places_odom.back() = place_odom;
+    heights_m.back() = height_m;
     return;
   }
   if (!places_odom.full()) {
     places_odom.Resize(places + 1);
+    heights_m.Resize(places + 1);
   } else {
     HP_LOOP_BOUND(kMost - 1)
-    for (int k = 0; k + 1 < kMost; ++k) places_odom[k] = places_odom[k + 1];
+    for (int k = 0; k + 1 < kMost; ++k) {
+      places_odom[k] = places_odom[k + 1];
+      heights_m[k] = heights_m[k + 1];
+    }
   }
   places_odom.back() = place_odom;
+  heights_m.back() = height_m;
+  const float climbs = ClimbOf(*this);
+  since_climb = climbs > 0.0f ? 0 : since_climb + 1;
+  if (climbs > 0.0f || since_climb > kKept) climb = climbs;
+}
+
+void Lookouts::Clear() {
+  places_odom.Clear();
+  heights_m.Clear();
+  climb = 0.0f;
+  since_climb = 0;
 }
 
 bool IsHidden(const Costmap& map, const Lookouts& lookouts, Cell cell) {

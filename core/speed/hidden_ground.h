@@ -16,9 +16,10 @@
 //   |  blind_m  |
 //   o           |------------- ? in view, and nothing came back: a gap
 //
-// Only hard cells cast shadows: ground behind growth, soft things or a crest counts as in view, and
-// so does what a mask of the lidar hides. Nor is ground hidden that was always too near to be seen,
-// as around the start. Each of these makes a place a gap that is none, never the reverse.
+// Only hard cells cast shadows: ground behind growth or soft things counts as in view (behind
+// a brow: core/speed/brow.h), and so does what a mask of the lidar hides. Nor is ground hidden that
+// was always too near to be seen, as around the start. Each of these makes a place a gap that is
+// none, never the reverse.
 
 namespace hardpack {
 
@@ -31,12 +32,21 @@ struct Lookouts {
   static constexpr float kReach_m = 10.0f;
 
   FixedVector<Vec2, kMost> places_odom;  // oldest first
+  FixedVector<float, kMost> heights_m;   // of the vehicle there, odom
   // No beam meets level ground that is nearer to the lidar than this.
   float blind_m = 0.0f;
 
-  // The lidar is at place_odom now. The oldest place goes when there are too many. Precondition:
-  // finite. Cost: kMost.
-  void Add(Vec2 place_odom);
+  // The lidar is at place_odom now, and the vehicle at height_m. The oldest place goes when there
+  // are too many. Precondition: finite. Cost: kMost.
+  void Add(Vec2 place_odom, float height_m);
+  void Clear();
+
+  // The steepest way up over two places, rise over run, where the vehicle has climbed by kClimbed_m
+  // on the way of the kMost places; it is remembered for kKept more. 0: it has not.
+  static constexpr float kClimbed_m = 0.8f;
+  static constexpr int32_t kKept = 16;
+  float climb = 0.0f;
+  int32_t since_climb = 0;  // places
 };
 
 // Whether a cell lies in the shadow of a hard cell for at least one lookout, and none could show

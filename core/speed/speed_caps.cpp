@@ -80,29 +80,21 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
   }
   reversed_[points_ - 1] = points_ > 1 && reversed_[points_ - 2];
   FindBends(path);
-  chord_ = 0;
-  sample_ = 0;
-  track_ = 0;
-  look_ = Look{};
-  observed_m_ = kFar_m;
   too_steep_m_ = too_steep_m;
-  lookouts_ = lookouts;
+  BeginToLook(lookouts);
   walkers_.Clear();
   if (walkers != nullptr) walkers_ = *walkers;
   uses_cells_ = walkers == nullptr || walkers->full();
   walker_ = 0;
   hidden_creep_mps_ = params.hidden_creep_mps;
   max_unseen_m_ = params.max_unseen_m;
+  brows_.Begin(lookouts.climb, params.max_unseen_m);
   growth_speed_mps_ = params.growth_speed_mps;
   unseen_margin_m_ = params.unseen_margin_m;
   max_reverse_mps_ = params.max_reverse_mps;
   const float room_m = footprint_.disc_radius_m + kHalfCellDiagonal_m + params.narrow_room_m;
   room2_cells2_ = Squared(room_m * kCellsPerMeter);
   narrow_ = false;
-  HP_LOOP_BOUND(kTracks)
-  for (float& seen_m : seen_m_) seen_m = 0.0f;
-  HP_LOOP_BOUND(kTracks)
-  for (float& from_m : gap_from_m_) from_m = 0.0f;
   low_ = window.Nearest(CellAt({low.x_m - reach_m_, low.y_m - reach_m_}));
   high_ = window.Nearest(CellAt({high.x_m + reach_m_, high.y_m + reach_m_}));
   row_ = low_.y;
@@ -112,13 +104,38 @@ void SpeedCaps::Begin(const GridWindow& window, const SpeedParams& params,
   point_ = 0;
 }
 
+void SpeedCaps::BeginToLook(const Lookouts& lookouts) {
+  lookouts_ = lookouts;
+  chord_ = 0;
+  sample_ = 0;
+  track_ = 0;
+  look_ = Look{};
+  observed_m_ = kFar_m;
+  HP_LOOP_BOUND(kTracks)
+  for (int track = 0; track < kTracks; ++track) {
+    seen_m_[track] = 0.0f;
+    gap_from_m_[track] = 0.0f;
+  }
+}
+
+// Not inlined, as IsHiddenAt.
+[[gnu::noinline]] void SpeedCaps::LookForBrows(const Costmap& map, const Terrain& terrain,
+                                               const VehicleParams& vehicle) {
+  float aside_m[kTracks];
+  HP_LOOP_BOUND(kTracks)
+  for (int track = 0; track < kTracks; ++track) aside_m[track] = kAside[track] * vehicle.width_m;
+  brows_.Step(map, terrain, {x_m_, y_m_, along_m_, reversed_, points_}, aside_m);
+}
+
 Progress SpeedCaps::Step(const Costmap& map, const SpeedParams& params,
                          const VehicleParams& vehicle, const WorldPath& path, int units,
-                         const AreaSet* areas) {
+                         const AreaSet* areas, const Terrain* terrain) {
   HP_LOOP_BOUND(kMaxUnits)
   for (int unit = 0; unit < units && point_ < points_; ++unit) {
     if (walker_ < walkers_.size()) {
       FileWalker(walkers_[walker_++], params);
+    } else if (terrain != nullptr && !brows_.is_done()) {
+      LookForBrows(map, *terrain, vehicle);
     } else if (chord_ < points_) {
       LookAlong(map, vehicle, path);
     } else if (uses_cells_ && row_ <= high_.y) {
@@ -285,6 +302,10 @@ bool SpeedCaps::LookAt(const Costmap& map, Vec2 place, Vec2 aside, float along_m
 }
 
 void SpeedCaps::LookAtUnseen(bool is_hidden, float along_m, float step_m) {
+  if (along_m > kCreepAhead_m && brows_.brow(track_).Hides(along_m)) {
+    observed_m_ = Min(observed_m_, kCreepAhead_m);
+    return;
+  }
   if (is_hidden) gap_from_m_[track_] += step_m;
   if (along_m - gap_from_m_[track_] > max_unseen_m_) {
     observed_m_ = Min(observed_m_, seen_m_[track_]);
@@ -296,7 +317,8 @@ void SpeedCaps::LookAtUnseen(bool is_hidden, float along_m, float step_m) {
 
 // Not inlined: the loops of its lines are called from one place.
 [[gnu::noinline]] bool SpeedCaps::IsHiddenAt(const Costmap& map, Cell cell, float along_m) const {
-  return hidden_creep_mps_ > 0.0f && along_m <= kCreepAhead_m && IsHidden(map, lookouts_, cell);
+  if (!(hidden_creep_mps_ > 0.0f) || along_m > kCreepAhead_m) return false;
+  return brows_.brow(track_).Hides(along_m) || IsHidden(map, lookouts_, cell);
 }
 
 // The least squared distance [cells^2] from the cells under the discs' middles to a hard one;

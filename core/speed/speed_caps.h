@@ -13,6 +13,7 @@
 #include "core/path/path.h"
 #include "core/path/route.h"
 #include "core/people/walker.h"
+#include "core/speed/brow.h"
 #include "core/speed/hidden_ground.h"
 #include "core/speed/speed.h"
 
@@ -35,10 +36,10 @@
 // In reverse the rear goes first, max_reverse_mps is the most, and what lies behind the place where
 // the direction changes is looked at as far as behind a path's end.
 //
-// Ground that is hidden (core/speed/hidden_ground.h) does not end it within the next kCreepAhead_m:
-// of such a stretch only the part that is not hidden counts. Where the vehicle's front is over a
-// longer one than max_unseen_m, or unseen_margin_m before it, hidden_creep_mps is the most. With 0,
-// hidden ground is as any other.
+// Ground that is hidden (core/speed/hidden_ground.h, brow.h) does not end it within the next
+// kCreepAhead_m: of such a stretch only the part that is not hidden counts. Where the vehicle's
+// front is over a longer one than max_unseen_m, or unseen_margin_m before it, hidden_creep_mps is
+// the most. With 0, hidden ground is as any other.
 //
 // Growth on one of the tracks (Costmap::kGrowth) may hide lower objects: growth_speed_mps at most
 // along the chord over it.
@@ -91,20 +92,22 @@ class SpeedCaps {
              const WorldPath& path, float speed_mps, const Lookouts& lookouts = {},
              const Walkers* walkers = nullptr, float too_steep_m = kFar_m);
 
-  // A unit is one of the walkers, one place on a chord looked at for unobserved ground, on its
-  // tracks up to the first where there is some, one row of the map searched for people (each of
-  // their cells goes to every point where the path passes it), or kMaxPersonCells of their cells in
-  // it, or one point whose nearest person caps the points before it, or one point in one speed
-  // zone. At most kMaxUnits units. areas: null: none.
+  // A unit is one of the walkers, one place looked at for a brow (core/speed/brow.h), one place on
+  // a chord looked at for unobserved ground, on its tracks up to the first where there is some, one
+  // row of the map searched for people (each of their cells goes to every point where the path
+  // passes it), or kMaxPersonCells of their cells in it, or one point whose nearest person caps the
+  // points before it, or one point in one speed zone. At most kMaxUnits units. areas, terrain:
+  // null: none.
   static constexpr int kMaxPersonCells = 32;
   // Of a chord; on a longer one than 3.2 m they are farther apart than half a cell.
   static constexpr int kMaxSamples = 32;
-  static constexpr int kTracks = 5;
-  static constexpr int kMaxUnits = kMaxWalkers +
+  static constexpr int kTracks = BrowFinder::kTracks;
+  static constexpr int kMaxUnits = kMaxWalkers + BrowFinder::kMaxUnits +
                                    kMapSize_cells * (kMapSize_cells / kMaxPersonCells + 1) +
                                    (1 + kTracks * kMaxSamples + kMaxAreas) * kMaxPathPoints;
   Progress Step(const Costmap& map, const SpeedParams& params, const VehicleParams& vehicle,
-                const WorldPath& path, int units, const AreaSet* areas = nullptr);
+                const WorldPath& path, int units, const AreaSet* areas = nullptr,
+                const Terrain* terrain = nullptr);
 
   // Once done: beyond the first place from `point` on where the vehicle must stand, it does not
   // drive any farther, whatever is allowed there. Before the vehicle has come to rest, nobody can
@@ -148,6 +151,8 @@ class SpeedCaps {
     float hidden_m = kFar_m;  // where it begins, along the path
   };
 
+  void BeginToLook(const Lookouts& lookouts);
+  void LookForBrows(const Costmap& map, const Terrain& terrain, const VehicleParams& vehicle);
   void LookAlong(const Costmap& map, const VehicleParams& vehicle, const WorldPath& path);
   void SlowDownIn(int point);
   void CreepOver(float from_m, float to_m);
@@ -200,6 +205,7 @@ class SpeedCaps {
   Look look_;                // at that one, so far
   float observed_m_ = 0.0f;  // distance to the end of the observed ground
   float too_steep_m_ = kFar_m;
+  BrowFinder brows_;
   float max_unseen_m_ = 0.0f;
   float growth_speed_mps_ = 0.0f;
   float unseen_margin_m_ = 0.0f;

@@ -38,7 +38,7 @@ void Pilot::Forget() {
   has_position_ = false;
   breached_area_ = -1;
   area_ = StopReason::kNone;
-  lookouts_.places_odom.Clear();
+  lookouts_.Clear();
   people_.Reset();
   bodies_.Reset();
   walkers_.Clear();
@@ -183,7 +183,7 @@ void Pilot::Localise(const WheelFeedback& wheels) {
     sweep_.Reset();
     has_start_ = false;
     may_resume_ = false;
-    lookouts_.places_odom.Clear();
+    lookouts_.Clear();
     people_.Reset();
     bodies_.Reset();
   }

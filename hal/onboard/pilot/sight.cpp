@@ -38,7 +38,8 @@ void Pilot::NoteLookout() {
   const LidarMountParams& mount = config_.perception.mount;
   const SinCosPair body = SinCos(here.yaw_rad);
   lookouts_.Add({here.position.x_m + body.cos * mount.x_m - body.sin * mount.y_m,
-                 here.position.y_m + body.sin * mount.x_m + body.cos * mount.y_m});
+                 here.position.y_m + body.sin * mount.x_m + body.cos * mount.y_m},
+                static_cast<float>(here.position.z_m));
 }
 
 bool Pilot::TurnsNext() const {

@@ -44,18 +44,26 @@ TEST(GroundWatch, TellsOfAWheelThatDropsWithinHalfItsRadius) {
   }
 }
 
-TEST(GroundWatch, ASlopeThatBeginsSlowlyIsNone) {
-  GroundWatch watch;
-  for (int step = 0; step < 5000; ++step) {
-    const float driven_m = kStep_m * static_cast<float>(step);
-    EXPECT_FALSE(watch.Judge(0.06f * driven_m, -0.04f * driven_m, driven_m)) << driven_m;
+// The front wheels of a Warthog (0.92 m from the rear ones) roll over the edge of a slope: the body
+// tilts until the rear ones are over it, too.
+// SR-SPD09
+TEST(GroundWatch, ASlopeBehindAnEdgeIsNone) {
+  constexpr float kWheelbase_m = 0.92f;
+  for (const float slope : {0.1f, -0.1f, 0.32f, -0.32f}) {
+    GroundWatch watch;
+    for (int step = 0; step < 2000; ++step) {
+      const float driven_m = kStep_m * static_cast<float>(step);
+      const float beyond_m = std::fmin(std::fmax(driven_m - 1.0f, 0.0f), kWheelbase_m);
+      const float tilt_rad = std::atan(slope * beyond_m / kWheelbase_m);
+      EXPECT_FALSE(watch.Judge(tilt_rad, 0.02f, driven_m)) << slope << " at " << driven_m;
+    }
   }
 }
 
 TEST(GroundWatch, ATiltThatCameWhileItWasNotWatchedIsNone) {
   GroundWatch watch;
   EXPECT_FALSE(watch.Judge(0.0f, 0.0f, 1.0f));
-  EXPECT_TRUE(watch.Judge(0.1f, 0.0f, 1.1f));
+  EXPECT_TRUE(watch.Judge(0.1f, 0.0f, 1.05f));
   watch.Reset();
   EXPECT_FALSE(watch.Judge(0.1f, 0.0f, 1.1f));
 }

@@ -193,7 +193,7 @@ struct Corner : FlatGround {
     Hide(x0, x1, 0.0f, 3.0f);
     for (float y_m = 0.1f; y_m < 8.0f; y_m += 0.2f) At(x0 - 0.1f, y_m) |= Costmap::kHard;
     lookouts.blind_m = 3.0f;
-    for (float x_m = -7.0f; x_m <= 0.0f; x_m += 1.0f) lookouts.Add({x_m, 0.1f});
+    for (float x_m = -7.0f; x_m <= 0.0f; x_m += 1.0f) lookouts.Add({x_m, 0.1f}, 0.0f);
   }
   void Look() {
     caps->Begin(map->window, speed, vehicle, path, driven_mps, lookouts);
@@ -260,6 +260,30 @@ TEST(SpeedCaps, FarAwayHiddenGroundEndsTheObservedGround) {
   Corner corner(9.0f, 12.0f);
   corner.Look();
   EXPECT_NEAR(corner.caps->observed_m(), 9.0f, 0.21f);
+}
+
+// Nothing is seen behind 5 m: the vehicle has climbed there, so it creeps on, as far as it may.
+// SR-SPD09
+TEST(SpeedCaps, CreepsOverABrowThatTheVehicleHasClimbedTo) {
+  FlatGround ground;
+  ground.Hide(5.0f, 30.0f, -12.0f, 12.0f);
+  const auto no_terrain = std::make_unique<Terrain>();
+  for (const bool has_climbed : {false, true}) {
+    Lookouts lookouts;
+    lookouts.blind_m = 3.0f;
+    for (float x_m = -11.0f; x_m <= 0.0f; x_m += 1.0f) {
+      lookouts.Add({x_m, 0.1f}, has_climbed ? 0.15f * x_m : 0.0f);
+    }
+    ground.caps->Begin(ground.map->window, ground.speed, ground.vehicle, ground.path, 2.0f,
+                       lookouts);
+    while (ground.caps->Step(*ground.map, ground.speed, ground.vehicle, ground.path, 100, nullptr,
+                             no_terrain.get()) == Progress::kBusy) {
+    }
+    EXPECT_NEAR(ground.caps->observed_m(), has_climbed ? SpeedCaps::kCreepAhead_m : 5.0f, 0.21f);
+    EXPECT_EQ(ground.CauseAt(5.1f),
+              has_climbed ? CapCause::kHiddenGround : CapCause::kUnseenGround);
+    EXPECT_EQ(ground.CapAt(5.1f), has_climbed ? ground.speed.hidden_creep_mps : 0.0f);
+  }
 }
 
 TEST(SpeedCaps, HiddenGroundGivesTheSameInAnyPortions) {

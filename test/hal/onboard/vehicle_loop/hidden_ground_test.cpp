@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ground that no place has shown, behind the corner of a lane between walls: it is crept over, and
-// a wheel that drops there stops the vehicle.
+// Ground that no place has shown, behind the corner of a lane between walls and behind the brow of
+// a hill: it is crept over, and a wheel that drops there stops the vehicle.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,10 +44,10 @@ struct Crept {
 };
 
 // Until it stands with a reason, has arrived, or for 90 s.
-Crept DriveAround(ClosedLoop& drive) {
+Crept DriveTo(ClosedLoop& drive, float x_m, float y_m) {
   Crept crept;
   drive.BringUpAndArm();
-  EXPECT_EQ(drive.Goal(14.0f, 18.0f), Status::kOk);
+  EXPECT_EQ(drive.Goal(x_m, y_m), Status::kOk);
   drive.Ticks(100);
   for (int tick = 0; tick < 9000 && drive.mode() == Mode::kDriving; ++tick) {
     drive.Ticks(1);
@@ -64,7 +64,7 @@ Crept DriveAround(ClosedLoop& drive) {
 // SR-SPD06
 TEST(VehicleLoopHiddenGround, IsCreptOverBehindACorner) {
   ClosedLoop drive("", LaneWithCorner({}));
-  const Crept crept = DriveAround(drive);
+  const Crept crept = DriveTo(drive, 14.0f, 18.0f);
   EXPECT_NEAR(drive.Pose().x_m, 14.0, 0.5);
   EXPECT_NEAR(drive.Pose().y_m, 18.0, 0.5);
   EXPECT_GT(crept.ticks, 300);
@@ -76,7 +76,7 @@ TEST(VehicleLoopHiddenGround, IsNotDrivenOverIfCreepingIsTurnedOff) {
   VehicleConfig config = drive.config();
   config.planner.speed.hidden_creep_mps = 0.0f;
   ASSERT_EQ(drive.loop().Configure(config), Status::kOk);
-  const Crept crept = DriveAround(drive);
+  const Crept crept = DriveTo(drive, 14.0f, 18.0f);
   EXPECT_EQ(drive.mode(), Mode::kDriving);
   EXPECT_EQ(drive.reason(), StopReason::kUnseenGround);
   EXPECT_EQ(crept.ticks, 0);
@@ -88,7 +88,7 @@ TEST(VehicleLoopHiddenGround, IsNotDrivenOverIfCreepingIsTurnedOff) {
 TEST(VehicleLoopHiddenGround, AWheelThatDropsStopsItUntilItIsArmedAnew) {
   const world::Ditch pit = {{13.4, 2.6}, {13.4, 3.4}, 0.5, 0.6};
   ClosedLoop drive("", LaneWithCorner(pit));
-  const Crept crept = DriveAround(drive);
+  const Crept crept = DriveTo(drive, 14.0f, 18.0f);
   EXPECT_EQ(drive.reason(), StopReason::kGroundDrops);
   EXPECT_EQ(drive.mode(), Mode::kSafeStop);
   ASSERT_TRUE(drive.Until(5.0, [&] { return drive.mode() == Mode::kArmed; }));
@@ -98,6 +98,43 @@ TEST(VehicleLoopHiddenGround, AWheelThatDropsStopsItUntilItIsArmedAnew) {
   drive.Ticks(500);
   EXPECT_NEAR(drive.Pose().x_m, stood.x_m, 0.05);
   EXPECT_NEAR(drive.Pose().y_m, stood.y_m, 0.05);
+}
+
+// Up by 2 m, 3 m along the top, and down by 14 degrees; perhaps with a pit across the way.
+world::World Hill(std::optional<world::Ditch> pit) {
+  constexpr world::Bounds kBounds = {-20.0, -40.0, 70.0, 40.0};
+  const auto height = [](double x_m) {
+    const double up_m = 0.2 * std::clamp(x_m - 4.0, 0.0, 10.0);
+    return up_m - 0.25 * std::clamp(x_m - 17.0, 0.0, 8.0);
+  };
+  world::World hill(kBounds, world::Terrain(kBounds, [&](double x_m, double y_m) {
+                      return height(x_m) - (pit ? pit->Depth_m(x_m, y_m) : 0.0);
+                    }));
+  if (pit) hill.AddDitch(*pit);
+  hill.SetFriction(0.6);
+  return hill;
+}
+
+// SR-SPD09
+TEST(VehicleLoopHiddenGround, IsCreptOverBehindABrow) {
+  ClosedLoop drive("", Hill({}));
+  const Crept crept = DriveTo(drive, 34.0f, 0.0f);
+  EXPECT_NEAR(drive.Pose().x_m, 34.0, 1.0);
+  EXPECT_NEAR(drive.Pose().y_m, 0.0, 1.0);
+  EXPECT_GT(crept.ticks, 300);
+  // Over the edge the vehicle runs ahead of its wheels a little.
+  EXPECT_LT(crept.fastest_mps, drive.config().planner.speed.hidden_creep_mps + 0.1);
+}
+
+// A pit where the top ends: nothing tells it from a way down.
+// SR-SPD07, SR-SPD09
+TEST(VehicleLoopHiddenGround, AWheelThatDropsBehindABrowStopsIt) {
+  const world::Ditch pit = {{18.0, -30.0}, {18.0, 30.0}, 1.0, 0.6};
+  ClosedLoop drive("", Hill(pit));
+  const Crept crept = DriveTo(drive, 34.0f, 0.0f);
+  EXPECT_EQ(drive.reason(), StopReason::kGroundDrops);
+  ASSERT_TRUE(drive.Until(5.0, [&] { return drive.mode() == Mode::kArmed; }));
+  EXPECT_FALSE(crept.was_in_pit) << "a wheel is halfway down";
 }
 
 }  // namespace
