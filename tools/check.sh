@@ -11,7 +11,7 @@ including the static checks: at most 12 minutes on two cores.
 
   --all         also the slow ones: core and hal as clang++ optimises them, a build with sanitizers,
                 the libraries' own assertions and every loop counted, aarch64 and Cortex-M7 under
-                QEMU, a minute of fuzzing, the tests labelled slow (three or five seeds of each
+                QEMU, a minute of fuzzing, the tests labelled slow (two or three seeds of each
                 world): 47 to 86 minutes measured, goal 45. It also
                 installs what the comparisons of `hardpack bench` need (ten seconds), so that the
                 code that uses other libraries is compiled and tested

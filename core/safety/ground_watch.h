@@ -31,14 +31,14 @@ class GroundWatch {
  private:
   static constexpr int32_t kMarks = 16;
   static constexpr float kApart_m = kWindow_m / static_cast<float>(kMarks);
-  struct Mark {
+  struct Tilt {
     float pitch_rad = 0.0f;
     float roll_rad = 0.0f;
-    float driven_m = 0.0f;
   };
   int32_t marks_ = 0;  // since the last Reset; the last kMarks + 1 are kept
   int32_t newest_ = 0;
-  Mark kept_[kMarks + 1];
+  float newest_m_ = 0.0f;
+  Tilt kept_[kMarks + 1];  // kApart_m from one to the next
 };
 static_assert(std::is_trivially_copyable_v<GroundWatch>);
 

@@ -49,13 +49,15 @@ TEST(GroundWatch, TellsOfAWheelThatDropsWithinHalfItsRadius) {
 // SR-SPD09
 TEST(GroundWatch, ASlopeBehindAnEdgeIsNone) {
   constexpr float kWheelbase_m = 0.92f;
-  for (const float slope : {0.1f, -0.1f, 0.32f, -0.32f}) {
-    GroundWatch watch;
-    for (int step = 0; step < 2000; ++step) {
-      const float driven_m = kStep_m * static_cast<float>(step);
-      const float beyond_m = std::fmin(std::fmax(driven_m - 1.0f, 0.0f), kWheelbase_m);
-      const float tilt_rad = std::atan(slope * beyond_m / kWheelbase_m);
-      EXPECT_FALSE(watch.Judge(tilt_rad, 0.02f, driven_m)) << slope << " at " << driven_m;
+  for (const float step_m : {kStep_m, 0.007f, 0.02f, 0.05f}) {
+    for (const float slope : {0.1f, -0.1f, 0.32f, -0.32f}) {
+      GroundWatch watch;
+      for (int step = 0; step_m * static_cast<float>(step) < 4.0f; ++step) {
+        const float driven_m = step_m * static_cast<float>(step);
+        const float beyond_m = std::fmin(std::fmax(driven_m - 1.0f, 0.0f), kWheelbase_m);
+        const float tilt_rad = std::atan(slope * beyond_m / kWheelbase_m);
+        EXPECT_FALSE(watch.Judge(tilt_rad, 0.02f, driven_m)) << slope << " at " << driven_m;
+      }
     }
   }
 }

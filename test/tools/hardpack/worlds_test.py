@@ -38,6 +38,7 @@ LIMITS = {
     "corner": (5, 0),
     "corner_ditch": (5, 0),
     "downhill_stop": (5, 0),
+    "crest": (5, 0),
 }
 
 # Who is a person is told by a segmentation computer, or without one by how they walk.
