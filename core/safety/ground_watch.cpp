@@ -7,8 +7,11 @@
 
 namespace hardpack {
 
-bool GroundWatch::Judge(float pitch_rad, float roll_rad, float driven_m) {
-  const Tilt here = {pitch_rad, roll_rad};
+bool GroundWatch::Judge(float pitch_rad, float roll_rad, float yaw_rad, float driven_m) {
+  // It rises forward by -pitch, and to its left by roll.
+  const SinCosPair yaw = SinCos(yaw_rad);
+  const Vec2 here = {-yaw.cos * pitch_rad - yaw.sin * roll_rad,
+                     -yaw.sin * pitch_rad + yaw.cos * roll_rad};
   if (marks_ == 0) {
     marks_ = 1;
     newest_ = 0;
@@ -25,11 +28,9 @@ bool GroundWatch::Judge(float pitch_rad, float roll_rad, float driven_m) {
     kept_[newest_] = here;
   }
   const int32_t next = newest_ < kMarks ? newest_ + 1 : 0;
-  const Tilt& oldest = kept_[marks_ <= kMarks ? 0 : next];
-  const float pitched_rad = pitch_rad - oldest.pitch_rad;
-  const float rolled_rad = roll_rad - oldest.roll_rad;
+  const Vec2& oldest = kept_[marks_ <= kMarks ? 0 : next];
   const bool is_level =
-      pitched_rad * pitched_rad + rolled_rad * rolled_rad <= kDrop_rad * kDrop_rad;
+      Squared(here.x_m - oldest.x_m) + Squared(here.y_m - oldest.y_m) <= Squared(kDrop_rad);
   return !is_level;
 }
 

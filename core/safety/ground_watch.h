@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "core/base/pose.h"
+
 // Whether a wheel drops while the vehicle creeps over ground that nothing has shown
 // (core/speed/hidden_ground.h), from the body's pitch and roll. A wheel of radius r whose axle is x
 // beyond the edge of a hole has dropped by r - sqrt(r^2 - x^2), which grows the faster the farther
@@ -23,22 +25,18 @@ class GroundWatch {
   void Reset() { marks_ = 0; }
 
   // Once a tick while it creeps. Attitude of the body; the way driven since any fixed place, never
-  // less than before. True: it has tilted by more than kDrop_rad, pitch and roll together, within
-  // the last kWindow_m of that way, or since the last Reset if that is less. True for what is not
-  // finite. Constant cost.
-  bool Judge(float pitch_rad, float roll_rad, float driven_m);
+  // less than before. True: it has tilted by more than kDrop_rad, pitch and roll together, as seen
+  // from the ground (one that turns on a slope does not tilt), within the last kWindow_m of that
+  // way, or since the last Reset if that is less. True for what is not finite. Constant cost.
+  bool Judge(float pitch_rad, float roll_rad, float yaw_rad, float driven_m);
 
  private:
   static constexpr int32_t kMarks = 16;
   static constexpr float kApart_m = kWindow_m / static_cast<float>(kMarks);
-  struct Tilt {
-    float pitch_rad = 0.0f;
-    float roll_rad = 0.0f;
-  };
   int32_t marks_ = 0;  // since the last Reset; the last kMarks + 1 are kept
   int32_t newest_ = 0;
   float newest_m_ = 0.0f;
-  Tilt kept_[kMarks + 1];  // kApart_m from one to the next
+  Vec2 kept_[kMarks + 1];  // the rise along x and y [rad], kApart_m from one to the next
 };
 static_assert(std::is_trivially_copyable_v<GroundWatch>);
 

@@ -261,7 +261,7 @@ void Pilot::WatchGround() {
     return;
   }
   const StampedPose& here = odometry_.pose();
-  ground_drops_ = ground_.Judge(here.pitch_rad, here.roll_rad, odometry_.driven_m());
+  ground_drops_ = ground_.Judge(here.pitch_rad, here.roll_rad, here.yaw_rad, odometry_.driven_m());
   if (ground_drops_) may_creep_ = false;
 }
 

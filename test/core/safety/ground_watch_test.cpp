@@ -25,7 +25,7 @@ float ToldBeyond(float sign, bool is_roll, float level_rad) {
     const float tilt_rad = level_rad + sign * TiltBeyond(beyond_m);
     const float driven_m = 100.0f + kStep_m * static_cast<float>(step + 2000);
     const bool drops =
-        watch.Judge(is_roll ? 0.01f : tilt_rad, is_roll ? tilt_rad : -0.02f, driven_m);
+        watch.Judge(is_roll ? 0.01f : tilt_rad, is_roll ? tilt_rad : -0.02f, 0.7f, driven_m);
     if (drops) return beyond_m;
   }
   return 1.0f;
@@ -56,28 +56,42 @@ TEST(GroundWatch, ASlopeBehindAnEdgeIsNone) {
         const float driven_m = step_m * static_cast<float>(step);
         const float beyond_m = std::fmin(std::fmax(driven_m - 1.0f, 0.0f), kWheelbase_m);
         const float tilt_rad = std::atan(slope * beyond_m / kWheelbase_m);
-        EXPECT_FALSE(watch.Judge(tilt_rad, 0.02f, driven_m)) << slope << " at " << driven_m;
+        EXPECT_FALSE(watch.Judge(tilt_rad, 0.02f, -2.0f, driven_m)) << slope << " at " << driven_m;
       }
+    }
+  }
+}
+
+// A slope of 0.25 that rises along x: what was pitch becomes roll.
+TEST(GroundWatch, ATurnOnASlopeIsNone) {
+  for (const float direction : {-1.0f, 1.0f}) {
+    GroundWatch watch;
+    for (int step = 0; step < 1000; ++step) {
+      const float yaw_rad = direction * 0.003f * static_cast<float>(step);
+      const float driven_m = 0.1f * kStep_m * static_cast<float>(step);
+      const float pitch_rad = -0.25f * std::cos(yaw_rad);
+      const float roll_rad = -0.25f * std::sin(yaw_rad);
+      EXPECT_FALSE(watch.Judge(pitch_rad, roll_rad, yaw_rad, driven_m)) << step;
     }
   }
 }
 
 TEST(GroundWatch, ATiltThatCameWhileItWasNotWatchedIsNone) {
   GroundWatch watch;
-  EXPECT_FALSE(watch.Judge(0.0f, 0.0f, 1.0f));
-  EXPECT_TRUE(watch.Judge(0.1f, 0.0f, 1.05f));
+  EXPECT_FALSE(watch.Judge(0.0f, 0.0f, 0.0f, 1.0f));
+  EXPECT_TRUE(watch.Judge(0.1f, 0.0f, 0.0f, 1.05f));
   watch.Reset();
-  EXPECT_FALSE(watch.Judge(0.1f, 0.0f, 1.1f));
+  EXPECT_FALSE(watch.Judge(0.1f, 0.0f, 0.0f, 1.1f));
 }
 
 TEST(GroundWatch, WhatIsNotANumberIsADrop) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   GroundWatch watch;
-  EXPECT_FALSE(watch.Judge(0.0f, 0.0f, 1.0f));
-  EXPECT_TRUE(watch.Judge(nan, 0.0f, 1.0f));
-  EXPECT_TRUE(watch.Judge(0.0f, nan, 1.0f));
+  EXPECT_FALSE(watch.Judge(0.0f, 0.0f, 0.0f, 1.0f));
+  EXPECT_TRUE(watch.Judge(nan, 0.0f, 0.0f, 1.0f));
+  EXPECT_TRUE(watch.Judge(0.0f, nan, 0.0f, 1.0f));
   watch.Reset();
-  EXPECT_TRUE(watch.Judge(nan, 0.0f, 1.0f));
+  EXPECT_TRUE(watch.Judge(nan, 0.0f, 0.0f, 1.0f));
 }
 
 }  // namespace
