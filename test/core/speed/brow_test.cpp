@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <vector>
 
 #include "test/core/costmap/ground_of_heights.h"
@@ -34,14 +33,14 @@ Brow Find(const Ground& ground, const WorldPath& path, float aside_m = 0.0f, flo
   std::vector<float> x_m;
   std::vector<float> y_m;
   std::vector<float> along_m;
-  const std::unique_ptr<bool[]> reversed = std::make_unique<bool[]>(kMaxPathPoints);
+  bool reversed[kMaxPathPoints] = {};
   for (int k = 0; k < path.size(); ++k) {
     x_m.push_back(path[k].x_m);
     y_m.push_back(path[k].y_m);
     along_m.push_back(k == 0 ? 0.0f : along_m.back() + std::abs(path[k].x_m - path[k - 1].x_m));
     reversed[k] = std::cos(path[k].theta_rad) < 0.0f;
   }
-  const PathChords chords = {x_m.data(), y_m.data(), along_m.data(), reversed.get(), path.size()};
+  const PathChords chords = {x_m.data(), y_m.data(), along_m.data(), reversed, path.size()};
   const float asides_m[BrowFinder::kTracks] = {0.0f, 0.0f, 0.0f, 0.0f, aside_m};
   BrowFinder finder;
   finder.Begin(climb, kMaxUnseen_m);
