@@ -120,8 +120,8 @@ void LowestBeside(const int16_t* __restrict from, uint16_t* __restrict to) {
   }
 }
 
-// The height that is rise_cm above another, at most kNoHeight; kNoHeight above kNoHeight. rise_cm
-// >= 0.
+// The height that is rise_cm above another, at most kNoHeight; kNoHeight above kNoHeight.
+// Precondition: rise_cm >= 0.
 inline int16_t Raised(int16_t height_cm, int16_t rise_cm) {
   const int16_t highest_cm = static_cast<int16_t>(kNoHeight - rise_cm);
   return static_cast<int16_t>(Smaller(height_cm, highest_cm) + rise_cm);
