@@ -38,11 +38,24 @@ void SetWorld(const GridWindow& window, int round, CostmapBuilder& builder) {
   SetBlock(window, {140, 5}, 2, 400, builder);
 }
 
+// One round with the obstacles of its number, to the end of its plan.
+void Replan(int round, const VehicleState& state, const PlanGoal& goal, Replanner& replanner) {
+  const uint64_t now_ns = 1'000'000'000u + 100'000'000u * static_cast<uint64_t>(round);
+  Status status = replanner.Update(now_ns, state, goal);
+  HP_ASSERT(status == Status::kOk);
+  const GridWindow window = GridWindow::CenteredAt({state.pose.x_m, state.pose.y_m});
+  status = replanner.BeginCells(window);
+  HP_ASSERT(status == Status::kOk);
+  SetWorld(window, round, replanner.costmap_builder());
+  int calls = 0;
+  while (replanner.StepCells(kUnits) == Progress::kBusy) HP_ASSERT(++calls < kMaxCalls);
+}
+
 }  // namespace
 
 void RunReplan(Report& report) {
   Replanner& replanner = g_replanner.Construct();
-  Status status = replanner.Configure(kParams);
+  const Status status = replanner.Configure(kParams);
   HP_ASSERT(status == Status::kOk);
   Random random(0x5eed0030u);
   VehicleState state;
@@ -51,15 +64,7 @@ void RunReplan(Report& report) {
   goal.position_odom = {80.0f, 5.0f};
   DecisionHash hash;
   for (int round = 0; round < kRounds; ++round) {
-    const uint64_t now_ns = 1'000'000'000u + 100'000'000u * static_cast<uint64_t>(round);
-    status = replanner.Update(now_ns, state, goal);
-    HP_ASSERT(status == Status::kOk);
-    const GridWindow window = GridWindow::CenteredAt({state.pose.x_m, state.pose.y_m});
-    status = replanner.BeginCells(window);
-    HP_ASSERT(status == Status::kOk);
-    SetWorld(window, round, replanner.costmap_builder());
-    int calls = 0;
-    while (replanner.StepCells(kUnits) == Progress::kBusy) HP_ASSERT(++calls < kMaxCalls);
+    Replan(round, state, goal, replanner);
     AddToHash(replanner, hash);
     PrintStatus("replan", replanner.outcome().status);
     PrintNumber("replan_reason ", static_cast<uint32_t>(replanner.outcome().reason));
