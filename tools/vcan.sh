@@ -13,7 +13,8 @@ environment and an empty standard input; processes that the command leaves behin
 
   host  if this machine's kernel can create a vcan: in separate name spaces
   uml   otherwise: in Debian's User-Mode Linux kernel (package user-mode-linux), which boots in about
-        three seconds with this file system as its own: one CPU, system calls some ten times slower.
+        three seconds with this file system as its own: one CPU (it stays on the last that this script
+        may use), system calls some ten times slower.
         Files written there are certain to be on the disk when the command has ended, not before.
         Programs with an address or thread sanitizer do not start there
 
@@ -229,13 +230,16 @@ start_uml() {
     echo "vcan.sh: no permission for real-time priority; going on without" >&2
     realtime=()
   fi
+  # It hands each system call from one of its processes to another and back: across two processors,
+  # both are interrupted each time, and on a busy host that takes more time than the machine itself.
+  local one_cpu=(taskset --cpu-list "$(sed -n 's/^Cpus_allowed_list:.*[^0-9]//p' /proc/self/status)")
   mkfifo "$work/output" "$work/errors"
   "${bound[@]}" cat "$work/output" &
   readers+=($!)
   "${bound[@]}" cat "$work/errors" >&2 &
   readers+=($!)
-  TMPDIR=$(memory_folder) setsid "${bound[@]}" "${realtime[@]}" "${one_end[@]}" \
-    bash -c "$run" vcan.sh linux.uml mem="$memory" uml_dir="$work/" rootfstype=hostfs \
+  TMPDIR=$(memory_folder) setsid "${bound[@]}" "${one_cpu[@]}" "${realtime[@]}" \
+    "${one_end[@]}" bash -c "$run" vcan.sh linux.uml mem="$memory" uml_dir="$work/" rootfstype=hostfs \
     rootflags=/ rw init="$work/init" panic=1 con0=null,fd:1 con1=null,fd:3 con2=null,fd:4 \
     </dev/null >"$work/log" 2>&1 3>"$work/output" 4>"$work/errors" &
   machine=$!
