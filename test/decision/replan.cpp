@@ -12,6 +12,7 @@ namespace hardpack::decision {
 namespace {
 
 HP_BIG_MEMORY Storage<Replanner> g_replanner;
+HP_BIG_MEMORY Storage<PlanGoal> g_goal;
 
 constexpr PlannerParams kParams;
 constexpr int kRounds = 8;
@@ -60,7 +61,7 @@ void RunReplan(Report& report) {
   Random random(0x5eed0030u);
   VehicleState state;
   state.pose = {0.1f, 0.1f, 0.0f};
-  PlanGoal goal;
+  PlanGoal& goal = g_goal.Construct();
   goal.position_odom = {80.0f, 5.0f};
   DecisionHash hash;
   for (int round = 0; round < kRounds; ++round) {
