@@ -45,9 +45,11 @@ struct PathChords {
   int points = 0;
 };
 
-// Looks along a path's first move, as far as kReach_m, on tracks beside it: from the first stretch
-// of more than max_unseen_m that is not observed, as long as what is seen again is less steep than
-// the climb that led to it, by kBends. With nothing told again, to the end, if that is kLeast_m.
+// Looks along a path, as far as kReach_m or its first stretch in reverse, on tracks beside it: from
+// the first stretch of more than max_unseen_m that is not observed, as long as what is seen again
+// rises less than the climb that led to it, by kBends in the climb's direction: so it does not
+// matter how the path meets a brow or a ditch. With nothing told again, to the end, if that is
+// kLeast_m.
 class BrowFinder {
  public:
   static constexpr int kTracks = 5;
@@ -58,8 +60,8 @@ class BrowFinder {
   // Places, and ends of chords.
   static constexpr int kMaxUnits = static_cast<int>(kReach_m / kStep_m) + kMaxPathPoints + 1;
 
-  // climb: rise over run; not above 0: there is no brow, and it is done.
-  void Begin(float climb, float max_unseen_m);
+  // climb: rise over run along odom's axes, Lookouts::climb; (0, 0): no brow, and it is done.
+  void Begin(Vec2 climb, float max_unseen_m);
 
   // One place of the path, on all tracks, aside_m[kTracks] to its left. The same path and the same
   // map each time. Constant cost.
@@ -77,11 +79,12 @@ class BrowFinder {
     bool ends = false;    // a gap that is none behind a brow
   };
 
-  void Look(const Costmap& map, const Terrain& terrain, Cell cell, Vec2 direction, Track& track);
+  void Look(const Costmap& map, const Terrain& terrain, Cell cell, Track& track);
   void End();
 
   Track tracks_[kTracks];
   float climb_ = 0.0f;
+  Vec2 uphill_;  // its direction, length 1
   float max_unseen_m_ = 0.0f;
   float along_m_ = 0.0f;
   float on_m_ = 0.0f;  // of the chord

@@ -41,22 +41,28 @@ View ViewFrom(const Costmap& map, Vec2 place, float blind_m, Cell cell) {
 }
 
 // Of the places, as Lookouts::climb.
-float ClimbOf(const Lookouts& lookouts) {
+Vec2 ClimbOf(const Lookouts& lookouts) {
   const auto& heights_m = lookouts.heights_m;
   const auto& places = lookouts.places_odom;
   float lowest_m = heights_m[0];
   float climbed_m = 0.0f;
-  float steepest = 0.0f;
+  Vec2 steepest;  // of length 1
+  float steepest_rises = 0.0f;
   HP_LOOP_BOUND(Lookouts::kMost - 1)
   for (int k = 1; k < heights_m.size(); ++k) {
     climbed_m = Max(climbed_m, heights_m[k] - lowest_m);
     lowest_m = Min(lowest_m, heights_m[k]);
     const int before = k > 1 ? k - 2 : 0;
-    const float way_m = Length(Minus(places[k], places[before]));
+    const Vec2 way = Minus(places[k], places[before]);
+    const float way_m = Length(way);
     if (way_m < Lookouts::kApart_m) continue;
-    steepest = Max(steepest, (heights_m[k] - heights_m[before]) / way_m);
+    const float rises = (heights_m[k] - heights_m[before]) / way_m;
+    if (rises <= steepest_rises) continue;
+    steepest_rises = rises;
+    steepest = {way.x_m / way_m, way.y_m / way_m};
   }
-  return climbed_m >= Lookouts::kClimbed_m ? steepest : 0.0f;
+  if (climbed_m < Lookouts::kClimbed_m) return {};
+  return {steepest_rises * steepest.x_m, steepest_rises * steepest.y_m};
 }
 
 }  // namespace
@@ -81,15 +87,16 @@ void Lookouts::Add(Vec2 place_odom, float height_m) {
   }
   places_odom.back() = place_odom;
   heights_m.back() = height_m;
-  const float climbs = ClimbOf(*this);
-  since_climb = climbs > 0.0f ? 0 : since_climb + 1;
-  if (climbs > 0.0f || since_climb > kKept) climb = climbs;
+  const Vec2 climbs = ClimbOf(*this);
+  const bool has_climbed = Length(climbs) > 0.0f;
+  since_climb = has_climbed ? 0 : since_climb + 1;
+  if (has_climbed || since_climb > kKept) climb = climbs;
 }
 
 void Lookouts::Clear() {
   places_odom.Clear();
   heights_m.Clear();
-  climb = 0.0f;
+  climb = {};
   since_climb = 0;
 }
 

@@ -41,11 +41,12 @@ struct Lookouts {
   void Add(Vec2 place_odom, float height_m);
   void Clear();
 
-  // The steepest way up over two places, rise over run, where the vehicle has climbed by kClimbed_m
-  // on the way of the kMost places; it is remembered for kKept more. 0: it has not.
+  // The steepest way up over two places, and its direction: rise over run along odom's axes, where
+  // the vehicle has climbed by kClimbed_m on the way of the kMost places; it is remembered for
+  // kKept more. (0, 0): it has not.
   static constexpr float kClimbed_m = 0.8f;
   static constexpr int32_t kKept = 16;
-  float climb = 0.0f;
+  Vec2 climb;
   int32_t since_climb = 0;  // places
 };
 

@@ -16,6 +16,7 @@ using Ground = testing::GroundOfHeights;
 
 constexpr double kUnseen = std::numeric_limits<double>::quiet_NaN();
 constexpr float kClimb = 0.15f;
+constexpr Vec2 kAlongX = {kClimb, 0.0f};
 constexpr double kTop_m = 5.0;
 constexpr float kMaxUnseen_m = 0.6f;
 
@@ -29,7 +30,7 @@ WorldPath Straight(float length_m, float heading_rad = 0.0f) {
 }
 
 // On a track beside the path; the other ones lie on the path itself.
-Brow Find(const Ground& ground, const WorldPath& path, float aside_m = 0.0f, float climb = kClimb) {
+Brow Find(const Ground& ground, const WorldPath& path, float aside_m = 0.0f, Vec2 climb = kAlongX) {
   std::vector<float> x_m;
   std::vector<float> y_m;
   std::vector<float> along_m;
@@ -37,8 +38,14 @@ Brow Find(const Ground& ground, const WorldPath& path, float aside_m = 0.0f, flo
   for (int k = 0; k < path.size(); ++k) {
     x_m.push_back(path[k].x_m);
     y_m.push_back(path[k].y_m);
-    along_m.push_back(k == 0 ? 0.0f : along_m.back() + std::abs(path[k].x_m - path[k - 1].x_m));
-    reversed[k] = std::cos(path[k].theta_rad) < 0.0f;
+    const Vec2 step_m =
+        k == 0 ? Vec2{} : Vec2{path[k].x_m - path[k - 1].x_m, path[k].y_m - path[k - 1].y_m};
+    along_m.push_back(k == 0 ? 0.0f : along_m.back() + std::hypot(step_m.x_m, step_m.y_m));
+    if (k > 0) {
+      reversed[k - 1] =
+          step_m.x_m * std::cos(path[k].theta_rad) + step_m.y_m * std::sin(path[k].theta_rad) <
+          -1e-3f;
+    }
   }
   const PathChords chords = {x_m.data(), y_m.data(), along_m.data(), reversed, path.size()};
   const float asides_m[BrowFinder::kTracks] = {0.0f, 0.0f, 0.0f, 0.0f, aside_m};
@@ -86,6 +93,39 @@ TEST(Brow, ADitchAcrossASlopeIsNone) {
   }
 }
 
+// A ditch down a slope, and a way along the side of it: it rises nowhere.
+// SR-SPD09
+TEST(Brow, ADitchDownASlopeIsNone) {
+  const Ground ground([](double x_m, double y_m) {
+    return y_m > 1.0 && y_m < 2.5 ? kUnseen : double{kClimb} * x_m;
+  });
+  for (const float heading_rad : {0.5f, 1.0f, 1.5707963f}) {
+    WorldPath path;
+    for (float at_m = 0.0f; at_m <= 10.0f; at_m += 0.25f) {
+      const Pose2 pose = {at_m * std::cos(heading_rad), -2.0f + at_m * std::sin(heading_rad),
+                          heading_rad};
+      ASSERT_EQ(path.PushBack(pose), Status::kOk);
+    }
+    EXPECT_EQ(Find(ground, path).from_m, Brow::kFar_m) << heading_rad;
+  }
+}
+
+// Along the top for 3 m, and then down, with a turn on the spot between.
+// SR-SPD09
+TEST(Brow, IsFoundBehindATurnOnTheSpot) {
+  WorldPath path;
+  for (float y_m = -2.9f; y_m < 0.2f; y_m += 0.25f) {
+    ASSERT_EQ(path.PushBack({4.5f, y_m, 1.5707963f}), Status::kOk);
+  }
+  const float turns_m = path[path.size() - 1].y_m + 2.9f;
+  for (float on_m = 0.0f; on_m <= 8.0f; on_m += 0.25f) {
+    ASSERT_EQ(path.PushBack({4.5f + on_m, path[12].y_m, 0.0f}), Status::kOk);
+  }
+  const Brow brow = Find(Hill(7.0, -0.1), path);
+  EXPECT_NEAR(brow.from_m, turns_m + 0.5f, 0.25f);
+  EXPECT_NEAR(brow.to_m, turns_m + 2.5f, 0.65f);
+}
+
 // SR-SPD09
 TEST(Brow, ADitchBehindOneIsNotHidden) {
   const Ground ground([](double x_m, double /*y_m*/) {
@@ -112,7 +152,7 @@ TEST(Brow, OnATrackBesideThePathItIsWhereThatTrackPassesIt) {
 }
 
 TEST(Brow, WithoutAClimbThereIsNone) {
-  EXPECT_EQ(Find(Hill(100.0, 0.0), Straight(16.0f), 0.0f, 0.0f).from_m, Brow::kFar_m);
+  EXPECT_EQ(Find(Hill(100.0, 0.0), Straight(16.0f), 0.0f, {}).from_m, Brow::kFar_m);
 }
 
 TEST(Brow, InReverseThereIsNone) {

@@ -133,14 +133,25 @@ TEST(Lookouts, RememberTheClimbForAWhile) {
     lookouts.Add({x_m, 0.0f}, std::fmin(0.15f * x_m, 1.5f));
     const bool remembers = x_m > 7.0f && x_m < 30.0f;
     if (remembers) {
-      EXPECT_NEAR(lookouts.climb, 0.15f, 0.01f) << x_m;
+      EXPECT_NEAR(lookouts.climb.x_m, 0.15f, 0.01f) << x_m;
+      EXPECT_EQ(lookouts.climb.y_m, 0.0f) << x_m;
     } else if (x_m < 5.0f || x_m > 38.0f) {
-      EXPECT_EQ(lookouts.climb, 0.0f) << x_m;
+      EXPECT_EQ(Length(lookouts.climb), 0.0f) << x_m;
     }
   }
   lookouts.Clear();
   EXPECT_TRUE(lookouts.places_odom.empty());
-  EXPECT_EQ(lookouts.climb, 0.0f);
+  EXPECT_EQ(Length(lookouts.climb), 0.0f);
+}
+
+TEST(Lookouts, RememberWhichWayTheyClimbed) {
+  Lookouts lookouts;
+  for (int step = 0; step <= 1000; ++step) {
+    const float on_m = 0.01f * static_cast<float>(step);
+    lookouts.Add({-0.8f * on_m, 0.6f * on_m}, 0.2f * on_m);
+  }
+  EXPECT_NEAR(lookouts.climb.x_m, -0.16f, 0.01f);
+  EXPECT_NEAR(lookouts.climb.y_m, 0.12f, 0.01f);
 }
 
 TEST(Lookouts, NoClimbIsALowRiseAWayDownOrAStand) {
@@ -150,12 +161,12 @@ TEST(Lookouts, NoClimbIsALowRiseAWayDownOrAStand) {
     const float x_m = 0.01f * static_cast<float>(step);
     rise.Add({x_m, 0.0f}, 0.3f * std::sin(x_m));
     down.Add({x_m, 0.0f}, -0.2f * x_m);
-    EXPECT_EQ(rise.climb, 0.0f);
-    EXPECT_EQ(down.climb, 0.0f);
+    EXPECT_EQ(Length(rise.climb), 0.0f);
+    EXPECT_EQ(Length(down.climb), 0.0f);
   }
   for (int tick = 0; tick < 100; ++tick)
     down.Add({30.0f, 0.0f}, -6.0f + 0.02f * static_cast<float>(tick));
-  EXPECT_EQ(down.climb, 0.0f) << "a height that drifts at rest";
+  EXPECT_EQ(Length(down.climb), 0.0f) << "a height that drifts at rest";
 }
 
 TEST(Lookouts, AVehicleThatStandsKeepsWhereItCameFrom) {
