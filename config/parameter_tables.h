@@ -242,6 +242,10 @@ inline constexpr std::array kSpeedTable = {
     HP_SPEED(max_lateral_acceleration_mps2, 0.05f, 10.0f,
              "Limit of the lateral acceleration; the default is the largest recorded above 3 m/s "
              "(ours)."),
+    HP_SPEED(max_vertical_acceleration_mps2, 0.05f, 10.0f,
+             "Limit of the body's vertical acceleration over ground whose slope along the path "
+             "changes, as over waves and edges: a quarter of gravity leaves the wheels most of "
+             "their load (ours)."),
     HP_SPEED(
         friction, 0.1f, 1.5f,
         "Friction of tyres on the ground: 0.8 of it is relied on for braking and cornering on a "

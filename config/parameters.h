@@ -116,7 +116,8 @@ struct SpeedParams {
   float max_acceleration_mps2 = 2.0f;
   float max_deceleration_mps2 = 2.0f;
   float max_lateral_acceleration_mps2 = 2.0f;
-  float friction = 0.5f;  // of tyres on the ground
+  float max_vertical_acceleration_mps2 = 2.5f;  // of the body, over ground that bends
+  float friction = 0.5f;                        // of tyres on the ground
   float max_yaw_rate_radps = 1.1f;
   float max_wheel_speed_share = 0.9f;
   float max_curvature_rate_per_s2 = 0.7f;  // v^2 * |dkappa/ds| is at most this

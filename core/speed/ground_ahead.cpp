@@ -37,6 +37,29 @@ struct Smooth {
   bool IsSure() const { return told_m >= GroundAhead::kSure_m; }
 };
 
+// The change of a slope along the way, from its mean over the last kBend_m and the mean of these.
+class Bend {
+ public:
+  // The vehicle may turn here: what comes is another way.
+  void Restart() { has_begun_ = false; }
+
+  // driven_m: since the last one, above 0. The magnitude [1/m].
+  float Take(float slope, float driven_m) {
+    if (!has_begun_) mean_ = mean_of_means_ = slope;
+    has_begun_ = true;
+    // Behind a slope that changes by b a metre each of the two means stays by kBend_m b.
+    const float share = driven_m / (driven_m + GroundAhead::kBend_m);
+    mean_ += share * (slope - mean_);
+    mean_of_means_ += share * (mean_ - mean_of_means_);
+    return Abs(mean_ - mean_of_means_) / GroundAhead::kBend_m;
+  }
+
+ private:
+  bool has_begun_ = false;
+  float mean_ = 0.0f;
+  float mean_of_means_ = 0.0f;
+};
+
 }  // namespace
 
 GroundAhead LookAtGround(const Terrain& terrain, const GridWindow& window,
@@ -44,6 +67,7 @@ GroundAhead LookAtGround(const Terrain& terrain, const GridWindow& window,
   GroundAhead ahead;
   Smooth fall;
   Smooth bank;
+  Bend bend;
   const float most_fall = MostFall(params);
   float along_m = 0.0f;
   float steep_from_m = 0.0f;  // where what is too steep begins, if it is
@@ -52,6 +76,7 @@ GroundAhead LookAtGround(const Terrain& terrain, const GridWindow& window,
     const Vec2 chord = {path[k].x_m - path[k - 1].x_m, path[k].y_m - path[k - 1].y_m};
     const float driven_m = Sqrt(chord.x_m * chord.x_m + chord.y_m * chord.y_m);
     along_m += driven_m;
+    if (!HasLength(driven_m)) bend.Restart();
     const Cell cell = CellAt({path[k].x_m, path[k].y_m});
     if (!HasLength(driven_m) || !window.Contains(cell)) continue;
     const Terrain::Ground ground = terrain.At(window.Index(cell));
@@ -59,6 +84,7 @@ GroundAhead LookAtGround(const Terrain& terrain, const GridWindow& window,
     const float falls = -(ground.grade_x * chord.x_m + ground.grade_y * chord.y_m) / driven_m;
     fall.Take(falls, driven_m);
     bank.Take((ground.grade_y * chord.x_m - ground.grade_x * chord.y_m) / driven_m, driven_m);
+    ahead.bend = Max(ahead.bend, bend.Take(falls, driven_m));
     if (falls <= most_fall) steep_from_m = along_m;
     if (!fall.IsSure()) continue;
     if (fall.slope > most_fall) {
@@ -66,10 +92,12 @@ GroundAhead LookAtGround(const Terrain& terrain, const GridWindow& window,
       return ahead;
     }
     ahead.fall = Max(ahead.fall, fall.slope);
+    ahead.rise = Max(ahead.rise, -fall.slope);
     ahead.bank = Max(ahead.bank, Abs(bank.slope));
   }
   if (!fall.IsSure()) {
     ahead.fall = Max(fall.slope, 0.0f);
+    ahead.rise = Max(-fall.slope, 0.0f);
     ahead.bank = Abs(bank.slope);
   }
   return ahead;
@@ -80,9 +108,15 @@ SpeedParams OnGround(const SpeedParams& params, const GroundAhead& ground) {
   constexpr float kLeast_mps2 = GroundAhead::kLeastBraking_mps2;
   on.max_deceleration_mps2 =
       Min(params.max_deceleration_mps2, Max(Holds(params, ground.fall), kLeast_mps2));
+  on.max_acceleration_mps2 =
+      Min(params.max_acceleration_mps2, Max(Holds(params, ground.rise), kLeast_mps2));
   on.max_lateral_acceleration_mps2 =
       Min(params.max_lateral_acceleration_mps2, Max(Holds(params, ground.bank), kLeast_mps2));
   on.max_speed_mps = ReactionSpeedCap(on, StoppingDistance(params, params.max_speed_mps));
+  const float vertical_mps2 = params.max_vertical_acceleration_mps2;
+  if (Squared(on.max_speed_mps) * ground.bend > vertical_mps2) {
+    on.max_speed_mps = Sqrt(vertical_mps2 / ground.bend);
+  }
   on.min_speed_mps = Min(params.min_speed_mps, on.max_speed_mps);
   on.least_room_mps = Min(params.least_room_mps, on.max_speed_mps);
   return on;

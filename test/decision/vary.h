@@ -29,14 +29,21 @@ double NearBy(Random& random, const ParameterEntry<Group>& entry, const Group& g
 // passed, of ground that is hidden, of slopes, or of driving in reverse. They draw no numbers, so
 // that the decisions of before are the same.
 inline bool StaysAsItIs(std::string_view full_name) {
-  constexpr std::array<std::string_view, 14> kNames = {
-      "replan.pass_radius_m",      "speed.hidden_creep_mps",
-      "costmap.near_unknown_cost", "costmap.max_grade",
-      "costmap.free_grade",        "costmap.grade_cost",
-      "costmap.free_roughness_m",  "costmap.roughness_cost_per_m",
-      "path.reverse_out_m",        "speed.max_reverse_mps",
-      "vehicle.kinematics",        "vehicle.wheelbase_m",
-      "vehicle.max_steering_rad",  "speed.friction"};
+  constexpr std::array<std::string_view, 15> kNames = {"replan.pass_radius_m",
+                                                       "speed.hidden_creep_mps",
+                                                       "costmap.near_unknown_cost",
+                                                       "costmap.max_grade",
+                                                       "costmap.free_grade",
+                                                       "costmap.grade_cost",
+                                                       "costmap.free_roughness_m",
+                                                       "costmap.roughness_cost_per_m",
+                                                       "path.reverse_out_m",
+                                                       "speed.max_reverse_mps",
+                                                       "vehicle.kinematics",
+                                                       "vehicle.wheelbase_m",
+                                                       "vehicle.max_steering_rad",
+                                                       "speed.friction",
+                                                       "speed.max_vertical_acceleration_mps2"};
   return std::ranges::find(kNames, full_name) != kNames.end() ||
          full_name.starts_with("twist_drive.");
 }

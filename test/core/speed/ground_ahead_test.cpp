@@ -9,6 +9,7 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include "core/speed/speed.h"
 #include "test/core/costmap/ground_of_heights.h"
@@ -51,6 +52,8 @@ TEST(GroundAhead, FallsAndLeansAsThePlaneDoesInTheVehiclesDirection) {
   EXPECT_LT(down.bank, 0.02f);
   const GroundAhead up = Look(ground, Straight({8.0f, 0.0f, up_rad}, 15.0f));
   EXPECT_EQ(up.fall, 0.0f) << "a way up is as level ground";
+  EXPECT_NEAR(up.rise, 0.2f, 0.02f);
+  EXPECT_EQ(down.rise, 0.0f);
   const GroundAhead across = Look(ground, Straight({0.0f, -8.0f, 0.5f * up_rad}, 15.0f));
   EXPECT_LT(across.fall, 0.02f);
   EXPECT_NEAR(across.bank, 0.2f, 0.02f);
@@ -104,11 +107,58 @@ TEST(GroundAhead, EndsWhereAVehicleCouldNotStop) {
   EXPECT_NEAR(Look(Ground(bent(20.0)), path, wet).too_steep_m, 5.0f, 0.6f);
 }
 
+// Waves of a length, with slopes of up to `steepest`: the bend is 2 pi / length times that.
+Ground Waves(double length_m, double steepest) {
+  const double per_m = 2.0 * std::numbers::pi / length_m;
+  return Ground(
+      [=](double x_m, double /*y_m*/) { return steepest / per_m * std::sin(per_m * x_m); });
+}
+
+// SR-SLP02
+TEST(GroundAhead, BendsAsTheGroundDoesAlongTheWay) {
+  for (const auto& [length_m, told] : {std::pair{3.0, 0.45}, {6.0, 0.8}, {12.0, 0.95}}) {
+    const double bend_per_m = 2.0 * std::numbers::pi / length_m * 0.2;
+    const Ground ground = Waves(length_m, 0.2);
+    const GroundAhead across = Look(ground, Straight({-10.0f, 0.1f, 0.0f}, 20.0f));
+    EXPECT_GT(across.bend, (told - 0.12) * bend_per_m) << length_m;
+    EXPECT_LT(across.bend, (told + 0.12) * bend_per_m) << length_m;
+    const GroundAhead along = Look(ground, Straight({0.1f, -10.0f, 1.5707963f}, 20.0f));
+    EXPECT_LT(along.bend, 0.1 * bend_per_m) << length_m;
+  }
+  const Ground slope([](double x_m, double /*y_m*/) { return 0.3 * x_m; });
+  EXPECT_LT(Look(slope, Straight({-10.0f, 0.0f, 0.0f}, 20.0f)).bend, 0.02f);
+}
+
+// The way back down is no bend of the way up.
+TEST(GroundAhead, ATurnOnTheSpotIsNoBend) {
+  const Ground slope([](double x_m, double /*y_m*/) { return 0.3 * x_m; });
+  WorldPath path = Straight({-5.0f, 0.1f, 0.0f}, 5.0f);
+  ASSERT_EQ(path.PushBack({path[path.size() - 1].x_m, 0.1f, std::numbers::pi_v<float>}),
+            Status::kOk);
+  for (int k = 19; k >= 0; --k) {
+    ASSERT_EQ(path.PushBack({path[k].x_m, 0.1f, std::numbers::pi_v<float>}), Status::kOk);
+  }
+  EXPECT_LT(Look(slope, path).bend, 0.02f);
+}
+
+// SR-SLP02
+TEST(OnGround, TheBodysVerticalAccelerationHasALimit) {
+  const SpeedParams params;
+  for (const float bend_per_m : {0.12f, 0.3f, 1.0f, 8.0f}) {
+    const SpeedParams on = OnGround(params, {.bend = bend_per_m});
+    EXPECT_NEAR(on.max_speed_mps * on.max_speed_mps * bend_per_m,
+                params.max_vertical_acceleration_mps2, 1e-4f);
+    EXPECT_LE(on.min_speed_mps, on.max_speed_mps);
+    EXPECT_EQ(on.max_deceleration_mps2, params.max_deceleration_mps2);
+  }
+  EXPECT_EQ(OnGround(params, {.bend = 0.1f}).max_speed_mps, params.max_speed_mps);
+}
+
 TEST(OnGround, LevelGroundChangesNothing) {
   const SpeedParams params;
   const SpeedParams level = OnGround(params, {});
   EXPECT_EQ(std::memcmp(&level, &params, sizeof(params)), 0);
-  const SpeedParams gentle = OnGround(params, {.fall = 0.15f, .bank = 0.15f});
+  const SpeedParams gentle = OnGround(params, {.fall = 0.15f, .rise = 0.15f, .bank = 0.15f});
   EXPECT_EQ(std::memcmp(&gentle, &params, sizeof(params)), 0) << "there is friction to spare";
 }
 
@@ -119,6 +169,10 @@ TEST(OnGround, LeavesWhatFrictionHoldsOnASlope) {
     const auto slope = static_cast<float>(std::tan(degrees * kDegree_rad));
     const double holds_mps2 = std::min(2.0, Brakes(0.5, degrees * kDegree_rad));
     EXPECT_NEAR(OnGround(params, {.fall = slope}).max_deceleration_mps2, holds_mps2, 1.0e-4);
+    const SpeedParams up = OnGround(params, {.rise = slope});
+    EXPECT_NEAR(up.max_acceleration_mps2, holds_mps2, 1.0e-4);
+    EXPECT_EQ(up.max_deceleration_mps2, params.max_deceleration_mps2);
+    EXPECT_EQ(up.max_speed_mps, params.max_speed_mps);
     const SpeedParams across = OnGround(params, {.bank = slope});
     EXPECT_NEAR(across.max_lateral_acceleration_mps2, holds_mps2, 1.0e-4);
     EXPECT_EQ(across.max_speed_mps, params.max_speed_mps);
@@ -138,7 +192,8 @@ TEST(OnGround, StandsWithinTheDistanceOfLevelGround) {
     params.min_speed_mps = uniform(0.2f, params.max_speed_mps);
     params.max_deceleration_mps2 = uniform(0.3f, 4.0f);
     params.friction = uniform(0.1f, 1.0f);
-    const SpeedParams on = OnGround(params, {.fall = uniform(0.0f, 1.0f), .bank = 0.0f});
+    const SpeedParams on =
+        OnGround(params, {.fall = uniform(0.0f, 1.0f), .bend = uniform(0.0f, 2.0f)});
     EXPECT_LE(StoppingDistance(on, on.max_speed_mps),
               StoppingDistance(params, params.max_speed_mps));
     EXPECT_LE(on.max_deceleration_mps2, params.max_deceleration_mps2);
