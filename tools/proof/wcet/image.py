@@ -128,6 +128,7 @@ class Image:
             raise Refused(f"{path}: machine {elf.machine} is neither Arm nor aarch64")
         self._elf = elf
         self._chains = {}
+        self._addr2line = None
         self.machine = elf.machine
         self.prefix = self.PREFIXES[elf.machine]
         self._files = self._read_files()
@@ -249,13 +250,11 @@ class Image:
         return self._chains[address]
 
     def _find_chains(self, address):
-        """Of all jumps of the function that holds it: a process takes longer than an answer."""
+        """Of all jumps of the function that holds it."""
         function = self.at(address)
         addresses = {address} | {i.address for i in function.instructions
                                  if i.mnemonic.startswith(("b", "cb", "tb"))}
-        text = "\n".join(f"{a:#x}" for a in sorted(addresses)) + "\n"
-        chain = None
-        for line in self._run("addr2line", "-a", "-i", "-e", self.path, text=text).splitlines():
+        for line in self._lines_of(sorted(addresses)):
             if line.startswith("0x"):
                 chain = []
                 self._chains[int(line, 16)] = chain
@@ -265,3 +264,24 @@ class Image:
                     chain.append((file, int(number)))
         for a in addresses:
             self._chains[a] = tuple(self._chains.get(a, ()))
+
+    def _lines_of(self, addresses):
+        """What addr2line says of them: one process for all functions, as each would read all of the
+        image's debugging information anew. 0 is no code, and ends an answer; few are asked at once,
+        so that neither side waits for the other to read."""
+        if self._addr2line is None:
+            self._addr2line = subprocess.Popen(
+                [self.prefix + "addr2line", "-a", "-i", "-e", self.path], text=True,
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        for first in range(0, len(addresses), 256):
+            asked = [f"{a:#x}" for a in addresses[first:first + 256]]
+            self._addr2line.stdin.write("\n".join(asked + ["0x0", ""]))
+            self._addr2line.stdin.flush()
+            while True:
+                line = self._addr2line.stdout.readline().rstrip("\n")
+                if not line:
+                    raise Refused(f"{self.prefix}addr2line -a -i -e {self.path}: ended")
+                if line.startswith("0x") and int(line, 16) == 0:
+                    break
+                yield line
+            self._addr2line.stdout.readline()
