@@ -115,20 +115,22 @@ float Odometry::TurningPoint_m() const {
   return params_.turning_point_m * speed_mps / Sqrt(speed_mps * speed_mps + knee_mps * knee_mps);
 }
 
+bool Odometry::IsDriftTold() const {
+  return climb_ns_ != 0 && filter_ns_ <= climb_ns_ + uint64_t{kMaxStep_ns};
+}
+
 // Upwards. The body's pitch is positive with its nose down.
 float Odometry::Climb_mps() const {
   const float speed_mps = state_[kStateSpeed];
   const float by_pitch_mps = -speed_mps * Sin(pose_.pitch_rad);
-  const bool is_told = climb_ns_ != 0 && filter_ns_ <= climb_ns_ + uint64_t{kMaxStep_ns};
-  if (!is_told) return by_pitch_mps;
+  if (!IsDriftTold()) return by_pitch_mps;
   const float apart_mps = kClimbShare * Abs(speed_mps);
   return Clamp(climb_mps_, by_pitch_mps - apart_mps, by_pitch_mps + apart_mps);
 }
 
 // To the left. On a bank that falls to the left, the left side is down: the roll is negative.
 float Odometry::Slide_mps() const {
-  const bool is_told = climb_ns_ != 0 && filter_ns_ <= climb_ns_ + uint64_t{kMaxStep_ns};
-  if (!is_told) return 0.0f;
+  if (!IsDriftTold()) return 0.0f;
   const float falls_left = -kSlideShare * Sin(pose_.roll_rad);
   const float most_mps =
       falls_left * (Abs(state_[kStateSpeed]) + kTurnArm_m * Abs(state_[kStateYawRate]));
@@ -137,9 +139,8 @@ float Odometry::Slide_mps() const {
 
 // Forward. Of either sign, so that noise adds nothing.
 float Odometry::Creep_mps() const {
-  const bool is_told = climb_ns_ != 0 && filter_ns_ <= climb_ns_ + uint64_t{kMaxStep_ns};
   const float steep = Max(Abs(Sin(pose_.pitch_rad)) - kLevelPitch, 0.0f);
-  if (!is_told || !(steep > 0.0f)) return 0.0f;
+  if (!IsDriftTold() || !(steep > 0.0f)) return 0.0f;
   const float most_mps = kSlideShare * steep * Abs(state_[kStateSpeed]);
   return Clamp(ahead_mps_, -most_mps, most_mps);
 }

@@ -161,6 +161,8 @@ class Odometry {
   bool IsGyroFresh(uint64_t now_ns) const;
   void PredictTo(uint64_t time_ns);
   float TurningPoint_m() const;
+  // By the INS, lately: what the wheels do not tell.
+  bool IsDriftTold() const;
   float Climb_mps() const;
   float Slide_mps() const;
   float Creep_mps() const;
