@@ -2,12 +2,9 @@
 #include "tools/sim/world/world.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace hardpack::world {
 namespace {
-
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 // In the sensor's 16-bit units; grass and leaves reflect much, wet bark little.
 uint8_t ReflectivityOf(Label label) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -14,6 +15,8 @@
 // named worlds the vehicle starts at the origin, facing +x (named_worlds.h).
 
 namespace hardpack::world {
+
+inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 // Codes of the RELLIS-3D ontology, as core/segmentation/label_table.h reads them.
 enum class Label : uint8_t {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <limits>
 
 #include "tools/sim/world/world.h"
 
@@ -9,8 +8,6 @@
 
 namespace hardpack::world {
 namespace {
-
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 // Narrows a ray's way to low <= origin + t * direction <= high.
 bool Narrow(double origin, double direction, double low, double high, double& from, double& to) {
