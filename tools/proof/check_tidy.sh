@@ -5,7 +5,7 @@
 # BUILD_DIR is a configured build: its compile_commands.json says how each file is compiled.
 #
 # A folder of core or hal is checked as one source that includes the folder's: what they all include
-# is then read once, a tenth of the time. The port's folders have names that would meet in one source.
+# is then read once. The port's folders have names that would meet in one source.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 if [ $# -lt 1 ] || [ ! -f "$1/compile_commands.json" ]; then
