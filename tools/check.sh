@@ -222,12 +222,20 @@ tests() {
   step "$1 tests" run_tests "$@" || true
 }
 
+# Those with a vcan keep real time: nothing is beside them.
+vcan_tests() {
+  local slow=(-LE slow)
+  if $all; then slow=(); fi
+  settle
+  step "vcan tests" run_tests release -L vcan "${slow[@]}" || true
+}
+
 step "requirements" tools/proof/check_requirements.py || true
 if build release; then
-  # Tests with a vcan run one at a time and wait most of the time.
   beside "clang-tidy" nice -n 19 tools/proof/check_tidy.sh build/release
-  tests release -LE slow
+  tests release -LE "slow|vcan"
   join
+  vcan_tests
 fi
 if $all; then
   if build core-clang; then tests core-clang; fi
@@ -246,11 +254,9 @@ if $all; then
   step "fuzz" tools/proof/fuzz.sh --minutes 1 --seed 1 || true
   if $of_cortex_m7; then join; fi
   everywhere='^decision\.equal_on_all_targets$'
-  # It builds with all processors, and writes: not beside a vcan.
+  # It builds with all processors.
   step "same decisions" ctest --preset release -R "$everywhere" || true
-  # Those with a vcan, a chain of their own, keep real time: with one more beside them they do not.
-  settle
-  step "slow tests" ctest --preset release -j "$jobs" -L slow -E "$everywhere" || true
+  step "slow tests" ctest --preset release -j "$jobs" -L slow -LE vcan -E "$everywhere" || true
 fi
 
 for name in "${failed_names[@]}"; do

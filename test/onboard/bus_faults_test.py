@@ -87,7 +87,7 @@ class WhileDriving(OnboardCase):
                            ["foreign_frames"], 0)
         # It is obeyed for as long as it sends.
         self.assert_stops(event_s, 1.0)
-        self.vehicle.do("can-frame 701#05 0.5 4")  # a master's heartbeat
+        self.vehicle.do("can-frame 701#05 0.5 20")  # a master's heartbeat, for two commands at least
         self.command("disarm")
         refused = self.ctl("arm")
         self.assertNotEqual(refused.returncode, 0)
