@@ -76,6 +76,7 @@ Status Planner::BeginOnMap(const PlanRequest& request) {
   if (stage_ != PlanStage::kDone) return Status::kNotStarted;
   const Status status = Prepare(params_, request);
   if (!IsUsable(status)) return Started(status, PlanStage::kIdle);
+  builder_.ForgetRefused();  // by the plan before
   BeginSearch();
   return Status::kOk;
 }

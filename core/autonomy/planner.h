@@ -172,7 +172,8 @@ class Planner {
   Status BeginCells(const GridWindow& window, const PlannerParams& params,
                     const PlanRequest& request);
 
-  // Plans again on the map of the finished plan, unchanged: another start or another goal.
+  // Plans again on the map of the finished plan, with what that refused open again: another start
+  // or another goal.
   // kNotStarted: no plan is done; and the statuses for the request, as above. Continue with
   // StepCells; any Step works, as no cells are read.
   Status BeginOnMap(const PlanRequest& request);

@@ -64,6 +64,43 @@ TEST(Refusal, ThePlanIsTheSameAgainAndForAnyPortions) {
   EXPECT_EQ(PlanIn(open).refusals, 0);
 }
 
+// The second plan of a round is made on the map of the first.
+// SR-PLN03, SR-PLN07
+TEST(Refusal, EachPlanOnAMapMayRefuseAgain) {
+  int plans = 0;
+  for (uint32_t seed = 1; plans < 3; ++seed) {
+    const Scene scene = Clutter(seed);
+    const Plan& plan = PlanIn(scene);
+    if (plan.refusals < 2) continue;
+    ++plans;
+    const uint64_t hash = HashOf(plan);
+    for (int again = 0; again < 2; ++again) {
+      ASSERT_EQ(ThePlanner().BeginOnMap(scene.request), Status::kOk);
+      while (ThePlanner().StepCells(64) == Progress::kBusy) {
+      }
+      EXPECT_EQ(HashOf(ThePlanner().result()), hash) << seed;
+    }
+  }
+}
+
+// However many that are, together they are not more than may be closed at once.
+// SR-PLN07
+TEST(Refusal, PlansOnOneMapRefuseMoreThanMayBeClosedAtOnce) {
+  int refusals = 0;
+  for (uint32_t seed = 1; seed <= 60 && refusals <= Planner::kMaxRefusals; ++seed) {
+    Scene scene = Clutter(seed);
+    refusals = PlanIn(scene).refusals;
+    for (const float goal_y_m : {-16.1f, -8.1f, 8.1f, 16.1f}) {
+      scene.request.goal_odom.y_m = goal_y_m;
+      ASSERT_EQ(ThePlanner().BeginOnMap(scene.request), Status::kOk);
+      while (ThePlanner().StepCells(64) == Progress::kBusy) {
+      }
+      refusals += ThePlanner().result().refusals;
+    }
+  }
+  EXPECT_GT(refusals, Planner::kMaxRefusals);
+}
+
 //   [ > ]  #### x      the goal is moved to before the wall, and what touches it there ends short
 TEST(Refusal, NothingIsClosedWhereThePathBeginsOrEnds) {
   Scene scene = SceneTo({12.1f, 0.1f});
