@@ -3,11 +3,14 @@
 // tools/proof/check_instructions.py runs it so and reads the counts. Prints the compiler, the
 // processor, and then the stage and the scene of each run, in the order of the runs.
 
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <string>
 
+#include "core/costmap/costmap.h"
 #include "tools/bench/bench_chain.h"
 #include "tools/bench/bench_scenes.h"
 
@@ -48,6 +51,33 @@ void CountStages(const SceneMaker& maker) {
   count("replan", [&] { static_cast<void>(chain.Replan(query)); });
 }
 
+// One ground return in each cell, of hills 20 m long that rise by up to 0.3.
+std::unique_ptr<hardpack::HeightGrid> RollingHeights() {
+  auto heights = std::make_unique<hardpack::HeightGrid>();
+  const hardpack::GridWindow window = heights->window();
+  for (int index = 0; index < hardpack::kMapCells; ++index) {
+    const hardpack::Vec2 place = hardpack::CellCenter(window.FromIndex(index));
+    const float height_m = std::sin(0.3f * place.x_m) + 0.5f * std::sin(0.2f * place.y_m);
+    static_cast<void>(
+        heights->Insert({place.x_m, place.y_m, height_m}, hardpack::ReturnClass::kGround));
+  }
+  return heights;
+}
+
+// A map from heights, with the terrain layer and without.
+void CountHeights() {
+  const auto heights = RollingHeights();
+  const auto builder = std::make_unique<hardpack::CostmapBuilder>();
+  hardpack::CostmapParams params;
+  const auto build = [&] {
+    static_cast<void>(builder->Begin(*heights, params));
+    static_cast<void>(builder->Step(*heights, hardpack::CostmapBuilder::kUnits));
+  };
+  Count("heights", "rolling", build);
+  params.max_grade = 0.0f;
+  Count("heights", "rolling_without_terrain", build);
+}
+
 }  // namespace
 
 int main() {
@@ -58,6 +88,7 @@ int main() {
         CountStages(maker);
       }
     }
+    CountHeights();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "instruction_counts: %s\n", error.what());
     return 1;
