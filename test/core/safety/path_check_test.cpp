@@ -447,6 +447,16 @@ TEST(PathCheck, CellsMayLieAcrossAFlankOnTheFirstChords) {
   // Behind those chords nothing may lie across, whether it begins there or before.
   EXPECT_EQ(judge(beside, 1).status, Status::kCollision);
   EXPECT_EQ(judge(beside, 8).status, Status::kCollision);
+  // A vehicle 1.5 m wide, 0.05 m beside a wall whose face is a cell's border: cells reach in by
+  // 0.15 m and what the lidar's noise adds, and there is no other way on.
+  const VehicleParams wide = VehicleOfSize(1.52f, 1.5f);
+  const auto judge_wide = [&](float y_m) {
+    return Check(beside, StraightPath({0.0f, y_m, 0.0f}, 21, 0.25f), wide, 0.0f, {}, 0.1f, 20)
+        .status;
+  };
+  EXPECT_EQ(judge_wide(0.0f), Status::kNarrowGap);
+  EXPECT_EQ(judge_wide(-0.02f), Status::kNarrowGap);
+  EXPECT_EQ(judge_wide(-0.04f), Status::kCollision);
   // Further into the way than kAcross_m, or in its middle.
   Ground deeper;
   deeper.SetHard({10, -3});
