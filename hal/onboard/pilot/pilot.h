@@ -324,7 +324,8 @@ class Pilot {
   MotionSweep sweep_;
   SweptMotion swept_;  // scratch of JudgeSweep
   WayAhead sweep_advice_ = WayAhead::kClear;
-  uint32_t swept_plan_ = 0;  // the plan on which it last stopped
+  uint32_t swept_plan_ = 0;     // the plan on which it last stopped
+  bool comes_to_rest_ = false;  // it stops for what it would have touched, from a creep
   WaysOut ways_out_;
   bool has_start_ = false;  // the map began ...
   Pose2 start_odom_;        // ... at this pose

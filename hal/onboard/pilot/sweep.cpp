@@ -14,6 +14,7 @@ namespace {
 // What it does below these is no motion.
 constexpr float kMoves_mps = 0.02f;
 constexpr float kMoves_radps = 0.02f;
+constexpr float kCreeps_mps = 0.3f;
 // So far ahead the way is looked at before it is set out on, at about so many poses, with the
 // margin of about this speed.
 constexpr float kFirstWay_m = 1.2f;
@@ -36,25 +37,34 @@ void Pilot::ConfigureSweep() {
   sweep_.Configure(FootprintOf(config_.planner.vehicle), config_.onboard.safety.sweep_margin_m);
   sweep_advice_ = WayAhead::kClear;
   swept_plan_ = 0;
+  comes_to_rest_ = false;
   ways_out_.Reset();
   has_start_ = false;
 }
 
 // At rest nothing is swept, so the way that is about to be driven is looked at instead: else each
-// beginning of a motion would bring the vehicle a little nearer.
+// beginning of a motion would bring the vehicle a little nearer. A vehicle that creeps is brought
+// to rest, for the same reason: each tick in which it may go on would.
 WayAhead Pilot::JudgeSweep() {
   if (!MayMove(permission_.mode)) {
+    comes_to_rest_ = false;
     ways_out_.NotHeld();
     return WayAhead::kClear;
   }
   const DriveModel& model = tracker_.model();
   const bool stands = Abs(model.speed_mps()) < kMoves_mps && tracker_.speed_mps() <= 0.0f &&
                       Abs(model.yaw_rate_radps()) < kMoves_radps;
-  if (stands) return JudgeSettingOut();
+  if (stands) {
+    comes_to_rest_ = false;
+    return JudgeSettingOut();
+  }
   ways_out_.Reset();
   const WayAhead advice = JudgeStop();
-  if (advice != WayAhead::kClear) swept_plan_ = replanner_.committed().number;
-  return advice;
+  if (advice != WayAhead::kClear) {
+    swept_plan_ = replanner_.committed().number;
+    comes_to_rest_ = Abs(model.speed_mps()) < kCreeps_mps;
+  }
+  return comes_to_rest_ ? WayAhead::kTooNear : advice;
 }
 
 // Either stop will do, as long as there is one: so this brakes in the last tick in which it can. Of
