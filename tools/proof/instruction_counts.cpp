@@ -51,7 +51,7 @@ void CountStages(const SceneMaker& maker) {
   count("replan", [&] { static_cast<void>(chain.Replan(query)); });
 }
 
-// One ground return in each cell, of hills 20 m long that rise by up to 0.3.
+// One ground return in each cell, of hills 20 to 30 m long with a grade of up to 0.32.
 std::unique_ptr<hardpack::HeightGrid> RollingHeights() {
   auto heights = std::make_unique<hardpack::HeightGrid>();
   const hardpack::GridWindow window = heights->window();
