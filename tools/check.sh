@@ -7,7 +7,7 @@ usage() {
 usage: tools/check.sh [--all] [--deps] [--deps-build] [--deps-bench] [--help]
 
 Installs missing Debian packages (tools/packages.txt), builds the release preset and runs its tests,
-including the static checks: at most 12 minutes on two cores.
+including the static checks: some 25 minutes on two cores, without a compiler cache.
 
   --all         also the slow ones: core and hal as clang++ optimises them, a build with sanitizers,
                 the libraries' own assertions and every loop counted, aarch64 and Cortex-M7 under
