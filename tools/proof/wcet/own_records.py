@@ -23,7 +23,8 @@ from dataclasses import dataclass
 from flow_graph import EXIT
 from image import EM_AARCH64, Record
 
-RECORDED = re.compile(r"(^|/)(core|hal|config)/")  # files whose loops all have records
+# Files whose loops all have records.
+RECORDED = re.compile(r"(^|/)(core|hal|config|test/timing/kernels)/")
 
 
 @dataclass(frozen=True)
@@ -194,22 +195,29 @@ class OwnRecords:
         if not self._has_lines:
             return self._any(loop, at_header, inside)
         closing = [self.lines(latch) for latch in loop.latches]
-        for jumps in (closing, [self.lines(block) for block in self._own_jumps(loop)]):
-            own = self._known(loop, at_header, inside, jumps)
+        own_jumps = [self.lines(block) for block in self._own_jumps(loop)]
+        # A loop inside may have its first test out here, where its record is passed too.
+        nested = [other for other in self.graph.loops
+                  if other is not loop and other.header in loop.blocks]
+        for jumps, inner in ((closing, ()), (own_jumps, nested), (own_jumps, ())):
+            own = self._known(loop, at_header, inside, jumps, inner)
             if own:
                 n = self._closed(loop, own, [*inside, *at_header], closing)
                 return self._made(loop, own, n, True)
         own = self._nearest(loop, inside, closing) if self.image.machine == EM_AARCH64 else []
         return self._made(loop, own, max(met.record.n for met in own), True) if own else None
 
-    def _known(self, loop, at_header, inside, jumps):
-        """The records that stand before the lines of the jumps; none where a way has none."""
+    def _known(self, loop, at_header, inside, jumps, nested):
+        """The records that stand before the lines of the jumps and that none of the loops inside
+        claims; none where a way has none."""
         others = {met.record.place() for met in inside}
         parent = loop.parent and self.of(loop.parent)
 
         def is_own(met):
-            return met.record.place() not in others and not (parent and met in parent.met) and \
-                any(self.heads(lines, [met]) for lines in jumps)
+            place = met.record.place()
+            return place not in others and not (parent and met in parent.met) and \
+                any(self.heads(lines, [met]) for lines in jumps) and \
+                not any(self.claims(other, place) for other in nested)
         own = [met for met in at_header if is_own(met)]
         before, _, is_open = self._walk(loop, is_own)
         if is_open and not own:
