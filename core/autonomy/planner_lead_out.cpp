@@ -11,8 +11,6 @@
 namespace hardpack {
 namespace {
 
-// Of the flank: what a straight way may sweep by its own errors.
-constexpr float kBesideFlank_m = 0.02f;
 // A vehicle that turns at speed swings its tail out further than its path says: it turns about a
 // point ahead of its middle (odometry.turning_point_m).
 constexpr float kTailLever_m = 0.6f;
@@ -162,7 +160,7 @@ void Planner::RefuseLead() {
 // the vehicle itself stood on or drives straight ahead.
 bool Planner::SweepsUnseen() const {
   const Footprint footprint = FootprintOf(params_.vehicle);
-  const float aside_m = footprint.half_width_m + kBesideFlank_m;
+  const float aside_m = footprint.half_width_m + PathCheck::kBesideFlank_m;
   const float low_m = footprint.rear_m - kBehindRear_m;
   const float high_m = footprint.front_m + kAheadOfFront_m;
   HP_LOOP_BOUND(kMaxPathPoints)

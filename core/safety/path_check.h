@@ -91,8 +91,9 @@ class PathCheck {
 
   static constexpr float kLimitTolerance = 0.01f;     // of the limit itself
   static constexpr float kDeeperTolerance_m = 0.05f;  // a quarter of a cell
-  // A cell, but for what a straight way may sweep by its own errors.
-  static constexpr float kAcross_m = kCellSize_m - 0.02f;
+  // Of the flank: what a straight way may sweep by its own errors.
+  static constexpr float kBesideFlank_m = 0.02f;
+  static constexpr float kAcross_m = kCellSize_m - kBesideFlank_m;
   static constexpr int kMaxAcrossPoses = 512;  // 51 m, straight on
   static constexpr float kMaxMargin_m = 0.5f;
   static constexpr int kMiddleReach_cells = 11;  // kClearanceReach_m, and one more

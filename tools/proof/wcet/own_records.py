@@ -112,6 +112,11 @@ class OwnRecords:
         """The blocks of the loop that are in no loop inside it."""
         return [block for block in loop.blocks if self.graph.innermost(block) is loop]
 
+    def _nested(self, loop):
+        """The loops inside it, at any depth."""
+        return [other for other in self.graph.loops
+                if other is not loop and other.header in loop.blocks]
+
     # --- ways -------------------------------------------------------------------------------------
     def _walk(self, loop, is_own):
         """(those met that are the own ones, the others met, whether there is a way without one)"""
@@ -197,9 +202,7 @@ class OwnRecords:
         closing = [self.lines(latch) for latch in loop.latches]
         own_jumps = [self.lines(block) for block in self._own_jumps(loop)]
         # A loop inside may have its first test out here, where its record is passed too.
-        nested = [other for other in self.graph.loops
-                  if other is not loop and other.header in loop.blocks]
-        for jumps, inner in ((closing, ()), (own_jumps, nested), (own_jumps, ())):
+        for jumps, inner in ((closing, ()), (own_jumps, self._nested(loop)), (own_jumps, ())):
             own = self._known(loop, at_header, inside, jumps, inner)
             if own:
                 n = self._closed(loop, own, [*inside, *at_header], closing)
@@ -257,10 +260,9 @@ class OwnRecords:
         levels = list(most.values())
         of_latches = [self.heads(lines, own) for lines in closing]
         if len(loop.latches) > 1 and not all(of_latches):
-            nested = [other for other in self.graph.loops
-                      if other is not loop and other.header in loop.blocks]
             inner = [met.record.n for met in inside if met.record.place() not in most and
-                     not any(self.claims(other, met.record.place()) for other in nested)]
+                     not any(self.claims(other, met.record.place())
+                             for other in self._nested(loop))]
             levels += [max(inner)] * of_latches.count(set()) if inner else []
         if len(loop.latches) == 1 or len(levels) == 1:
             return max(levels)
